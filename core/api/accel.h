@@ -1,0 +1,61 @@
+// The acceleration structure on its own: add meshes with their keys, commit, trace. Needs no USD and no renderer.
+//
+//   msbvh::Accel accel;
+//   accel.add_mesh(mesh);            // core/geometry/triangle_mesh.h
+//   accel.commit();
+//   msbvh::Hit hit;
+//   if (accel.intersect({.org = o, .dir = d, .time = 0.25f}, hit)) ...
+//
+// MSBVH: L. Gruenschloss, M. Stich, S. Nawaz, A. Keller, "MSBVH: An Efficient Acceleration Data Structure for Ray Traced
+// Motion Blur", HPG 2011.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "core/base/affine.h"
+#include "core/build/settings.h"
+#include "core/bvh/statistics.h"
+#include "core/geometry/triangle_mesh.h"
+#include "core/trace/ray.h"
+#include "core/trace/tracer.h"
+
+namespace msbvh {
+
+class Accel {
+ public:
+  Accel();
+  ~Accel();
+  Accel(Accel&&) noexcept;
+  Accel& operator=(Accel&&) noexcept;
+
+  // Both return ids, counted from 0 in the order of the calls, meshes and instances apart. Throw Error for geometry
+  // that is not valid (see validated()), for a non-finite matrix, and after commit().
+  std::uint32_t add_mesh(TriangleMesh mesh);
+  // Instances of another, committed Accel that holds no instances itself (two levels). `world_from_object` holds
+  // key_count(segments) maps for each instance, instance-major. Returns the id of the first one.
+  std::uint32_t add_instances(std::shared_ptr<const Accel> object, std::uint32_t segments,
+                              std::span<const Affine3f> world_from_object);
+
+  // Builds. Once; the Accel does not change afterwards. Uses the threads of the calling TBB arena.
+  // Throws Cancelled if settings.cancelled says so, and leaves the Accel uncommitted.
+  void commit(const BuildSettings& settings = {});
+
+  // Rays at any time, from any thread, after commit(). See Tracer for a chosen instruction set and for counting.
+  bool intersect(const Ray& ray, Hit& hit) const;
+  bool occluded(const Ray& ray) const;
+
+  const Bvh& bvh() const;
+  const BvhStatistics& statistics() const;
+
+  // Proves the invariants of the tree at every key (children in parents, fragments in leaves, every triangle covered);
+  // throws Error naming the node and the invariant. Slow: for tests.
+  void verify() const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace msbvh

@@ -1,0 +1,61 @@
+// Renders a Scene to pixels.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "core/build/settings.h"
+#include "core/bvh/statistics.h"
+#include "core/plan/effect_plan.h"
+#include "core/scene/scene.h"
+
+namespace msbvh {
+
+struct RenderSettings {
+  std::uint32_t width = 960;
+  std::uint32_t height = 540;
+  std::uint32_t spp = 64;          // samples a pixel; noise falls with its square root, time grows with it
+  std::uint32_t seed = 0;          // same seed, same bits, on any number of threads (one instruction set)
+  std::uint32_t max_bounces = 2;   // 0: direct light only
+  std::uint32_t threads = 0;       // 0: all
+  BuildSettings build;
+};
+
+struct Image {
+  std::uint32_t width = 0, height = 0;
+  std::vector<float> rgba;  // [height][width][4], top row first, linear, premultiplied; alpha is coverage
+};
+
+struct RenderStatistics {
+  BvhStatistics accel;          // sums over all trees
+  std::uint64_t trees = 0;      // bottom-level trees and the world's
+  std::uint64_t rays = 0;       // camera, bounce and shadow rays
+  std::uint64_t camera_rays = 0;
+  double build_seconds = 0.0;
+  double trace_seconds = 0.0;
+};
+
+// Called from the thread that called render(), several times a second: finished share in [0, 1]; false cancels.
+using ProgressFunction = std::function<bool(double)>;
+
+class Renderer {
+ public:
+  Renderer();
+  ~Renderer();
+
+  // Validates, plans and builds. Throws Error; Cancelled if settings.build.cancelled says so.
+  void commit(std::shared_ptr<const Scene> scene, const RenderSettings& settings);
+  // Throws Cancelled within a tile of the progress function's false.
+  Image render(const ProgressFunction& progress = {});
+
+  const EffectPlan& plan() const;
+  const RenderStatistics& statistics() const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace msbvh

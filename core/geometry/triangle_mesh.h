@@ -1,0 +1,48 @@
+// Triangle meshes whose vertices move along tracks. The only geometry that the accelerator knows today.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/box.h"
+#include "core/base/lerp.h"
+#include "core/base/vec.h"
+#include "core/motion/track.h"
+
+namespace msbvh {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+struct TriangleMesh {
+  std::string name;                 // in messages: the prim's path
+  std::uint32_t segments = 0;       // 0 still, else 2^k; see core/motion/track.h
+  std::uint32_t vertex_count = 0;
+  std::vector<Vec3f> positions;     // [key_count(segments)][vertex_count], key-major, then kGuard unused elements
+  std::vector<Triangle> triangles;  // vertex indices
+
+  // Elements behind the last vertex, so that a 16-byte load of any position stays inside the array.
+  static constexpr std::size_t kGuard = 1;
+
+  const Vec3f* key_positions(std::uint32_t key) const {
+    return positions.data() + std::size_t(key) * vertex_count;
+  }
+  Vec3f position(std::uint32_t vertex, float u) const {
+    const SegmentTime at = locate(u, segments);
+    const Vec3f a = key_positions(at.key)[vertex];
+    return segments == 0 ? a : lerp(a, key_positions(at.key + 1)[vertex], at.w);
+  }
+};
+
+// The one gate through which geometry enters. Checks the segment count, the size of `positions` (with or without the
+// guard, which it appends), that every coordinate is finite and at most kMaxCoordinate in size, and that every index
+// is in range. Throws Error naming the mesh, the array, what was found and what is expected.
+TriangleMesh validated(TriangleMesh mesh);
+
+// Squares and products of coordinates must not overflow in single precision (the triangle test multiplies two
+// differences of coordinates).
+inline constexpr float kMaxCoordinate = 0x1p60f;
+
+}  // namespace msbvh

@@ -1,0 +1,130 @@
+// The immutable snapshot of one frame that the renderer draws: plain data, no pointers into anyone else's.
+//
+// Space: "world" here is the frame's world, the stage's world minus the frame's origin (a point near the camera, kept
+// in double by the front-end), so that single precision serves scenes at any distance from the stage's origin.
+// Time: every track spans the open shutter, see core/motion/track.h.
+// Colour: linear, in the working space (Rec.709 primaries); radiance without a photometric unit.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/base/affine.h"
+#include "core/base/vec.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace msbvh {
+
+inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+// The number of values a primvar has on a triangle mesh. USD's `uniform` is expanded to one value a triangle and
+// `varying` equals `vertex` on meshes.
+enum class Interpolation : std::uint8_t {
+  kConstant,    // 1
+  kTriangle,    // one a triangle
+  kVertex,      // one a vertex
+  kFaceVarying  // three a triangle, in the order of its vertices
+};
+
+template <typename T>
+struct Primvar {
+  Interpolation interpolation = Interpolation::kConstant;
+  std::uint32_t segments = 0;  // values are [key_count(segments)][count], key-major
+  std::vector<T> values;       // empty: not authored
+  bool authored() const { return !values.empty(); }
+};
+
+struct Mesh {
+  TriangleMesh shape;
+  Primvar<Vec3f> normals;  // shading normals, need not be unit length; not authored: the triangle's own
+  Primvar<Vec3f> display_color;
+  Primvar<float> display_opacity;
+  std::uint32_t material = kNone;  // kNone: diffuse in display_color (0.18 grey where not authored)
+};
+
+// The constants of a UsdPreviewSurface that the diffuse model uses.
+struct Material {
+  std::string name;
+  Vec3f diffuse_color{0.18f, 0.18f, 0.18f};
+  bool diffuse_from_display_color = false;  // diffuseColor is connected to a reader of primvars:displayColor
+  Vec3f emissive_color{};
+  float opacity = 1.0f;
+  bool opacity_from_display_opacity = false;
+  float opacity_threshold = 0.0f;  // > 0: opacity below it counts as 0, else as 1 (UsdPreviewSurface)
+};
+
+// Meshes that are instanced together; they live in the prototype's own space.
+struct Prototype {
+  std::string name;
+  std::vector<std::uint32_t> meshes;  // indices into Scene::meshes
+};
+
+// Instances of one prototype with the same number of keys.
+struct InstanceSet {
+  std::string name;
+  std::uint32_t prototype = 0;
+  std::uint32_t segments = 0;
+  std::vector<Affine3f> world_from_prototype;  // [instance][key_count(segments)], instance-major
+  std::vector<Vec3f> display_color;            // empty, or one an instance: overrides the meshes' own
+};
+
+enum class LightKind : std::uint8_t {
+  kDistant,  // shines along -z of its space from a disc of `angle_degrees` across
+  kDome,     // constant, from everywhere
+  kSphere,   // `radius`, at the origin of its space; radius 0: a point
+  kRect,     // `width` x `height` in the xy plane of its space, shines along -z
+  kCamera    // usdrecord's camera light: at the camera, unit irradiance times pi at any distance, casts no shadow
+};
+
+struct Light {
+  std::string name;
+  LightKind kind = LightKind::kDistant;
+  // Radiance leaving the light (distant: see normalize in UsdLux; intensity, exposure, colour and normalisation are
+  // already multiplied in by the front-end). Point lights (radius 0): radiant intensity.
+  Vec3f radiance{1.0f, 1.0f, 1.0f};
+  float angle_degrees = 0.53f;
+  float radius = 0.5f;
+  float width = 1.0f;
+  float height = 1.0f;
+  std::uint32_t segments = 0;
+  std::vector<Affine3f> world_from_light;  // key_count(segments)
+};
+
+// The part of the image plane that the image shows, at unit distance from the eye for a perspective camera, in scene
+// units for an orthographic one. left < right, bottom < top, unless the camera mirrors.
+struct ScreenWindow {
+  float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;
+};
+
+enum class Projection : std::uint8_t { kPerspective, kOrthographic };
+
+// Looks along -z with y up, as USD cameras do.
+struct Camera {
+  std::string name;
+  Projection projection = Projection::kPerspective;
+  std::uint32_t segments = 0;
+  std::vector<Affine3f> world_from_camera;  // key_count(segments), rigid or not
+  std::vector<ScreenWindow> window;         // key_count(segments)
+  float near_clip = 1.0f;                   // distances along -z; geometry outside is not seen by camera rays
+  float far_clip = 1.0e6f;
+};
+
+struct Scene {
+  std::vector<Mesh> meshes;
+  std::vector<std::uint32_t> world_meshes;  // indices of the meshes that stand in the world directly
+  std::vector<Prototype> prototypes;
+  std::vector<InstanceSet> instances;
+  std::vector<Material> materials;
+  std::vector<Light> lights;
+  Camera camera;
+};
+
+// The gate of the parts that are not triangles: primvar sizes, indices, track lengths, finite matrices, light and
+// camera parameters. Appends nothing, changes nothing; throws Error naming the part, found and expected.
+// Meshes pass core/geometry's validated() as well.
+void validate(const Scene& scene);
+
+}  // namespace msbvh

@@ -1,0 +1,29 @@
+// Rays and hits: what goes into traversal and what comes out.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "core/base/vec.h"
+
+namespace msbvh {
+
+struct Ray {
+  Vec3f org;
+  float tnear = 0.0f;  // hits lie in [tnear, tfar]
+  Vec3f dir;           // any length but zero; t is measured in units of it
+  float tfar = std::numeric_limits<float>::infinity();
+  float time = 0.0f;   // u in [0, 1] over the shutter
+};
+
+inline constexpr std::uint32_t kNoInstance = 0xffffffffu;
+
+struct Hit {
+  float t = 0.0f;
+  float u = 0.0f, v = 0.0f;                // barycentrics of the triangle's second and third vertex
+  std::uint32_t triangle = 0;              // index in its mesh
+  std::uint32_t mesh = 0;                  // id in the Accel that holds the mesh
+  std::uint32_t instance = kNoInstance;    // id in the outer Accel, kNoInstance for a mesh in it directly
+};
+
+}  // namespace msbvh

@@ -1,0 +1,53 @@
+// Traversal of a Bvh by the kernel that its content and this machine call for.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/bvh/bvh.h"
+#include "core/trace/ray.h"
+
+namespace msbvh {
+
+// Compiled in; which of them run is decided at run time. kAvx3 is AVX-512 as of Skylake, used at 256 bits.
+enum class InstructionSet : std::uint8_t { kSse4, kAvx2, kAvx3 };
+
+std::vector<InstructionSet> supported_instruction_sets();  // on this machine, worst first, never empty
+const char* instruction_set_name(InstructionSet set);      // "sse4", "avx2", "avx3"
+
+// What one or many rays cost. Counted only by the counting entry points, which run kernels of their own.
+struct TraceCounts {
+  std::uint64_t rays = 0;
+  std::uint64_t nodes = 0;      // 8-wide nodes whose boxes were tested
+  std::uint64_t blocks = 0;     // leaf blocks of 4 triangles tested
+  std::uint64_t triangles = 0;  // triangles in them
+  std::uint64_t instances = 0;  // instances entered
+};
+
+// Chooses the kernel once; cheap to copy. The Bvh must outlive it. Thread-safe.
+class Tracer {
+ public:
+  // Uses the best supported instruction set.
+  explicit Tracer(const Bvh& bvh);
+  // Throws Error if this machine does not support `set`.
+  Tracer(const Bvh& bvh, InstructionSet set);
+
+  // The closest hit in [tnear, tfar]; `hit` is written only where true is returned.
+  bool intersect(const Ray& ray, Hit& hit) const { return intersect_(*bvh_, ray, hit, nullptr); }
+  // Whether anything lies in [tnear, tfar].
+  bool occluded(const Ray& ray) const { return occluded_(*bvh_, ray, nullptr); }
+
+  bool intersect_counted(const Ray& ray, Hit& hit, TraceCounts& counts) const;
+  bool occluded_counted(const Ray& ray, TraceCounts& counts) const;
+
+ private:
+  using IntersectFunction = bool (*)(const Bvh&, const Ray&, Hit&, TraceCounts*);
+  using OccludedFunction = bool (*)(const Bvh&, const Ray&, TraceCounts*);
+
+  const Bvh* bvh_;
+  IntersectFunction intersect_, intersect_counted_;
+  OccludedFunction occluded_, occluded_counted_;
+};
+
+}  // namespace msbvh

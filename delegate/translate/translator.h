@@ -1,0 +1,81 @@
+// From what a front-end has read to a Scene: the one code path that the command line and the Hydra plugin share.
+//
+// It checks the input, subtracts the frame's origin in double precision, triangulates, computes missing normals, and
+// fits tracks: the fewest 2^k segments whose linear interpolation follows the samples within the motion tolerance,
+// measured in pixels through the camera.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.h"
+#include "delegate/translate/inputs.h"
+
+namespace msbvh::translate {
+
+enum class Severity : std::uint8_t {
+  kWarning,  // rendered, but something was left out or approximated
+  kError     // the prim was not rendered
+};
+
+// Names the prim, the attribute, what was found and what was expected, in one line.
+struct Diagnostic {
+  Severity severity;
+  std::string path;
+  std::string attribute;
+  std::string message;
+};
+
+struct TranslatorSettings {
+  std::uint32_t width = 960, height = 540;  // pixels, for the tolerance
+  double motion_tolerance_pixels = 0.1;
+  std::uint32_t max_segments = kMaxSegments;
+};
+
+// How a prim's motion was kept. For statistics and `msbvh motion`.
+struct TrackReport {
+  std::string path;
+  std::uint32_t segments = 0;
+  bool moving_transform = false;  // a still mesh under a moving instance, not baked
+  double error_pixels = 0.0;      // largest deviation found from the samples
+};
+
+class Translator {
+ public:
+  // The camera comes first: tolerances are measured through it, and the frame's origin is its position at the
+  // shutter's centre. Throws Error for a camera that cannot be used.
+  Translator(const CameraInput& camera, const TranslatorSettings& settings);
+  ~Translator();
+
+  // Meshes, prototypes and instances that are wrong are left out and leave a Diagnostic of severity kError;
+  // nothing throws for bad data.
+  void add_mesh(const MeshInput& input);  // into the world
+  // Into a prototype made with begin_prototype(); in the prototype's space, no origin subtracted.
+  void add_prototype_mesh(std::uint32_t prototype, const MeshInput& input);
+  std::uint32_t begin_prototype(const std::string& path);
+  void add_instances(const InstancesInput& input);
+  std::uint32_t add_material(const Material& material);
+  void add_light(const LightInput& input);
+
+  // Whether the scene has geometry that can be seen.
+  bool empty() const;
+  const std::vector<Diagnostic>& diagnostics() const;
+  const std::vector<TrackReport>& tracks() const;
+
+  // The finished scene; the translator is empty afterwards.
+  std::shared_ptr<const Scene> finish();
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+// Whether the matrices at increasing times are dense enough for linear interpolation by element: for each
+// interior sample, the distance between it and the interpolation of its neighbours, over the box (lo, hi) in object
+// space, in units of the object's largest world extent. Front-ends double their samples until it is below 1e-4 or
+// kMaxSegments is reached.
+double transform_deviation(const TransformSamples& samples, const Vec3d& lo, const Vec3d& hi);
+
+}  // namespace msbvh::translate
