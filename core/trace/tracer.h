@@ -5,10 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "core/bvh/bvh.h"
 #include "core/trace/ray.h"
 
 namespace msbvh {
+
+class Bvh;
 
 // Compiled in; which of them run is decided at run time. kAvx3 is AVX-512 as of Skylake, used at 256 bits.
 enum class InstructionSet : std::uint8_t { kSse4, kAvx2, kAvx3 };
