@@ -1,9 +1,9 @@
 // The immutable snapshot of one frame that the renderer draws: plain data, no pointers into anyone else's.
 //
-// Space: "world" here is the frame's world, the stage's world minus the frame's origin (a point near the camera, kept
-// in double by the front-end), so that single precision serves scenes at any distance from the stage's origin.
-// Time: every track spans the open shutter, see core/motion/track.h.
-// Colour: linear, in the working space (Rec.709 primaries); radiance without a photometric unit.
+// Space: "world" here is the frame's world, the stage's world minus the frame's origin (a point near the
+// camera, kept in double by the front-end), so that single precision serves scenes at any distance from the
+// stage's origin. Time: every track spans the open shutter, see core/motion/track.h. Colour: linear, in the
+// working space (Rec.709 primaries); radiance without a photometric unit.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@ namespace msbvh {
 
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-// The number of values a primvar has on a triangle mesh. USD's `uniform` is expanded to one value a triangle and
-// `varying` equals `vertex` on meshes.
+// The number of values a primvar has on a triangle mesh. USD's `uniform` is expanded to one value a triangle
+// and `varying` equals `vertex` on meshes.
 enum class Interpolation : std::uint8_t {
   kConstant,    // 1
   kTriangle,    // one a triangle
@@ -36,6 +36,9 @@ struct Primvar {
   std::vector<T> values;       // empty: not authored
   bool authored() const { return !values.empty(); }
 };
+
+// Values of a primvar at one key.
+std::size_t value_count(Interpolation interpolation, const TriangleMesh& shape);
 
 struct Mesh {
   TriangleMesh shape;
@@ -71,19 +74,24 @@ struct InstanceSet {
   std::vector<Vec3f> display_color;            // empty, or one an instance: overrides the meshes' own
 };
 
+inline std::size_t instance_count(const InstanceSet& set) {
+  return set.world_from_prototype.size() / key_count(set.segments);
+}
+
 enum class LightKind : std::uint8_t {
   kDistant,  // shines along -z of its space from a disc of `angle_degrees` across
   kDome,     // constant, from everywhere
   kSphere,   // `radius`, at the origin of its space; radius 0: a point
   kRect,     // `width` x `height` in the xy plane of its space, shines along -z
-  kCamera    // usdrecord's camera light: at the camera, unit irradiance times pi at any distance, casts no shadow
+  kCamera    // usdrecord's camera light: at the camera, unit irradiance times pi at any distance, casts no
+             // shadow
 };
 
 struct Light {
   std::string name;
   LightKind kind = LightKind::kDistant;
-  // Radiance leaving the light (distant: see normalize in UsdLux; intensity, exposure, colour and normalisation are
-  // already multiplied in by the front-end). Point lights (radius 0): radiant intensity.
+  // Radiance leaving the light (distant: see normalize in UsdLux; intensity, exposure, colour and
+  // normalisation are already multiplied in by the front-end). Point lights (radius 0): radiant intensity.
   Vec3f radiance{1.0f, 1.0f, 1.0f};
   float angle_degrees = 0.53f;
   float radius = 0.5f;
@@ -93,8 +101,8 @@ struct Light {
   std::vector<Affine3f> world_from_light;  // key_count(segments)
 };
 
-// The part of the image plane that the image shows, at unit distance from the eye for a perspective camera, in scene
-// units for an orthographic one. left < right, bottom < top, unless the camera mirrors.
+// The part of the image plane that the image shows, at unit distance from the eye for a perspective camera,
+// in scene units for an orthographic one. left < right, bottom < top, unless the camera mirrors.
 struct ScreenWindow {
   float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;
 };
@@ -122,8 +130,8 @@ struct Scene {
   Camera camera;
 };
 
-// The gate of the parts that are not triangles: primvar sizes, indices, track lengths, finite matrices, light and
-// camera parameters. Appends nothing, changes nothing; throws Error naming the part, found and expected.
+// The gate of the parts that are not triangles: primvar sizes, indices, track lengths, finite matrices, light
+// and camera parameters. Appends nothing, changes nothing; throws Error naming the part, found and expected.
 // Meshes pass core/geometry's validated() as well.
 void validate(const Scene& scene);
 

@@ -1,0 +1,185 @@
+#include "core/api/renderer.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <optional>
+
+#include "core/api/accel.h"
+#include "core/api/background.h"
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+#include "core/film/render_tile.h"
+
+namespace msbvh {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// Bounds of what one frame can hold; beyond them a number is a mistake.
+constexpr std::uint32_t kMaxResolution = 1u << 16;
+constexpr std::uint32_t kMaxSpp = 1u << 20;
+constexpr std::uint32_t kMaxBounces = 1024;
+
+void expect_range(const char* setting, std::uint32_t found, std::uint32_t least, std::uint32_t most) {
+  if (found >= least && found <= most) return;
+  throw Error(std::string("render settings: ") + setting + ": found " + std::to_string(found) +
+              "; expected " + std::to_string(least) + " to " + std::to_string(most));
+}
+
+void check(const RenderSettings& settings) {
+  expect_range("width", settings.width, 1, kMaxResolution);
+  expect_range("height", settings.height, 1, kMaxResolution);
+  expect_range("spp", settings.spp, 1, kMaxSpp);
+  expect_range("max_bounces", settings.max_bounces, 0, kMaxBounces);
+}
+
+// Sums over trees; depth and segments are the largest of any.
+void accumulate(const BvhStatistics& tree, BvhStatistics& sum) {
+  sum.triangles += tree.triangles;
+  sum.instances += tree.instances;
+  sum.references += tree.references;
+  sum.nodes += tree.nodes;
+  sum.leaves += tree.leaves;
+  sum.node_bytes += tree.node_bytes;
+  sum.leaf_bytes += tree.leaf_bytes;
+  sum.vertex_bytes += tree.vertex_bytes;
+  sum.max_segments = std::max(sum.max_segments, tree.max_segments);
+  sum.depth = std::max(sum.depth, tree.depth);
+  sum.sah_cost += tree.sah_cost;
+  sum.build_seconds += tree.build_seconds;
+  sum.topology_seconds += tree.topology_seconds;
+  sum.bounds_seconds += tree.bounds_seconds;
+}
+
+void add_meshes(const Scene& scene, const std::vector<std::uint32_t>& meshes, Accel& accel) {
+  for (const std::uint32_t mesh : meshes) accel.add_mesh(scene.meshes[mesh].shape);
+}
+
+// One tree a prototype that has instances, null for the others.
+std::vector<std::shared_ptr<const Accel>> build_prototypes(const Scene& scene,
+                                                           const BuildSettings& settings) {
+  std::vector<std::shared_ptr<Accel>> accels(scene.prototypes.size());
+  for (const InstanceSet& set : scene.instances) {
+    if (instance_count(set) > 0 && !accels[set.prototype]) accels[set.prototype] = std::make_shared<Accel>();
+  }
+  parallel_for(accels.size(), [&](std::size_t i) {
+    if (!accels[i]) return;
+    add_meshes(scene, scene.prototypes[i].meshes, *accels[i]);
+    accels[i]->commit(settings);
+  });
+  return {accels.begin(), accels.end()};
+}
+
+// Meshes and instances in the order that SceneIndex counts on.
+Accel build_world(const Scene& scene, const std::vector<std::shared_ptr<const Accel>>& prototypes,
+                  const BuildSettings& settings) {
+  Accel world;
+  add_meshes(scene, scene.world_meshes, world);
+  for (const InstanceSet& set : scene.instances) {
+    if (instance_count(set) == 0) continue;
+    world.add_instances(prototypes[set.prototype], set.segments, set.world_from_prototype);
+  }
+  world.commit(settings);
+  return world;
+}
+
+constexpr std::chrono::milliseconds kProgressInterval{100};
+
+}  // namespace
+
+struct Renderer::Data {
+  std::shared_ptr<const Scene> scene;
+  RenderSettings settings;
+  EffectPlan plan;
+  RenderStatistics statistics;
+  std::vector<std::shared_ptr<const Accel>> prototypes;
+  std::optional<Accel> world;
+  std::optional<FrameContext> frame;
+
+  void build();
+  void render_tiles(float* rgba, std::atomic<std::size_t>& finished_tiles,
+                    const std::atomic<bool>& cancelled);
+};
+
+void Renderer::Data::build() {
+  const Clock::time_point start = Clock::now();
+  Arena(settings.threads).execute([&] {
+    prototypes = build_prototypes(*scene, settings.build);
+    world = build_world(*scene, prototypes, settings.build);
+  });
+  statistics.build_seconds = seconds_since(start);
+  for (const std::shared_ptr<const Accel>& prototype : prototypes) {
+    if (!prototype) continue;
+    accumulate(prototype->statistics(), statistics.accel);
+    ++statistics.trees;
+  }
+  accumulate(world->statistics(), statistics.accel);
+  ++statistics.trees;
+}
+
+void Renderer::Data::render_tiles(float* rgba, std::atomic<std::size_t>& finished_tiles,
+                                  const std::atomic<bool>& cancelled) {
+  const TileGrid grid(settings.width, settings.height);
+  const TileJob job{*frame, settings.width, settings.height, settings.spp, settings.seed, cancelled};
+  const RenderTile render_tile = choose_render_tile(plan.set);
+  std::atomic<std::uint64_t> rays = 0;
+  const Clock::time_point start = Clock::now();
+  Arena(settings.threads).execute([&] {
+    parallel_for(grid.count(), [&](std::size_t i) {
+      rays += render_tile(job, grid.tile(i), rgba);
+      ++finished_tiles;
+    });
+  });
+  statistics.trace_seconds = seconds_since(start);
+  statistics.rays = rays;
+  statistics.camera_rays = std::uint64_t(settings.width) * settings.height * settings.spp;
+}
+
+Renderer::Renderer() = default;
+Renderer::~Renderer() = default;
+
+void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& settings) {
+  check(settings);
+  validate(*scene);
+  auto data = std::make_unique<Data>();
+  data->scene = std::move(scene);
+  data->settings = settings;
+  data->plan = plan_effects(*data->scene, {.max_bounces = settings.max_bounces});
+  data->build();
+  data->frame.emplace(FrameContext{SceneIndex(*data->scene), LightSet(*data->scene),
+                                   Tracer(data->world->bvh()), settings.max_bounces});
+  data_ = std::move(data);
+}
+
+Image Renderer::render(const ProgressFunction& progress) {
+  if (!data_) throw Error("renderer: render() before commit()");
+  const RenderSettings& settings = data_->settings;
+  Image image{settings.width, settings.height, {}};
+  image.rgba.resize(std::size_t(4) * settings.width * settings.height);
+  const double tiles = static_cast<double>(TileGrid(settings.width, settings.height).count());
+  std::atomic<std::size_t> finished_tiles = 0;
+  std::atomic<bool> cancelled = false;
+
+  Background work([&] { data_->render_tiles(image.rgba.data(), finished_tiles, cancelled); });
+  try {
+    while (!work.finished_within(kProgressInterval)) {
+      if (progress && !progress(static_cast<double>(finished_tiles) / tiles)) throw Cancelled();
+    }
+    work.join();
+    if (progress && !progress(1.0)) throw Cancelled();
+  } catch (...) {
+    cancelled = true;  // the destructor of `work` waits for the tiles at hand
+    throw;
+  }
+  return image;
+}
+
+const EffectPlan& Renderer::plan() const { return data_->plan; }
+const RenderStatistics& Renderer::statistics() const { return data_->statistics; }
+
+}  // namespace msbvh

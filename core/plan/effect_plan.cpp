@@ -1,0 +1,133 @@
+#include "core/plan/effect_plan.h"
+
+#include <algorithm>
+#include <array>
+#include <sstream>
+#include <utility>
+
+#include "core/scene/opacity.h"
+
+namespace msbvh {
+namespace {
+
+constexpr std::array<std::pair<Effect, const char*>, 9> kNames{{
+    {Effect::kDeformingKeys, "deforming keys"},
+    {Effect::kInstances, "instances"},
+    {Effect::kMovingInstances, "moving instances"},
+    {Effect::kCameraMotion, "camera motion"},
+    {Effect::kMovingLights, "moving lights"},
+    {Effect::kOpacity, "opacity"},
+    {Effect::kAreaLights, "area lights"},
+    {Effect::kDomeLight, "dome light"},
+    {Effect::kIndirectLight, "indirect light"},
+}};
+
+// Collects the first reason of each effect.
+class Planner {
+ public:
+  bool needs(Effect effect) const { return plan_.set.has(effect); }
+  void add(Effect effect, const std::string& prim, const std::string& why) {
+    if (needs(effect)) return;
+    plan_.set = plan_.set.with(effect);
+    plan_.why.push_back({effect, prim, why});
+  }
+  EffectPlan finish() {
+    std::sort(plan_.why.begin(), plan_.why.end(),
+              [](const Reason& a, const Reason& b) { return a.effect < b.effect; });
+    return std::move(plan_);
+  }
+
+ private:
+  EffectPlan plan_;
+};
+
+std::string phrase(float number, const char* unit) {
+  std::ostringstream text;
+  text << number << unit;
+  return text.str();
+}
+std::string segments_phrase(std::uint32_t segments) {
+  return std::to_string(segments) + (segments == 1 ? " segment" : " segments");
+}
+
+// Meshes that something shows: in the world, or in a prototype that has instances. In the order of the scene.
+std::vector<const Mesh*> shown_meshes(const Scene& scene) {
+  std::vector<bool> shown(scene.meshes.size(), false);
+  for (const std::uint32_t mesh : scene.world_meshes) shown[mesh] = true;
+  for (const InstanceSet& set : scene.instances) {
+    if (instance_count(set) == 0) continue;
+    for (const std::uint32_t mesh : scene.prototypes[set.prototype].meshes) shown[mesh] = true;
+  }
+  std::vector<const Mesh*> meshes;
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    if (shown[i] && !scene.meshes[i].shape.triangles.empty()) meshes.push_back(&scene.meshes[i]);
+  }
+  return meshes;
+}
+
+void plan_meshes(const Scene& scene, Planner& planner) {
+  for (const Mesh* mesh : shown_meshes(scene)) {
+    if (mesh->shape.segments > 0) {
+      planner.add(Effect::kDeformingKeys, mesh->shape.name, segments_phrase(mesh->shape.segments));
+    }
+    if (planner.needs(Effect::kOpacity)) continue;  // looking for the least opacity reads the whole primvar
+    const float opacity = least_opacity(scene, *mesh);
+    if (opacity < 1.0f) {
+      planner.add(Effect::kOpacity, mesh->shape.name, "opacity down to " + phrase(opacity, ""));
+    }
+  }
+}
+
+void plan_instances(const Scene& scene, Planner& planner) {
+  for (const InstanceSet& set : scene.instances) {
+    const std::size_t count = instance_count(set);
+    if (count == 0) continue;
+    planner.add(Effect::kInstances, set.name,
+                std::to_string(count) + (count == 1 ? " instance" : " instances"));
+    if (set.segments > 0) planner.add(Effect::kMovingInstances, set.name, segments_phrase(set.segments));
+  }
+}
+
+void plan_light(const Light& light, Planner& planner) {
+  const bool placeless = light.kind == LightKind::kDome || light.kind == LightKind::kCamera;
+  if (light.segments > 0 && !placeless) {
+    planner.add(Effect::kMovingLights, light.name, segments_phrase(light.segments));
+  }
+  if (light.kind == LightKind::kDome) planner.add(Effect::kDomeLight, light.name, "constant dome");
+  if (light.kind == LightKind::kDistant && light.angle_degrees > 0.0f) {
+    planner.add(Effect::kAreaLights, light.name, phrase(light.angle_degrees, " degrees across"));
+  }
+  if (light.kind == LightKind::kSphere && light.radius > 0.0f) {
+    planner.add(Effect::kAreaLights, light.name, "radius " + phrase(light.radius, ""));
+  }
+  if (light.kind == LightKind::kRect) {
+    planner.add(Effect::kAreaLights, light.name, phrase(light.width, " x ") + phrase(light.height, ""));
+  }
+}
+
+}  // namespace
+
+const char* effect_name(Effect effect) {
+  for (const auto& [known, name] : kNames) {
+    if (known == effect) return name;
+  }
+  return "unknown effect";
+}
+
+EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings) {
+  Planner planner;
+  plan_meshes(scene, planner);
+  plan_instances(scene, planner);
+  if (scene.camera.segments > 0) {
+    planner.add(Effect::kCameraMotion, scene.camera.name, segments_phrase(scene.camera.segments));
+  }
+  for (const Light& light : scene.lights) plan_light(light, planner);
+  if (settings.max_bounces > 0) {
+    planner.add(Effect::kIndirectLight, "",
+                "up to " + std::to_string(settings.max_bounces) +
+                    (settings.max_bounces == 1 ? " bounce" : " bounces"));
+  }
+  return planner.finish();
+}
+
+}  // namespace msbvh

@@ -1,0 +1,184 @@
+#include "core/scene/scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+
+namespace msbvh {
+namespace {
+
+// A part of the scene in messages: its name, or its kind and index where it has none.
+std::string label(const std::string& name, const char* kind, std::size_t index) {
+  return name.empty() ? std::string(kind) + " " + std::to_string(index) : name;
+}
+
+void expect(bool holds, const std::string& part, const std::string& attribute, const std::string& found,
+            const std::string& expected) {
+  if (!holds) throw Error(part + ": " + attribute + ": found " + found + "; expected " + expected);
+}
+
+bool is_finite(float x) { return std::isfinite(x); }
+bool is_finite(const Affine3f& a) {
+  return msbvh::is_finite(a.x) && msbvh::is_finite(a.y) && msbvh::is_finite(a.z) && msbvh::is_finite(a.t);
+}
+bool is_finite(const ScreenWindow& w) {
+  return is_finite(w.left) && is_finite(w.right) && is_finite(w.bottom) && is_finite(w.top);
+}
+
+template <typename T>
+void expect_all_finite(const std::vector<T>& values, const std::string& part, const std::string& attribute) {
+  const auto bad = std::find_if(values.begin(), values.end(), [](const T& v) { return !is_finite(v); });
+  expect(bad == values.end(), part, attribute,
+         "NaN or infinity in element " + std::to_string(bad - values.begin()), "finite values");
+}
+
+void expect_segments(std::uint32_t segments, const std::string& part, const std::string& attribute) {
+  expect(is_valid_segment_count(segments), part, attribute, std::to_string(segments) + " segments",
+         "0 or a power of two up to " + std::to_string(kMaxSegments));
+}
+
+template <typename T>
+void expect_track(const std::vector<T>& keys, std::uint32_t segments, const std::string& part,
+                  const std::string& attribute) {
+  expect_segments(segments, part, attribute);
+  expect(keys.size() == key_count(segments), part, attribute, std::to_string(keys.size()) + " keys",
+         std::to_string(key_count(segments)));
+  expect_all_finite(keys, part, attribute);
+}
+
+void expect_index(std::size_t index, std::size_t size, const std::string& part,
+                  const std::string& attribute) {
+  expect(index < size, part, attribute, "index " + std::to_string(index),
+         "less than " + std::to_string(size));
+}
+
+template <typename T>
+void check_primvar(const Primvar<T>& primvar, const TriangleMesh& shape, const std::string& part,
+                   const std::string& attribute) {
+  if (!primvar.authored()) return;
+  expect_segments(primvar.segments, part, attribute);
+  const std::size_t count = value_count(primvar.interpolation, shape);
+  const std::size_t keys = key_count(primvar.segments);
+  expect(primvar.values.size() == keys * count, part, attribute,
+         std::to_string(primvar.values.size()) + " values",
+         std::to_string(keys) + " keys x " + std::to_string(count));
+  expect_all_finite(primvar.values, part, attribute);
+}
+
+void check_mesh(const Mesh& mesh, const Scene& scene, const std::string& part) {
+  check_primvar(mesh.normals, mesh.shape, part, "normals");
+  check_primvar(mesh.display_color, mesh.shape, part, "displayColor");
+  check_primvar(mesh.display_opacity, mesh.shape, part, "displayOpacity");
+  if (mesh.material != kNone) expect_index(mesh.material, scene.materials.size(), part, "material");
+}
+
+void check_material(const Material& material, const std::string& part) {
+  expect(is_finite(material.diffuse_color), part, "diffuseColor", "NaN or infinity", "a finite colour");
+  expect(is_finite(material.emissive_color), part, "emissiveColor", "NaN or infinity", "a finite colour");
+  expect(is_finite(material.opacity), part, "opacity", "NaN or infinity", "a finite number");
+  expect(is_finite(material.opacity_threshold), part, "opacityThreshold", "NaN or infinity",
+         "a finite number");
+}
+
+void check_instances(const InstanceSet& set, const Scene& scene, const std::string& part) {
+  expect_index(set.prototype, scene.prototypes.size(), part, "prototype");
+  expect_segments(set.segments, part, "worldFromPrototype");
+  const std::size_t keys = key_count(set.segments);
+  expect(set.world_from_prototype.size() % keys == 0, part, "worldFromPrototype",
+         std::to_string(set.world_from_prototype.size()) + " matrices",
+         "a multiple of " + std::to_string(keys) + " keys");
+  expect_all_finite(set.world_from_prototype, part, "worldFromPrototype");
+  const std::size_t count = instance_count(set);
+  expect(set.display_color.empty() || set.display_color.size() == count, part, "displayColor",
+         std::to_string(set.display_color.size()) + " values", "none or " + std::to_string(count));
+  expect_all_finite(set.display_color, part, "displayColor");
+}
+
+void expect_size(float size, const std::string& part, const std::string& attribute) {
+  expect(is_finite(size) && size >= 0.0f, part, attribute, std::to_string(size),
+         "a finite number of at least 0");
+}
+
+void check_light(const Light& light, const std::string& part) {
+  expect(is_finite(light.radiance), part, "radiance", "NaN or infinity", "a finite colour");
+  // Neither has a place of its own, so that it may come without a transform.
+  const bool placeless = light.kind == LightKind::kDome || light.kind == LightKind::kCamera;
+  if (!placeless || !light.world_from_light.empty()) {
+    expect_track(light.world_from_light, light.segments, part, "worldFromLight");
+  }
+  if (light.kind == LightKind::kDistant) {
+    expect(light.angle_degrees >= 0.0f && light.angle_degrees <= 360.0f, part, "angle",
+           std::to_string(light.angle_degrees), "0 to 360 degrees");
+  } else if (light.kind == LightKind::kSphere) {
+    expect_size(light.radius, part, "radius");
+  } else if (light.kind == LightKind::kRect) {
+    expect_size(light.width, part, "width");
+    expect_size(light.height, part, "height");
+  }
+}
+
+void check_window(const ScreenWindow& window, const std::string& part) {
+  expect(window.left != window.right && window.bottom != window.top, part, "window",
+         "an empty window (left " + std::to_string(window.left) + ", right " + std::to_string(window.right) +
+             ", bottom " + std::to_string(window.bottom) + ", top " + std::to_string(window.top) + ")",
+         "left and right, bottom and top to differ");
+}
+
+void check_camera(const Camera& camera) {
+  const std::string part = camera.name.empty() ? "camera" : camera.name;
+  expect_track(camera.world_from_camera, camera.segments, part, "worldFromCamera");
+  expect_track(camera.window, camera.segments, part, "window");
+  for (const ScreenWindow& window : camera.window) check_window(window, part);
+  for (const Affine3f& m : camera.world_from_camera) {
+    expect(m.determinant() != 0.0f, part, "worldFromCamera", "a singular matrix", "one that can be inverted");
+  }
+  const std::string range = std::to_string(camera.near_clip) + " to " + std::to_string(camera.far_clip);
+  const float nearest =
+      camera.projection == Projection::kPerspective ? 0.0f : -std::numeric_limits<float>::max();
+  expect(camera.near_clip >= nearest && camera.far_clip > camera.near_clip, part, "clippingRange", range,
+         "near below far, and not negative for a perspective camera");
+}
+
+}  // namespace
+
+std::size_t value_count(Interpolation interpolation, const TriangleMesh& shape) {
+  switch (interpolation) {
+    case Interpolation::kConstant:
+      return 1;
+    case Interpolation::kTriangle:
+      return shape.triangles.size();
+    case Interpolation::kVertex:
+      return shape.vertex_count;
+    case Interpolation::kFaceVarying:
+      return 3 * shape.triangles.size();
+  }
+  throw Error(shape.name + ": interpolation: found an unknown value");
+}
+
+void validate(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    check_mesh(scene.meshes[i], scene, label(scene.meshes[i].shape.name, "mesh", i));
+  }
+  for (const std::uint32_t mesh : scene.world_meshes) {
+    expect_index(mesh, scene.meshes.size(), "scene", "worldMeshes");
+  }
+  for (std::size_t i = 0; i < scene.prototypes.size(); ++i) {
+    const Prototype& prototype = scene.prototypes[i];
+    for (const std::uint32_t mesh : prototype.meshes) {
+      expect_index(mesh, scene.meshes.size(), label(prototype.name, "prototype", i), "meshes");
+    }
+  }
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    check_instances(scene.instances[i], scene, label(scene.instances[i].name, "instances", i));
+  }
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    check_material(scene.materials[i], label(scene.materials[i].name, "material", i));
+  }
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+    check_light(scene.lights[i], label(scene.lights[i].name, "light", i));
+  }
+  check_camera(scene.camera);
+}
+
+}  // namespace msbvh

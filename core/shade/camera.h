@@ -1,0 +1,17 @@
+// Rays from the camera, anywhere on the image and at any time of the shutter.
+#pragma once
+
+#include "core/scene/scene.h"
+#include "core/trace/ray.h"
+
+namespace msbvh {
+
+// `screen_x` and `screen_y` in [0, 1] run from the left and from the top edge of the image. The ray's
+// parameter t is the distance along the camera's -z axis, in camera space, for both projections: the clipping
+// range is its range.
+Ray camera_ray(const Camera& camera, float screen_x, float screen_y, float time);
+
+// The eye's position in the world.
+Vec3f camera_position(const Camera& camera, float time);
+
+}  // namespace msbvh

@@ -1,0 +1,55 @@
+// What the ids of a Hit stand for in the Scene.
+//
+// The world's tree holds the meshes of Scene::world_meshes and the instances of Scene::instances, set by set,
+// and each prototype's tree the meshes of Prototype::meshes, all in the scene's order: ids count along it.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/scene/scene.h"
+#include "core/trace/ray.h"
+
+namespace msbvh {
+
+// The mesh that was hit, and through which instance; `instances` is null for a mesh that stands in the world
+// itself.
+struct HitSource {
+  const Mesh* mesh = nullptr;
+  const InstanceSet* instances = nullptr;
+  std::uint32_t instance = 0;  // index in the set
+
+  // The keys of the instance's transform: key_count(instances->segments).
+  const Affine3f* instance_keys() const {
+    return instances->world_from_prototype.data() + std::size_t(instance) * key_count(instances->segments);
+  }
+};
+
+class SceneIndex {
+ public:
+  explicit SceneIndex(const Scene& scene) : scene_(&scene) {
+    for (std::uint32_t set = 0; set < scene.instances.size(); ++set) {
+      first_instance_.push_back(static_cast<std::uint32_t>(set_of_instance_.size()));
+      set_of_instance_.insert(set_of_instance_.end(), instance_count(scene.instances[set]), set);
+    }
+  }
+
+  const Scene& scene() const { return *scene_; }
+
+  HitSource resolve(const Hit& hit) const {
+    if (hit.instance == kNoInstance) return {.mesh = &scene_->meshes[scene_->world_meshes[hit.mesh]]};
+    const std::uint32_t set = set_of_instance_[hit.instance];
+    const InstanceSet& instances = scene_->instances[set];
+    const Prototype& prototype = scene_->prototypes[instances.prototype];
+    return {.mesh = &scene_->meshes[prototype.meshes[hit.mesh]],
+            .instances = &instances,
+            .instance = hit.instance - first_instance_[set]};
+  }
+
+ private:
+  const Scene* scene_;
+  std::vector<std::uint32_t> set_of_instance_;
+  std::vector<std::uint32_t> first_instance_;  // of each set
+};
+
+}  // namespace msbvh

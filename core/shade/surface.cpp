@@ -1,0 +1,135 @@
+#include "core/shade/surface.h"
+
+#include "core/motion/affine_track.h"
+#include "core/scene/opacity.h"
+#include "core/shade/primvar.h"
+
+namespace msbvh {
+namespace {
+
+// Error bounds count roundings of 2^-24, relative to the largest coordinate of the triangle's vertices at the
+// two keys around the time, and are rounded up to a power of two.
+//
+// The tracer's triangle against ours, in the mesh's own space: 2 x 4 for the interpolation of the vertices,
+// whose last two operations the tracer may fuse (core/base/lerp.h); 2 x 6 for its test, which subtracts the
+// ray's origin (a difference up to twice as large), shears and scales; 2 for rounding the position and the
+// moved origin. In all 22.
+constexpr double kTriangleError = 32 * 0x1p-24;
+// A point's way through an instance's transform, relative to the sum of the sizes of its terms: 2 x 4 for the
+// interpolation of the matrix by either side, 6 for the products and sums. In all 14.
+constexpr double kTransformError = 16 * 0x1p-24;
+
+// A triangle at one time, in its mesh's space.
+struct TrianglePose {
+  Vec3d vertex[3];
+  Vec3d size;  // by axis, the largest coordinate at the keys around the time
+};
+
+TrianglePose pose_at(const TriangleMesh& shape, std::uint32_t triangle, float time) {
+  const SegmentTime at = locate(time, shape.segments);
+  TrianglePose pose;
+  for (int corner = 0; corner < 3; ++corner) {
+    const std::uint32_t vertex = shape.triangles[triangle][corner];
+    const Vec3f first = shape.key_positions(at.key)[vertex];
+    const Vec3f second = shape.segments == 0 ? first : shape.key_positions(at.key + 1)[vertex];
+    pose.vertex[corner] = Vec3d(shape.segments == 0 ? first : lerp(first, second, at.w));
+    pose.size = max(pose.size, Vec3d(max(abs(first), abs(second))));
+  }
+  return pose;
+}
+
+Affine3d abs(const Affine3d& a) {
+  return {msbvh::abs(a.x), msbvh::abs(a.y), msbvh::abs(a.z), msbvh::abs(a.t)};
+}
+
+// An instance's transform at one time.
+struct InstancePose {
+  Affine3d world_from_object;
+  Affine3d size;  // by element, the largest at the keys around the time
+
+  InstancePose(const HitSource& source, float time) {
+    const std::uint32_t segments = source.instances->segments;
+    const std::span<const Affine3f> keys(source.instance_keys(), key_count(segments));
+    const SegmentTime at = locate(time, segments);
+    world_from_object = Affine3d(evaluate(keys, segments, time));
+    const Affine3d a = abs(Affine3d(keys[at.key]));
+    const Affine3d b = segments == 0 ? a : abs(Affine3d(keys[at.key + 1]));
+    size = {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z), max(a.t, b.t)};
+  }
+};
+
+// The bound of the triangle itself carried to the world, that of the vertices' way out, and that of the next
+// ray's way in, which the inverse amplifies.
+Vec3d instanced_margin(const TrianglePose& triangle, const InstancePose& instance, const Vec3d& position) {
+  const Vec3d world_size = msbvh::abs(position) + instance.size.t;
+  Vec3d in_object = triangle.size * (kTriangleError + kTransformError);
+  if (instance.world_from_object.determinant() != 0.0) {
+    const Affine3d object_from_world = abs(inverse(instance.world_from_object));
+    in_object += object_from_world.vector(world_size) * kTransformError;
+  }
+  return instance.size.vector(in_object) + world_size * kTransformError;
+}
+
+Vec3f surface_color(const Scene& scene, const HitSource& source, const Hit& hit, float time) {
+  const Mesh& mesh = *source.mesh;
+  const Material* material = material_of(scene, mesh);
+  const Vec3f fallback = material ? material->diffuse_color : Vec3f{0.18f, 0.18f, 0.18f};
+  if (material && !material->diffuse_from_display_color) return fallback;
+  if (source.instances && !source.instances->display_color.empty()) {
+    return source.instances->display_color[source.instance];
+  }
+  if (!mesh.display_color.authored()) return fallback;
+  return interpolate(mesh.display_color, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time);
+}
+
+// Two-sided: the normals end up on the side that the ray came from, so that neither the winding nor a
+// mirroring transform matters.
+void set_normals(const HitSource& source, const Hit& hit, const Ray& ray, const Affine3d& world_from_object,
+                 const Vec3d& object_normal, SurfacePoint& surface) {
+  Vec3f ng(normalize(transform_normal(world_from_object, object_normal)));
+  if (ng == Vec3f{}) ng = -normalize(ray.dir);  // no area left in double precision: nothing better is known
+  if (dot(ng, ray.dir) > 0.0f) ng = -ng;
+  surface.geometric_normal = surface.shading_normal = ng;
+  const Mesh& mesh = *source.mesh;
+  if (!mesh.normals.authored()) return;
+  const Vec3d authored(
+      interpolate(mesh.normals, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), ray.time));
+  const Vec3f ns(normalize(transform_normal(world_from_object, authored)));
+  if (ns == Vec3f{}) return;
+  surface.shading_normal = dot(ns, ng) < 0.0f ? -ns : ns;
+}
+
+}  // namespace
+
+SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray) {
+  const TrianglePose triangle = pose_at(source.mesh->shape, hit.triangle, ray.time);
+  const Vec3d edge1 = triangle.vertex[1] - triangle.vertex[0],
+              edge2 = triangle.vertex[2] - triangle.vertex[0];
+  const Vec3d in_object = triangle.vertex[0] + edge1 * double(hit.u) + edge2 * double(hit.v);
+  SurfacePoint surface;
+  if (source.instances) {
+    const InstancePose instance(source, ray.time);
+    const Vec3d in_world = instance.world_from_object.point(in_object);
+    surface.position = Vec3f(in_world);
+    surface.self_hit_margin = Vec3f(instanced_margin(triangle, instance, in_world));
+    set_normals(source, hit, ray, instance.world_from_object, cross(edge1, edge2), surface);
+  } else {
+    surface.position = Vec3f(in_object);
+    surface.self_hit_margin = Vec3f(triangle.size * kTriangleError);
+    set_normals(source, hit, ray, Affine3d{}, cross(edge1, edge2), surface);
+  }
+  const Material* material = material_of(scene, *source.mesh);
+  surface.albedo = surface_color(scene, source, hit, ray.time);
+  surface.emission = material ? material->emissive_color : Vec3f{};
+  return surface;
+}
+
+float opacity_at(const Scene& scene, const HitSource& source, const Hit& hit, float time) {
+  const Mesh& mesh = *source.mesh;
+  if (!reads_display_opacity(scene, mesh)) return constant_opacity(scene, mesh);
+  const float value =
+      interpolate(mesh.display_opacity, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time);
+  return rendered_opacity(material_of(scene, mesh), value);
+}
+
+}  // namespace msbvh
