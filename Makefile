@@ -1,0 +1,69 @@
+# The house from one command: `make help`. Debian 12 with git and make is all that it needs to start.
+#
+# Work is skipped by stamps in build/: a second `make setup` takes a second. `make clean` begins again.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := help
+.PHONY: help setup render test bench clean
+
+PYTHON ?= python3
+JOBS ?= $(shell nproc)
+export CMAKE_BUILD_PARALLEL_LEVEL := $(JOBS)
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export PIP_NO_INPUT := 1
+
+BIN := .venv/bin
+BUILD := build/release
+STAMPS := build/stamps
+SYSTEM_PACKAGES := g++ cmake ninja-build python3 python3-venv python3-dev libtbb-dev libhwy-dev doctest-dev
+
+CXX_SOURCES := $(shell find CMakeLists.txt core delegate tests bench examples -name '*.h' -o -name '*.cpp' \
+  -o -name CMakeLists.txt -o -name '*.cmake.in')
+PYTHON_SOURCES := $(shell find delegate/usd/msbvh -name '*.py')
+SHOWCASE := testenv/showcase/showcase.usda
+SHOWCASE_OPTIONS := --spp 256 --imageWidth 960
+
+help:  ## this list
+	@sed -n 's/^\([a-z]*\):.*## */make \1\t/p' Makefile | expand -t 16
+
+setup: $(STAMPS)/installed  ## system packages if missing, .venv, build
+
+$(STAMPS)/system: .ci/system_packages Makefile
+	@.ci/system_packages $(SYSTEM_PACKAGES)
+	@mkdir -p $(STAMPS) && touch $@
+
+# What builds the package, once; what it needs to run comes with it.
+$(STAMPS)/venv: $(STAMPS)/system
+	@test -x $(BIN)/pip || $(PYTHON) -m venv .venv
+	@$(BIN)/pip install --quiet 'scikit-build-core>=0.10' 'nanobind>=2.4'
+	@touch $@
+
+# One build tree holds the library, its tests, the bench and the Python extension; the package is installed editable.
+$(STAMPS)/installed: $(STAMPS)/venv pyproject.toml $(CXX_SOURCES)
+	@echo 'Building with $(JOBS) jobs: minutes the first time.'
+	@$(BIN)/pip install --quiet --no-build-isolation --config-settings=build-dir=$(BUILD) \
+	  --config-settings=cmake.define.MSBVH_BUILD_TESTS=ON --config-settings=cmake.define.MSBVH_BUILD_BENCH=ON \
+	  --editable '.[test]'
+	@touch $@
+
+render: out/showcase.exr  ## the showcase scene, to out/showcase.exr and out/showcase.png
+
+out/showcase.exr: $(SHOWCASE) $(STAMPS)/installed $(PYTHON_SOURCES)
+	@mkdir -p out
+	@$(BIN)/msbvh record $(SHOWCASE) out/showcase.exr out/showcase.png $(SHOWCASE_OPTIONS)
+	@echo 'Look at out/showcase.png'
+
+# Every test runs even where an earlier one fails; pytest's summary is the last line.
+test: setup  ## every test: C++ (ctest), then Python (pytest)
+	@status=0; \
+	ctest --test-dir $(BUILD) --output-on-failure --no-tests=error || status=$$?; \
+	$(BIN)/pytest || status=$$?; \
+	exit $$status
+
+bench: setup  ## build and trace times on seeded procedural scenes
+	@$(BUILD)/bench/msbvh_bench
+
+clean:  ## removes everything that make has made
+	rm -rf build out .venv

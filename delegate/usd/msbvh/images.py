@@ -1,0 +1,121 @@
+"""Writes pixels as EXR, PNG, JPEG or TIFF by OpenImageIO.
+
+EXR keeps what the renderer made: linear, premultiplied. The others are display-referred: colour correction works on
+colours that are not premultiplied, then each format gets the alpha that it is defined with: PNG unassociated, TIFF
+associated, JPEG none (the image lies over black).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio
+
+from .atomic import OutputError, check_writable, replacing
+from .color import SRGB_DISPLAY, ColorCorrection
+from .metadata import ImageMetadata, rational_rate
+
+FORMATS = (".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
+HALF_MAX = 65504.0
+"""Largest finite half; brighter pixels are written as this, because infinity ruins every filter behind us."""
+
+_REC709_CHROMATICITIES = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+
+
+@dataclass(frozen=True)
+class ImageSettings:
+    """How an image is stored."""
+
+    color: ColorCorrection = ColorCorrection()
+    exr_float: bool = False
+    """EXR in 32-bit floats: twice the bytes of half; no rounding to 11 bits, no limit at HALF_MAX."""
+
+
+def check_image_path(path: Path) -> None:
+    """Raises OutputError where no image can be written to `path`, because of its format or its place."""
+    if path.suffix.lower() not in FORMATS:
+        found = f"extension '{path.suffix}'" if path.suffix else "no extension"
+        raise OutputError(f"cannot write '{path}': {found}, expected one of {' '.join(FORMATS)}")
+    check_writable(path)
+
+
+def write_image(path: Path, rgba: np.ndarray, metadata: ImageMetadata, settings: ImageSettings) -> None:
+    """Writes linear, premultiplied float32[h, w, 4], top row first, complete or not at all. Raises OutputError."""
+    check_image_path(path)
+    pixels, spec = _encode(path.suffix.lower(), rgba, settings)
+    _describe(spec, metadata)
+    with replacing(path) as temporary:
+        _write_pixels(temporary, path, pixels, spec)
+
+
+def _write_pixels(temporary: Path, final: Path, pixels: np.ndarray, spec: oiio.ImageSpec) -> None:
+    output = oiio.ImageOutput.create(str(temporary))
+    if output is None:
+        raise OutputError(f"cannot write '{final}': {oiio.geterror()}")
+    done = output.open(str(temporary), spec) and output.write_image(pixels)
+    # close() flushes: a full disk may show only here.
+    if not (output.close() and done):
+        raise OutputError(f"cannot write '{final}': {output.geterror() or 'the image could not be stored'}")
+
+
+def _encode(
+    suffix: str, rgba: np.ndarray, settings: ImageSettings
+) -> tuple[np.ndarray, oiio.ImageSpec]:
+    """The stored pixels of a format, float32, and their description."""
+    if suffix == ".exr":
+        return _encode_exr(rgba, settings.exr_float)
+    if suffix in (".jpg", ".jpeg"):
+        pixels = settings.color.apply(rgba[..., :3])  # Premultiplied is over black.
+        spec = _spec(pixels, oiio.UINT8)
+        spec.attribute("Compression", "jpeg:95")
+    else:
+        associated = suffix != ".png"
+        pixels = _display_rgba(rgba, settings.color, associated)
+        spec = _spec(pixels, oiio.UINT16 if associated else oiio.UINT8)
+        spec.attribute("oiio:UnassociatedAlpha", 0 if associated else 1)
+    resolved = settings.color.resolve()
+    if resolved is not None and resolved[0] == SRGB_DISPLAY:
+        spec.attribute("oiio:ColorSpace", "srgb_rec709_display")
+    return pixels, spec
+
+
+def _encode_exr(rgba: np.ndarray, exr_float: bool) -> tuple[np.ndarray, oiio.ImageSpec]:
+    pixels = rgba if exr_float else np.clip(rgba, -HALF_MAX, HALF_MAX)
+    spec = _spec(pixels, oiio.FLOAT if exr_float else oiio.HALF)
+    spec.attribute("compression", "zip")
+    spec.attribute("oiio:ColorSpace", "lin_rec709_scene")
+    spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), _REC709_CHROMATICITIES)
+    return pixels, spec
+
+
+def _spec(pixels: np.ndarray, storage: oiio.BASETYPE) -> oiio.ImageSpec:
+    height, width, channels = pixels.shape
+    return oiio.ImageSpec(width, height, channels, storage)
+
+
+def _display_rgba(rgba: np.ndarray, color: ColorCorrection, associated: bool) -> np.ndarray:
+    """Display-referred float32[h, w, 4] of linear, premultiplied pixels; alpha is not corrected."""
+    alpha = rgba[..., 3:]
+    straight = np.divide(rgba[..., :3], alpha, out=np.array(rgba[..., :3]), where=alpha > 0.0)
+    display = color.apply(straight)
+    return np.concatenate([display * alpha if associated else display, alpha], axis=-1)
+
+
+def _describe(spec: oiio.ImageSpec, metadata: ImageMetadata) -> None:
+    """Formats without arbitrary metadata drop what they cannot hold; EXR holds all of it."""
+    spec.attribute("Software", metadata.software)
+    spec.attribute("framesPerSecond", oiio.TypeRational, rational_rate(metadata.frames_per_second))
+    spec.attribute("worldToCamera", oiio.TypeMatrix, _floats(metadata.world_to_camera))
+    spec.attribute("worldToNDC", oiio.TypeMatrix, _floats(metadata.world_to_ndc))
+    spec.attribute("msbvh:shutter", oiio.TypeDesc("float[2]"), metadata.shutter)
+    spec.attribute("msbvh:spp", metadata.spp)
+    spec.attribute("msbvh:seed", metadata.seed)
+    spec.attribute("msbvh:renderSeconds", metadata.render_seconds)
+    if metadata.frame is not None:
+        spec.attribute("msbvh:frame", metadata.frame)
+
+
+def _floats(matrix: np.ndarray) -> tuple[float, ...]:
+    return tuple(float(value) for value in np.asarray(matrix).ravel())

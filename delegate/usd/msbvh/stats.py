@@ -1,0 +1,74 @@
+"""The figures of a run, for --stats: a JSON file that scripts and dashboards read."""
+
+from __future__ import annotations
+
+import json
+import resource
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from .atomic import replacing
+
+PHASES = ("read", "sample", "build", "trace", "write")
+"""read: opening and composing the stage. sample: evaluating it over the shutter and fitting tracks. build: checking
+the scene, the plan and the trees. trace: pixels. write: colour correction and the file."""
+
+
+@dataclass
+class FrameStats:
+    """The figures of one frame."""
+
+    frame: float | None
+    """Time code; None: USD's default time."""
+    output: str
+    width: int
+    height: int
+    seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PHASES, 0.0))
+    scene: dict[str, Any] = field(default_factory=dict)
+    """Meshes, triangles, keys, instances, lights: of the scene as it was rendered."""
+    render: dict[str, Any] = field(default_factory=dict)
+    """The renderer's: rays, trees, and of the trees nodes, references and bytes."""
+    plan: list[dict[str, str]] = field(default_factory=list)
+    """The effects that the frame calls for: effect, prim, why."""
+    tracks: list[dict[str, Any]] = field(default_factory=list)
+    """How each moving prim was kept: path, segments, moving_transform, error_pixels."""
+
+    @contextmanager
+    def timed(self, phase: str) -> Iterator[None]:
+        """Adds the wall-clock time of the block to a phase."""
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[phase] += time.perf_counter() - start
+
+
+@dataclass
+class RunStats:
+    """The figures of a run. The stage is opened once: its time stands with the first frame."""
+
+    software: str
+    scene: str
+    settings: dict[str, Any]
+    instruction_sets: list[str]
+    frames: list[FrameStats] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+    peak_memory_bytes: int = 0
+
+    def write(self, path: Path) -> None:
+        """Writes JSON, complete or not at all. Raises OutputError."""
+        self.peak_memory_bytes = peak_memory_bytes()
+        text = json.dumps(asdict(self), indent=2, allow_nan=False)
+        with replacing(path) as temporary:
+            temporary.write_text(text + "\n", encoding="utf-8")
+
+
+def peak_memory_bytes() -> int:
+    """The most memory that this process has held at once."""
+    unit = 1 if sys.platform == "darwin" else 1024  # ru_maxrss: bytes on macOS, KiB elsewhere; see getrusage(2).
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
