@@ -1,0 +1,52 @@
+// What a tree is built over: references to triangles, to fragments of triangles, and to instances.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/base/box.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace msbvh {
+
+// The box of an instance in the tree's space, at the keys of its own track. Conservative between them.
+struct InstanceBounds {
+  std::uint32_t segments = 0;
+  std::vector<Box3f> keys;  // key_count(segments)
+};
+
+// The geometry of one tree. Borrowed; ids are indices.
+struct Primitives {
+  std::span<const std::shared_ptr<const TriangleMesh>> meshes;
+  std::span<const InstanceBounds> instances;
+};
+
+// A reference stands for a whole primitive or, after spatial splits, for a fragment of a triangle. The fragment needs no
+// storage of its own: it is the part of the triangle that lies in `box` at the shutter's centre. (The box is the tight
+// one of the fragment, and fragment = triangle ∩ (boxes of all splits above), hence triangle ∩ box is the fragment again.)
+struct Reference {
+  Box3f box;                // at the shutter's centre, u = 0.5
+  std::uint32_t owner = 0;  // mesh id, kInstanceOwner for an instance; kClippedFlag marks a fragment
+  std::uint32_t index = 0;  // triangle in the mesh, or instance id
+
+  static constexpr std::uint32_t kClippedFlag = 0x80000000u;
+  static constexpr std::uint32_t kInstanceOwner = 0x7fffffffu;
+
+  std::uint32_t mesh() const { return owner & ~kClippedFlag; }
+  bool is_instance() const { return owner == kInstanceOwner; }
+  bool is_clipped() const { return (owner & kClippedFlag) != 0; }
+};
+
+// References to all primitives, whole. Order: meshes' triangles, then instances. Instances with an empty box (nothing
+// in them) are left out.
+std::vector<Reference> make_references(const Primitives& primitives);
+
+// The number of segments of what the reference stands for.
+std::uint32_t segments_of(const Primitives& primitives, const Reference& reference);
+
+// The triangle at the shutter's centre, in double for clipping (each float is exact in it).
+std::array<Vec3d, 3> centre_triangle(const Primitives& primitives, const Reference& reference);
+
+}  // namespace msbvh

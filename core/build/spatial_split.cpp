@@ -1,0 +1,130 @@
+#include "core/build/spatial_split.h"
+
+#include <array>
+#include <vector>
+
+#include "core/base/parallel.h"
+#include "core/build/clip.h"
+#include "core/build/object_split.h"
+
+namespace msbvh {
+namespace {
+
+constexpr int kBins = 16;
+constexpr std::size_t kChunk = 8192;  // cutting is dear: smaller chunks than for object splits
+
+struct Bin {
+  Box3f box;
+  std::uint32_t enter = 0, leave = 0;  // references that begin and that end here
+};
+
+// The planes between the bins of one axis; identical for counting and for dividing.
+struct Planes {
+  float lo, step;
+  float plane(int i) const { return lo + step * static_cast<float>(i); }
+  int bin(float x) const {
+    int b = std::clamp(static_cast<int>((x - lo) / step), 0, kBins - 1);
+    while (b > 0 && x < plane(b)) --b;
+    while (b < kBins - 1 && x >= plane(b + 1)) ++b;
+    return b;
+  }
+};
+
+struct AxisBins {
+  std::array<Bin, kBins> bins;
+
+  void add(const Primitives& primitives, const Reference& r, int axis, const Planes& planes) {
+    if (r.is_instance()) {
+      Bin& bin = bins[planes.bin(r.box.lo[axis] * 0.5f + r.box.hi[axis] * 0.5f)];
+      bin.box.grow(r.box);
+      ++bin.enter;
+      ++bin.leave;
+      return;
+    }
+    const int first = planes.bin(r.box.lo[axis]), last = planes.bin(r.box.hi[axis]);
+    ++bins[first].enter;
+    ++bins[last].leave;
+    if (first == last) return bins[first].box.grow(r.box);
+    const std::array<Vec3d, 3> triangle = centre_triangle(primitives, r);
+    for (int b = first; b <= last; ++b) {
+      const Box3f part = intersect(slab_bounds(triangle, axis, planes.plane(b), planes.plane(b + 1)), r.box);
+      if (!part.empty()) bins[b].box.grow(part);
+    }
+  }
+  void add(const AxisBins& other) {
+    for (int b = 0; b < kBins; ++b) {
+      bins[b].box.grow(other.bins[b].box);
+      bins[b].enter += other.bins[b].enter;
+      bins[b].leave += other.bins[b].leave;
+    }
+  }
+};
+
+AxisBins fill(const Primitives& primitives, std::span<const Reference> references, int axis, const Planes& planes) {
+  std::vector<AxisBins> parts((references.size() + kChunk - 1) / kChunk);
+  parallel_for_ranges(references.size(), kChunk, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) parts[begin / kChunk].add(primitives, references[i], axis, planes);
+  });
+  for (std::size_t i = 1; i < parts.size(); ++i) parts[0].add(parts[i]);
+  return parts[0];
+}
+
+void sweep(const AxisBins& axis_bins, int axis, const Planes& planes, SpatialSplit& best) {
+  std::array<Box3f, kBins> right_box;
+  std::array<std::size_t, kBins> right_count{};
+  Box3f box;
+  std::size_t count = 0;
+  for (int b = kBins - 1; b > 0; --b) {
+    box.grow(axis_bins.bins[b].box);
+    right_box[b] = box;
+    right_count[b] = count += axis_bins.bins[b].leave;
+  }
+  box = {};
+  count = 0;
+  for (int b = 1; b < kBins; ++b) {
+    box.grow(axis_bins.bins[b - 1].box);
+    count += axis_bins.bins[b - 1].enter;
+    if (count == 0 || right_count[b] == 0) continue;
+    const float cost =
+        half_area(box) * block_count(count) + half_area(right_box[b]) * block_count(right_count[b]);
+    if (cost < best.cost) best = {cost, axis, planes.plane(b), box, right_box[b], count, right_count[b]};
+  }
+}
+
+Reference part_of(const Primitives& primitives, const Reference& r, const SpatialSplit& split, bool below) {
+  Reference part = r;
+  part.owner |= Reference::kClippedFlag;
+  part.box = clipped_bounds(centre_triangle(primitives, r), r.box, split.axis, split.plane, below);
+  return part;
+}
+
+}  // namespace
+
+SpatialSplit find_spatial_split(const Primitives& primitives, std::span<const Reference> references,
+                                const Box3f& box) {
+  SpatialSplit best;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Planes planes{box.lo[axis], (box.hi[axis] - box.lo[axis]) / static_cast<float>(kBins)};
+    // Planes closer than the coordinates' own spacing separate nothing.
+    if (!(planes.plane(1) > planes.lo) || !(planes.plane(kBins - 1) < box.hi[axis])) continue;
+    sweep(fill(primitives, references, axis, planes), axis, planes, best);
+  }
+  return best;
+}
+
+DividedReference divide(const Primitives& primitives, const Reference& r, const SpatialSplit& split) {
+  const float lo = r.box.lo[split.axis], hi = r.box.hi[split.axis];
+  const bool uncut = r.is_instance() || lo >= split.plane || hi <= split.plane;
+  if (uncut) {
+    const bool left = (lo * 0.5f + hi * 0.5f) < split.plane;
+    return {left, !left, r, r};
+  }
+  DividedReference d{true, true, part_of(primitives, r, split, true), part_of(primitives, r, split, false)};
+  d.in_left = !d.left.box.empty();
+  d.in_right = !d.right.box.empty();
+  if (d.in_left && d.in_right) return d;
+  // All of it lies on one side, within the error of clipping: it stays whole.
+  return {d.in_left, !d.in_left, r, r};
+}
+
+}  // namespace msbvh

@@ -1,0 +1,106 @@
+// The bytes of a tree, as traversal reads them. One arena holds nodes and leaves, children behind their parent,
+// depth first; positions in it are counted in units of 16 bytes.
+//
+//   node   | header 64 B | boxes at key 0, 192 B | ... | boxes at key 2^k, 192 B |        starts on a cache line
+//   leaf   | block | block | ... | last block |
+//   block  | header 48 B | data |
+//     data, gathered:  per key 9 x 16 B, x y z of three vertices of four triangles (few keys: one stream, no chasing)
+//     data, indexed:   3 x 16 B vertex indices into the meshes' own tracks (many keys: 24 B a triangle at any number)
+//     data, instance:  none; triangle[0] is the instance's id
+//
+// A ray reads two keys of a node, whatever their number. Every node and block has as many keys as it needs, no more.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/motion/track.h"
+
+namespace msbvh {
+
+inline constexpr std::uint32_t kWidth = 8;       // children of a node
+inline constexpr std::uint32_t kBlockWidth = 4;  // triangles of a block
+inline constexpr std::uint32_t kMaxDepth = 96;   // of nodes; bounds the traversal stack
+inline constexpr std::size_t kUnit = 16;         // bytes that positions are counted in
+
+// The position of a node or a leaf in the arena.
+struct ChildRef {
+  std::uint32_t bits;
+
+  static constexpr std::uint32_t kLeafFlag = 0x80000000u;
+  static constexpr ChildRef node(std::uint32_t unit) { return {unit}; }
+  static constexpr ChildRef leaf(std::uint32_t unit) { return {unit | kLeafFlag}; }
+  constexpr bool is_leaf() const { return (bits & kLeafFlag) != 0; }
+  constexpr std::size_t offset() const { return std::size_t(bits & ~kLeafFlag) * kUnit; }
+};
+
+// Key counts as an index into a ray's table of segment times: 0 still, 1 + k for 2^k segments.
+inline constexpr std::uint32_t kLevels = 9;
+constexpr std::uint32_t level_of(std::uint32_t segments) {
+  std::uint32_t level = 0;
+  while (segments != 0) {
+    ++level;
+    segments >>= 1;
+  }
+  return level;
+}
+constexpr std::uint32_t segments_of_level(std::uint32_t level) { return level == 0 ? 0 : 1u << (level - 1); }
+
+// The boxes of 8 children at one key. An absent child has lo = kAbsent, hi = -kAbsent: no ray hits it, and it
+// stays finite under interpolation.
+struct NodeBounds {
+  float lo[3][kWidth];
+  float hi[3][kWidth];
+};
+inline constexpr float kAbsent = 1e37f;
+
+struct alignas(64) NodeHeader {
+  ChildRef child[kWidth];
+  std::uint32_t level;
+  std::uint32_t child_count;
+
+  const NodeBounds* bounds() const { return reinterpret_cast<const NodeBounds*>(this + 1); }
+  NodeBounds* bounds() { return reinterpret_cast<NodeBounds*>(this + 1); }
+};
+
+enum class BlockKind : std::uint8_t { kGathered, kIndexed, kInstance };
+
+struct alignas(16) BlockHeader {
+  BlockKind kind;
+  std::uint8_t level;
+  std::uint8_t count;  // triangles, 1 to 4; unused lanes repeat the first triangle
+  std::uint8_t last;   // 1: no block follows in this leaf
+  std::uint32_t unused[3];
+  std::uint32_t mesh[kBlockWidth];
+  std::uint32_t triangle[kBlockWidth];
+};
+
+// Data of a gathered block at one key: [vertex][axis][triangle].
+struct GatheredKey {
+  float position[3][3][kBlockWidth];
+};
+
+// Data of an indexed block: [vertex][triangle].
+struct VertexIndices {
+  std::uint32_t vertex[3][kBlockWidth];
+};
+
+static_assert(sizeof(NodeHeader) == 64 && sizeof(NodeBounds) == 192);
+static_assert(sizeof(BlockHeader) == 48 && sizeof(GatheredKey) == 144 && sizeof(VertexIndices) == 48);
+
+// Up to this level blocks are gathered; gathering pays at 2 keys and loses at 9 (docs/design/layout.md).
+inline constexpr std::uint32_t kMaxGatheredLevel = 1;
+
+constexpr BlockKind triangle_block_kind(std::uint32_t level) {
+  return level <= kMaxGatheredLevel ? BlockKind::kGathered : BlockKind::kIndexed;
+}
+constexpr std::size_t node_bytes(std::uint32_t level) {
+  return sizeof(NodeHeader) + key_count(segments_of_level(level)) * sizeof(NodeBounds);
+}
+constexpr std::size_t triangle_block_bytes(std::uint32_t level) {
+  return sizeof(BlockHeader) + (triangle_block_kind(level) == BlockKind::kGathered
+                                    ? key_count(segments_of_level(level)) * sizeof(GatheredKey)
+                                    : sizeof(VertexIndices));
+}
+
+}  // namespace msbvh
