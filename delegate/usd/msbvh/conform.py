@@ -1,0 +1,40 @@
+"""Fitting a camera's window to an image of another shape, by the names of UsdRenderSettings."""
+
+from __future__ import annotations
+
+from .errors import SceneError
+
+Window = tuple[float, float, float, float]
+"""left, right, bottom, top; see core/scene/scene.h."""
+
+POLICIES = (
+    "expandAperture",
+    "cropAperture",
+    "adjustApertureWidth",
+    "adjustApertureHeight",
+    "adjustPixelAspectRatio",
+)
+
+
+def conformed(window: Window, image_aspect: float, policy: str) -> tuple[Window, float]:
+    """The window that fills an image of width / height = `image_aspect`, and the pixel aspect ratio.
+
+    UsdRenderSettings' aspectRatioConformPolicy; the window's centre stays where it is, so aperture offsets count once.
+    Raises SceneError for an unknown policy.
+    """
+    left, right, bottom, top = window
+    width, height = right - left, top - bottom
+    aspect = width / height
+    if policy == "adjustPixelAspectRatio":
+        return window, aspect / image_aspect
+    if policy not in POLICIES:
+        raise SceneError(f"aspectRatioConformPolicy: found '{policy}', expected one of {', '.join(POLICIES)}")
+    image_is_wider = image_aspect > aspect
+    widen = policy == "adjustApertureWidth" or (policy == "expandAperture" and image_is_wider)
+    narrow = policy == "cropAperture" and not image_is_wider
+    if widen or narrow:
+        width = height * image_aspect
+    else:
+        height = width / image_aspect
+    x, y = (left + right) / 2, (bottom + top) / 2
+    return (x - width / 2, x + width / 2, y - height / 2, y + height / 2), 1.0

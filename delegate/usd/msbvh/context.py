@@ -1,0 +1,38 @@
+"""What every part of the reader needs to know about the frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Usd
+
+from .errors import Diagnostics
+from .times import Shutter
+
+
+@dataclass(frozen=True)
+class FrameContext:
+    """One frame of one stage."""
+
+    stage: Usd.Stage
+    shutter: Shutter
+    held: bool
+    """The stage's values jump from sample to sample."""
+    diagnostics: Diagnostics
+
+    @property
+    def code(self) -> Usd.TimeCode:
+        """The frame's time: where everything is read that is not sampled over the shutter."""
+        return self.shutter.frame_code
+
+
+def array(value: object, dtype: type, columns: int | None = None) -> np.ndarray:
+    """A Vt array as numpy array without a copy where the type allows it: dtype[N] or dtype[N, columns].
+
+    None, what USD gives where no value is authored, becomes an empty array.
+    """
+    shape = (-1,) if columns is None else (-1, columns)
+    if value is None or len(value) == 0:
+        return np.zeros((0,) if columns is None else (0, columns), dtype)
+    return np.ascontiguousarray(np.asarray(value), dtype=dtype).reshape(shape)

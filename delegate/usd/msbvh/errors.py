@@ -1,0 +1,65 @@
+"""What can be wrong with a scene: the exception that ends a run, and the record of what was left out or approximated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+
+class SceneError(Exception):
+    """The scene or the settings are wrong; exit code 1.
+
+    Its text is one line that names the file or prim, the attribute, what was found and what is expected.
+    """
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """One thing to tell the user, in one line."""
+
+    severity: str
+    """note: nothing is lost. warning: something was approximated or left out. error: the prim was not rendered."""
+    path: str
+    """Of the prim; empty where the stage or a setting is meant."""
+    attribute: str
+    """Empty where the prim as a whole is meant."""
+    message: str
+
+    def __str__(self) -> str:
+        subject = f"{self.path}.{self.attribute}" if self.path and self.attribute else self.path or self.attribute
+        return f"{subject}: {self.message}" if subject else self.message
+
+
+class Diagnostics:
+    """Records diagnostics, each once, in the order of their first appearance."""
+
+    def __init__(self) -> None:
+        self._single: dict[Diagnostic, None] = {}
+        self._grouped: dict[tuple[str, str, str], list[str]] = {}
+
+    def note(self, path: str, attribute: str, message: str) -> None:
+        """Worth saying, but the picture is what was asked for."""
+        self._single[Diagnostic("note", path, attribute, message)] = None
+
+    def warning(self, path: str, attribute: str, message: str) -> None:
+        """Something was approximated or left out; the rest of the picture is right."""
+        self._single[Diagnostic("warning", path, attribute, message)] = None
+
+    def error(self, path: str, attribute: str, message: str) -> None:
+        """A prim is wrong and was not rendered; the rest of the picture is right."""
+        self._single[Diagnostic("error", path, attribute, message)] = None
+
+    def group(self, path: str, attribute: str, message: str, severity: str = "warning") -> None:
+        """Like warning(), for what many prims have in common: one line for all of them, naming the first."""
+        paths = self._grouped.setdefault((severity, attribute, message), [])
+        if path not in paths[:1]:
+            paths.append(path)
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        yield from self._single
+        for (severity, attribute, message), paths in self._grouped.items():
+            others = f" (and {len(paths) - 1} more prims)" if len(paths) > 1 else ""
+            yield Diagnostic(severity, paths[0], attribute, message + others)
+
+    def __len__(self) -> int:
+        return len(self._single) + len(self._grouped)

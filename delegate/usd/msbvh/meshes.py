@@ -1,0 +1,136 @@
+"""Mesh prims and implicit prims as the translator's mesh keywords, all but their transform and material."""
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from .context import FrameContext, array
+from .implicit import IMPLICIT_TYPES, read_implicit
+from .points import Samples, changes, sample_array, sample_points, velocities_apply
+from .primvars import PrimvarInput, read_primvar
+
+
+def is_shape(prim: Usd.Prim) -> bool:
+    """Whether a prim is drawn as a mesh."""
+    return prim.IsA(UsdGeom.Mesh) or prim.GetTypeName() in IMPLICIT_TYPES
+
+
+def read_shape(prim: Usd.Prim, context: FrameContext) -> dict | None:
+    """The translator's keywords of a mesh at the frame, without transform and material; None if there is nothing to draw.
+
+    `points` stands as Samples under "samples". Nothing is checked here that the translator checks.
+    """
+    mesh = _read_mesh(UsdGeom.Mesh(prim), context) if prim.IsA(UsdGeom.Mesh) else read_implicit(prim, context)
+    path = str(prim.GetPath())
+    if not len(mesh["face_vertex_counts"]) and not len(mesh["samples"].values[0][1]):
+        context.diagnostics.group(path, "", "empty: it has neither faces nor points at this frame", "note")
+        return None
+    _warn_of_the_rest(prim, context)
+    mesh.setdefault("normals", None)
+    mesh.setdefault("normals_interpolation", "vertex")
+    mesh.setdefault("normals_indices", None)
+    mesh["path"] = path
+    mesh["display_color"] = read_primvar(prim, "displayColor", 3, context)
+    mesh["display_opacity"] = read_primvar(prim, "displayOpacity", None, context)
+    if not prim.IsA(UsdGeom.Mesh):
+        for name in ("display_color", "display_opacity"):
+            mesh[name] = _constant(mesh[name], f"primvars:{name}", path, context)
+    return mesh
+
+
+def _read_mesh(mesh: UsdGeom.Mesh, context: FrameContext) -> dict:
+    code = context.code
+    counts, indices = mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()
+    topology_varies = changes(counts, context) or changes(indices, context)
+    samples = sample_points(mesh, topology_varies, context)
+    holes = array(mesh.GetHoleIndicesAttr().Get(code), np.int32)
+    scheme = mesh.GetSubdivisionSchemeAttr().Get(code)
+    keywords = {
+        "face_vertex_counts": array(counts.Get(code), np.int32),
+        "face_vertex_indices": array(indices.Get(code), np.int32),
+        "hole_indices": holes if len(holes) else None,
+        "left_handed": mesh.GetOrientationAttr().Get(code) == UsdGeom.Tokens.leftHanded,
+        "samples": samples,
+        "computed_normals": "faceted" if scheme == UsdGeom.Tokens.none else "smooth",
+    }
+    if scheme == UsdGeom.Tokens.none:
+        keywords.update(_normals(mesh, topology_varies, context))
+    else:
+        message = f"'{scheme}' is not supported yet; the control cage is drawn as polygons with smooth normals"
+        context.diagnostics.group(str(mesh.GetPath()), "subdivisionScheme", message)
+    return keywords
+
+
+def _normals(mesh: UsdGeom.Mesh, topology_varies: bool, context: FrameContext) -> dict:
+    """Authored normals: primvars:normals, which may be indexed, before normals (UsdGeomPointBased)."""
+    primvar = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("normals")
+    indices = None
+    if primvar and primvar.HasAuthoredValue():
+        attribute, interpolation = primvar.GetAttr(), primvar.GetInterpolation()
+        indices = array(primvar.GetIndices(context.code), np.int32) if primvar.IsIndexed() else None
+    else:
+        attribute, interpolation = mesh.GetNormalsAttr(), mesh.GetNormalsInterpolation()
+    if not attribute.HasAuthoredValue():
+        return {}
+    samples = None
+    if not topology_varies and not (context.shutter.moving and velocities_apply(mesh, context)):
+        samples = sample_array(attribute, context)
+    if samples is None:  # The points leave from one base sample or are held: so are their normals.
+        samples = Samples([(0.0, array(attribute.Get(context.code), np.float32, 3))])
+    if not len(samples.values[0][1]):
+        return {}
+    return {
+        "normals": samples.values,
+        "normals_interpolation": str(interpolation),
+        "normals_indices": indices,
+    }
+
+
+def _constant(primvar: PrimvarInput | None, name: str, path: str, context: FrameContext) -> PrimvarInput | None:
+    """An implicit shape has no vertices of its own that a primvar could vary over."""
+    if primvar is None or primvar[0] == "constant":
+        return primvar
+    _, values, indices = primvar
+    if len(values) > 1:
+        context.diagnostics.warning(path, name, f"found {len(values)} {primvar[0]} values on an implicit shape; drew the first")
+    return "constant", values[:1] if indices is None else values[indices[:1]], None
+
+
+_DEGRADED = {
+    "primvars:skel:jointIndices": "skinning is not supported yet; drawn in its rest pose",
+    "skel:blendShapes": "blend shapes are not supported yet; drawn in its rest pose",
+    "motion:blurScale": "not supported yet; blurred as the shutter says",
+}
+
+
+def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
+    """Names what a shape has authored beyond what is drawn."""
+    for name, message in _DEGRADED.items():
+        attribute = prim.GetAttribute(name)
+        if attribute and attribute.HasAuthoredValue() and attribute.Get(context.code) != 1.0:
+            context.diagnostics.group(str(prim.GetPath()), name, message)
+
+
+def faces_by_material(mesh: UsdGeom.Mesh, face_count: int, context: FrameContext) -> list[tuple[Usd.Prim, np.ndarray]]:
+    """The parts of a mesh that are bound to materials of their own: the subset's prim and the faces *outside* it, int32.
+
+    With these as holes the mesh shows that part alone. The faces of no subset are a part bound as the mesh is; a mesh
+    without such subsets has no parts at all.
+    """
+    subsets = UsdGeom.Subset.GetGeomSubsets(mesh, UsdGeom.Tokens.face, "materialBind")
+    unclaimed = np.ones(face_count, bool)
+    parts = []
+    for subset in subsets:
+        faces = array(subset.GetIndicesAttr().Get(context.code), np.int32)
+        inside = faces[(faces >= 0) & (faces < face_count)]
+        if len(inside) < len(faces):
+            message = f"found {len(faces) - len(inside)} indices outside 0 to {face_count - 1}; left out"
+            context.diagnostics.warning(str(subset.GetPath()), "indices", message)
+        outside = np.ones(face_count, bool)
+        outside[inside] = False
+        parts.append((subset.GetPrim(), np.flatnonzero(outside).astype(np.int32)))
+        unclaimed[inside] = False
+    if parts and unclaimed.any():
+        parts.append((mesh.GetPrim(), np.flatnonzero(~unclaimed).astype(np.int32)))
+    return parts

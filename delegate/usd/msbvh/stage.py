@@ -1,0 +1,79 @@
+"""Opening a stage: one clear SceneError where that fails, a warning for every part that does not resolve."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+from pxr import Ar, Sdf, Tf, Usd, UsdUtils
+
+from .errors import Diagnostics, SceneError
+
+
+def open_stage(path: str, diagnostics: Diagnostics, mask: Sequence[str] = ()) -> Usd.Stage:
+    """Opens and composes a stage with its payloads.
+
+    `mask` limits it to these prims, their ancestors and descendants (usdrecord's --mask). References, payloads and
+    sublayers that do not resolve leave a warning each. Raises SceneError for a missing or unreadable file, an invalid
+    layer, a bad mask and a stage without prims.
+    """
+    if not Ar.GetResolver().Resolve(path):
+        raise SceneError(f"{path}: no such file; expected a USD scene (usd, usda, usdc, usdz)")
+    population = _population_mask(mask)
+    with tf_messages(diagnostics):
+        try:
+            stage = Usd.Stage.OpenMasked(path, population) if mask else Usd.Stage.Open(path)
+        except Tf.ErrorException as error:
+            raise SceneError(f"{path}: cannot be read as USD: {_reason(error)}") from None
+    if not stage.GetPseudoRoot().GetAllChildren():
+        limits = f" under the mask {', '.join(mask)}" if mask else ""
+        raise SceneError(f"{path}: the stage is empty: found no prims{limits}, expected at least one")
+    return stage
+
+
+def _population_mask(paths: Sequence[str]) -> Usd.StagePopulationMask:
+    mask = Usd.StagePopulationMask()
+    for path in paths:
+        if not Sdf.Path.IsValidPathString(path) or not Sdf.Path(path).IsAbsoluteRootOrPrimPath():
+            raise SceneError(f"mask: found '{path}', expected the absolute path of a prim such as /World/Set")
+        if not Sdf.Path(path).IsAbsolutePath():
+            raise SceneError(f"mask: found the relative path '{path}', expected an absolute one such as /{path}")
+        mask.Add(path)
+    return mask
+
+
+@contextmanager
+def tf_messages(diagnostics: Diagnostics) -> Iterator[None]:
+    """Turns the warnings that USD's libraries would print into diagnostics."""
+    delegate = UsdUtils.CoalescingDiagnosticDelegate()
+    try:
+        yield
+    finally:
+        for message in delegate.TakeUncoalescedDiagnostics():
+            _record(message.commentary, diagnostics)
+        del delegate
+
+
+_PRIM_PREFIX = re.compile(r"^(?:In )?<?(/[\w/:.]*)>?(?: --|:) ")
+_STAGE_SUFFIX = re.compile(r" \((?:instantiating|recomposing|loading)[^()]*stage @[^@]*@ <0x[0-9a-f]+>\)$")
+_ADDRESS = re.compile(r" ?<0x[0-9a-f]+>")
+
+
+def _record(commentary: str, diagnostics: Diagnostics) -> None:
+    """Splits the prim off messages such as `In </World>: Could not open asset @a.usda@ for reference ...`."""
+    text = _ADDRESS.sub("", _STAGE_SUFFIX.sub("", " ".join(commentary.split())))
+    prim = _PRIM_PREFIX.match(text)
+    diagnostics.warning(prim[1] if prim else "", "", text[prim.end() :] if prim else text)
+
+
+_TF_ERROR = re.compile(r"Error in '[^']*' at line \d+ in file \S+ : '(.*)'\s*$")
+
+
+def _reason(error: Tf.ErrorException) -> str:
+    """The first message of a Tf error without the source locations of USD's own code."""
+    for line in str(error).replace("\n'", "'").splitlines():
+        found = _TF_ERROR.search(line)
+        if found:
+            return " ".join(found[1].split())
+    return " ".join(str(error).split())

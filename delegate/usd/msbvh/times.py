@@ -1,0 +1,145 @@
+"""Time: the open shutter, and the times at which a stage is evaluated over it.
+
+`time01` is a time relative to the shutter: 0 at its opening, 1 at its closing. Samples that bracket the shutter lie
+outside [0, 1].
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Gf, Usd
+
+from .errors import Diagnostics
+
+ABSURD_SHUTTER_FRAMES = 16.0
+"""A shutter that is open for longer is taken as authored, with a warning: one exporter writes the length of the shot."""
+
+COARSE_LEVEL = 3
+"""Grids start at 2^3 intervals: a full turn within the shutter is then eight steps, not nothing."""
+FINEST_LEVEL = 7
+"""2^7 intervals: the most segments a track has."""
+
+
+@dataclass(frozen=True)
+class Shutter:
+    """The open shutter of a frame."""
+
+    frame: float | None
+    """Time code; None: USD's default time, where nothing moves."""
+    open: float = 0.0
+    """Frames (time codes) relative to `frame`."""
+    close: float = 0.0
+
+    @property
+    def moving(self) -> bool:
+        """Whether it is open for any time at all."""
+        return self.frame is not None and self.close > self.open
+
+    @property
+    def frame_code(self) -> Usd.TimeCode:
+        """Where everything is read that is not sampled over the shutter."""
+        return Usd.TimeCode.Default() if self.frame is None else Usd.TimeCode(self.frame)
+
+    @property
+    def interval(self) -> Gf.Interval:
+        """The open shutter in time codes. Only for a moving one."""
+        return Gf.Interval(self.frame + self.open, self.frame + self.close)
+
+    def time_code(self, time01: float) -> Usd.TimeCode:
+        """The stage's time at `time01`; a closed shutter has the frame's alone."""
+        if not self.moving:
+            return self.frame_code
+        return Usd.TimeCode(self.frame + (1.0 - time01) * self.open + time01 * self.close)
+
+    def time01(self, time: float) -> float:
+        """Of a time code. Only for a moving shutter."""
+        return (time - (self.frame + self.open)) / (self.close - self.open)
+
+
+def checked_shutter(
+    frame: float | None, open_frames: float, close_frames: float, camera: str, diagnostics: Diagnostics
+) -> Shutter:
+    """The shutter that a camera asks for, closed where that makes no sense. Says what it decided and why."""
+    closed = Shutter(frame)
+    if frame is None:
+        diagnostics.note("", "", "rendered at USD's default time: no motion blur")
+        return closed
+    if not (math.isfinite(open_frames) and math.isfinite(close_frames)):
+        found = f"found {open_frames:g} to {close_frames:g}, expected finite numbers"
+        diagnostics.warning(camera, "shutter:open, shutter:close", f"{found}; no motion blur")
+        return closed
+    if close_frames < open_frames:
+        found = f"found {close_frames:g}, before shutter:open at {open_frames:g}, expected a later time"
+        diagnostics.warning(camera, "shutter:close", f"{found}; no motion blur")
+        return closed
+    if close_frames == open_frames:
+        diagnostics.note(camera, "shutter:close", f"equals shutter:open, {open_frames:g}: no motion blur")
+        return closed
+    length = close_frames - open_frames
+    if length > ABSURD_SHUTTER_FRAMES:
+        found = f"the shutter is open for {length:g} frames, expected about one"
+        diagnostics.warning(camera, "shutter:close", f"{found}; rendered as authored")
+    return Shutter(frame, open_frames, close_frames)
+
+
+class TimeGrid:
+    """Nested sets of times over the shutter: 2^level even intervals, and the times that are authored within it.
+
+    With the authored times, motion that is linear between them is caught exactly; the even ones catch curves.
+    """
+
+    def __init__(self, shutter: Shutter, authored: Iterable[float] = (), held: bool = False) -> None:
+        """`authored` are time codes, in any order. `held`: values jump at them, so the instants before count too."""
+        self.shutter = shutter
+        self._authored: list[float] = []
+        if shutter.moving:
+            inside = sorted({shutter.time01(time) for time in authored if shutter.interval.Contains(time)})
+            jumps = [time - 1e-6 for time in inside if held and time > 1e-6]
+            if len(inside) <= 2**FINEST_LEVEL:
+                self._authored = inside + jumps
+
+    def times01(self, level: int) -> list[float]:
+        """Increasing, from 0 to 1; [0] alone for a closed shutter. Levels nest."""
+        if not self.shutter.moving:
+            return [0.0]
+        even = np.linspace(0.0, 1.0, 2**level + 1)
+        # Authored times that differ from an even one by rounding alone would make intervals of no length.
+        distant = (time for time in self._authored if np.min(np.abs(even - time)) > 1e-9)
+        return sorted({*even.tolist(), *distant})
+
+
+def is_held(stage: Usd.Stage) -> bool:
+    """Whether values jump from sample to sample instead of being interpolated."""
+    return stage.GetInterpolationType() == Usd.InterpolationTypeHeld
+
+
+def bracketing_times(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
+    """The authored times of an attribute inside the open shutter and the ones next to it, increasing, as time codes.
+
+    Between them USD interpolates linearly, so they say everything. Empty where nothing is authored or a spline drives
+    the attribute: those have no samples (OpenUSD #3765).
+    """
+    interval = shutter.interval
+    before = attribute.GetBracketingTimeSamples(interval.min)
+    after = attribute.GetBracketingTimeSamples(interval.max)
+    return sorted({*before[:1], *attribute.GetTimeSamplesInInterval(interval), *after[1:]})
+
+
+def sample_times(attributes: Iterable[Usd.Attribute], shutter: Shutter) -> list[float]:
+    """Time codes that say all about how several attributes move together over the shutter; [] where they do not.
+
+    The union of their bracketing samples; many even ones for splines and where there are more samples than a track
+    has keys.
+    """
+    varying = [attribute for attribute in attributes if attribute.ValueMightBeTimeVarying()]
+    if not shutter.moving or not varying:
+        return []
+    authored = [bracketing_times(attribute, shutter) for attribute in varying]
+    times = sorted(set().union(*authored))
+    if all(authored) and len(times) <= 2**FINEST_LEVEL + 3:
+        return times
+    return [shutter.time_code(time).GetValue() for time in np.linspace(0.0, 1.0, 2**FINEST_LEVEL + 1).tolist()]
