@@ -1,4 +1,5 @@
-// The acceleration structure on its own: add meshes with their keys, commit, trace. Needs no USD and no renderer.
+// The acceleration structure on its own: add meshes with their keys, commit, trace. Needs no USD and no
+// renderer.
 //
 //   msbvh::Accel accel;
 //   accel.add_mesh(mesh);            // core/geometry/triangle_mesh.h
@@ -6,8 +7,8 @@
 //   msbvh::Hit hit;
 //   if (accel.intersect({.org = o, .dir = d, .time = 0.25f}, hit)) ...
 //
-// MSBVH: L. Gruenschloss, M. Stich, S. Nawaz, A. Keller, "MSBVH: An Efficient Acceleration Data Structure for Ray Traced
-// Motion Blur", HPG 2011.
+// MSBVH: L. Gruenschloss, M. Stich, S. Nawaz, A. Keller, "MSBVH: An Efficient Acceleration Data Structure for
+// Ray Traced Motion Blur", HPG 2011.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +17,7 @@
 
 #include "core/base/affine.h"
 #include "core/build/settings.h"
+#include "core/bvh/bvh.h"
 #include "core/bvh/statistics.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/trace/ray.h"
@@ -30,11 +32,13 @@ class Accel {
   Accel(Accel&&) noexcept;
   Accel& operator=(Accel&&) noexcept;
 
-  // Both return ids, counted from 0 in the order of the calls, meshes and instances apart. Throw Error for geometry
-  // that is not valid (see validated()), for a non-finite matrix, and after commit().
+  // Both return ids, counted from 0 in the order of the calls, meshes and instances apart. Throw Error for
+  // geometry that is not valid (see validated()), for a non-finite matrix, and after commit().
   std::uint32_t add_mesh(TriangleMesh mesh);
-  // Instances of another, committed Accel that holds no instances itself (two levels). `world_from_object` holds
-  // key_count(segments) maps for each instance, instance-major. Returns the id of the first one.
+  // Shares a mesh that has passed validated() already.
+  std::uint32_t add_mesh(std::shared_ptr<const TriangleMesh> mesh);
+  // Instances of another, committed Accel that holds no instances itself (two levels). `world_from_object`
+  // holds key_count(segments) maps for each instance, instance-major. Returns the id of the first one.
   std::uint32_t add_instances(std::shared_ptr<const Accel> object, std::uint32_t segments,
                               std::span<const Affine3f> world_from_object);
 
@@ -42,15 +46,16 @@ class Accel {
   // Throws Cancelled if settings.cancelled says so, and leaves the Accel uncommitted.
   void commit(const BuildSettings& settings = {});
 
-  // Rays at any time, from any thread, after commit(). See Tracer for a chosen instruction set and for counting.
+  // Rays at any time, from any thread, after commit(). See Tracer for a chosen instruction set and for
+  // counting.
   bool intersect(const Ray& ray, Hit& hit) const;
   bool occluded(const Ray& ray) const;
 
   const Bvh& bvh() const;
   const BvhStatistics& statistics() const;
 
-  // Proves the invariants of the tree at every key (children in parents, fragments in leaves, every triangle covered);
-  // throws Error naming the node and the invariant. Slow: for tests.
+  // Proves the invariants of the tree at every key (children in parents, fragments in leaves, every triangle
+  // covered); throws Error naming the node and the invariant. Slow: for tests.
   void verify() const;
 
  private:

@@ -33,8 +33,8 @@ constexpr Affine3<T> operator*(const Affine3<T>& a, const Affine3<T>& b) {
   return {a.vector(b.x), a.vector(b.y), a.vector(b.z), a.point(b.t)};
 }
 
-// Normals move by the cofactor matrix, which exists for singular maps too and keeps the right side of a mirror:
-// cofactor(A) = det(A) * inverse(A)^T. The result is not normalised.
+// Normals move by the cofactor matrix, which exists for singular maps too and keeps the right side of a
+// mirror: cofactor(A) = det(A) * inverse(A)^T. The result is not normalised.
 template <typename T>
 constexpr Vec3<T> transform_normal(const Affine3<T>& a, const Vec3<T>& n) {
   return cross(a.y, a.z) * n.x + cross(a.z, a.x) * n.y + cross(a.x, a.y) * n.z;
@@ -45,7 +45,8 @@ template <typename T>
 constexpr Affine3<T> inverse(const Affine3<T>& a) {
   const Vec3<T> rx = cross(a.y, a.z), ry = cross(a.z, a.x), rz = cross(a.x, a.y);
   const T s = T(1) / dot(a.x, rx);
-  Affine3<T> r{Vec3<T>{rx.x, ry.x, rz.x} * s, Vec3<T>{rx.y, ry.y, rz.y} * s, Vec3<T>{rx.z, ry.z, rz.z} * s, {}};
+  Affine3<T> r{
+      Vec3<T>{rx.x, ry.x, rz.x} * s, Vec3<T>{rx.y, ry.y, rz.y} * s, Vec3<T>{rx.z, ry.z, rz.z} * s, {}};
   r.t = -r.vector(a.t);
   return r;
 }

@@ -1,5 +1,5 @@
-// Uninitialised bytes on a cache-line boundary, on huge pages where the system has them: random rays touch the whole
-// tree, and the misses of the address translation cost as much as those of the cache.
+// Uninitialised bytes on a cache-line boundary, on huge pages where the system has them: random rays touch
+// the whole tree, and the misses of the address translation cost as much as those of the cache.
 #pragma once
 
 #include <cstddef>

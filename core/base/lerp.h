@@ -1,13 +1,14 @@
-// THE linear interpolation of this renderer: (1 - w) * a + w * b, both weights >= 0. Vertices, node boxes and transforms
-// are interpolated in this form and no other. Its SIMD twin, core/trace/simd_lerp.h, fuses the last two operations
-// where the instruction set can.
+// THE linear interpolation of this renderer: (1 - w) * a + w * b, both weights >= 0. Vertices, node boxes and
+// transforms are interpolated in this form and no other. Its SIMD twin, core/trace/simd_lerp-inl.h, fuses the
+// last two operations where the instruction set can.
 //
-// Why this form: it is a composition of monotone roundings, fused or not, hence monotone in a and in b. If lo <= v holds
-// at both keys, lerp(lo) <= lerp(v) holds bit-exactly between them, as long as box and vertex take the same routine: a
-// box that encloses a vertex at its keys encloses it in flight without any padding. The form a + w * (b - a) does not
-// have this property. At w = 0 and at w = 1 the result is exactly a or b.
+// Why this form: it is a composition of monotone roundings, fused or not, hence monotone in a and in b. If lo
+// <= v holds at both keys, lerp(lo) <= lerp(v) holds bit-exactly between them, as long as box and vertex take
+// the same routine: a box that encloses a vertex at its keys encloses it in flight without any padding. The
+// form a + w * (b - a) does not have this property. At w = 0 and at w = 1 the result is exactly a or b.
 //
-// Error: |lerp - exact| <= kLerpError * max(|a|, |b|): one rounding each (2^-24) of 1 - w, the products and the sum.
+// Error: |lerp - exact| <= kLerpError * max(|a|, |b|): one rounding each (2^-24) of 1 - w, the products and
+// the sum.
 #pragma once
 
 #include "core/base/affine.h"

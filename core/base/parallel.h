@@ -1,7 +1,8 @@
 // Parallelism for the whole library; the only room that knows TBB.
 //
-// Determinism is the caller's part: a loop body writes only what its index owns, and reductions go over fixed chunks
-// in order, never over what a thread happened to process. Exceptions of a body cancel the loop and are rethrown.
+// Determinism is the caller's part: a loop body writes only what its index owns, and reductions go over fixed
+// chunks in order, never over what a thread happened to process. Exceptions of a body cancel the loop and are
+// rethrown.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +14,8 @@ namespace msbvh {
 // body(i) for every i in [0, count).
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
-// body(begin, end) over consecutive ranges of exactly `grain` elements (the last may be shorter): the ranges do not
-// depend on the number of threads. One range runs on the calling thread without overhead.
+// body(begin, end) over consecutive ranges of exactly `grain` elements (the last may be shorter): the ranges
+// do not depend on the number of threads. One range runs on the calling thread without overhead.
 void parallel_for_ranges(std::size_t count, std::size_t grain,
                          const std::function<void(std::size_t, std::size_t)>& body);
 

@@ -1,4 +1,5 @@
-// Three-component vectors. float is the storage type; double is the type of truth (oracle, clipping, USD input).
+// Three-component vectors. float is the storage type; double is the type of truth (oracle, clipping, USD
+// input).
 #pragma once
 
 #include <algorithm>

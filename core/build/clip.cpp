@@ -15,8 +15,8 @@ double largest_coordinate(const std::array<Vec3d, 3>& triangle) {
   return std::max({m.x, m.y, m.z});
 }
 
-// Keeps the part where sign * (coordinate - plane) <= 0. Should the corners not fit, keeps all: more than the fragment is
-// always right.
+// Keeps the part where sign * (coordinate - plane) <= 0. Should the corners not fit, keeps all: more than the
+// fragment is always right.
 BarycentricPolygon clip_to_plane(const BarycentricPolygon& in, const std::array<Vec3d, 3>& triangle, int axis,
                                  double plane, double sign) {
   const Vec3d c{triangle[0][axis], triangle[1][axis], triangle[2][axis]};

@@ -98,7 +98,8 @@ ObjectBinning::ObjectBinning(const Box3f& centres) : lo(centres.lo) {
 }
 
 ObjectSplit find_object_split(std::span<const Reference> references, const ObjectBinning& binning) {
-  const Bins bins = reduce<Bins>(references, [&](Bins& sum, std::span<const Reference> part) { sum.add(part, binning); });
+  const Bins bins =
+      reduce<Bins>(references, [&](Bins& sum, std::span<const Reference> part) { sum.add(part, binning); });
   ObjectSplit best;
   for (int axis = 0; axis < 3; ++axis) {
     if (binning.scale[axis] > 0.0f) sweep(bins, axis, best);

@@ -23,9 +23,10 @@ struct Primitives {
   std::span<const InstanceBounds> instances;
 };
 
-// A reference stands for a whole primitive or, after spatial splits, for a fragment of a triangle. The fragment needs no
-// storage of its own: it is the part of the triangle that lies in `box` at the shutter's centre. (The box is the tight
-// one of the fragment, and fragment = triangle ∩ (boxes of all splits above), hence triangle ∩ box is the fragment again.)
+// A reference stands for a whole primitive or, after spatial splits, for a fragment of a triangle. The
+// fragment needs no storage of its own: it is the part of the triangle that lies in `box` at the shutter's
+// centre. (The box is the tight one of the fragment, and fragment = triangle ∩ (boxes of all splits above),
+// hence triangle ∩ box is the fragment again.)
 struct Reference {
   Box3f box;                // at the shutter's centre, u = 0.5
   std::uint32_t owner = 0;  // mesh id, kInstanceOwner for an instance; kClippedFlag marks a fragment
@@ -39,8 +40,8 @@ struct Reference {
   bool is_clipped() const { return (owner & kClippedFlag) != 0; }
 };
 
-// References to all primitives, whole. Order: meshes' triangles, then instances. Instances with an empty box (nothing
-// in them) are left out.
+// References to all primitives, whole. Order: meshes' triangles, then instances. Instances with an empty box
+// (nothing in them) are left out.
 std::vector<Reference> make_references(const Primitives& primitives);
 
 // The number of segments of what the reference stands for.

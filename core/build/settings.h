@@ -16,8 +16,8 @@ struct BuildSettings {
   // References that spatial splits may add, as a share of the triangles. More: fewer tests a ray on long thin
   // triangles, more bytes and a longer build.
   float spatial_split_budget = 0.5f;
-  // Spatial splits are tried where the object split's children overlap by more than this share of the root's area.
-  // Stich et al. 2009, section 4.1: 1e-5 finds nearly all that pay.
+  // Spatial splits are tried where the object split's children overlap by more than this share of the root's
+  // area. Stich et al. 2009, section 4.1: 1e-5 finds nearly all that pay.
   float spatial_split_overlap = 1e-5f;
   std::uint32_t max_leaf_triangles = 8;
   // SAH: the cost of a triangle block (4 triangles) relative to that of a node (8 boxes).

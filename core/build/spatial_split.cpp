@@ -60,10 +60,12 @@ struct AxisBins {
   }
 };
 
-AxisBins fill(const Primitives& primitives, std::span<const Reference> references, int axis, const Planes& planes) {
+AxisBins fill(const Primitives& primitives, std::span<const Reference> references, int axis,
+              const Planes& planes) {
   std::vector<AxisBins> parts((references.size() + kChunk - 1) / kChunk);
   parallel_for_ranges(references.size(), kChunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) parts[begin / kChunk].add(primitives, references[i], axis, planes);
+    for (std::size_t i = begin; i < end; ++i)
+      parts[begin / kChunk].add(primitives, references[i], axis, planes);
   });
   for (std::size_t i = 1; i < parts.size(); ++i) parts[0].add(parts[i]);
   return parts[0];

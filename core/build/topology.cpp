@@ -11,14 +11,14 @@
 namespace msbvh {
 namespace {
 
-// Below this depth the SAH decides; further down a set is halved, which ends within 32 more levels. Only sets that the
-// SAH peels one by one come here.
+// Below this depth the SAH decides; further down a set is halved, which ends within 32 more levels. Only sets
+// that the SAH peels one by one come here.
 constexpr int kMaxSahDepth = 56;
 constexpr std::size_t kParallelReferences = 2048;
 constexpr std::size_t kCancelReferences = 4096;
 
-// A contiguous run of references, with free slots behind it that spatial splits may fill. Handing the free slots down
-// bounds the number of references whatever the splits do, and keeps the build deterministic.
+// A contiguous run of references, with free slots behind it that spatial splits may fill. Handing the free
+// slots down bounds the number of references whatever the splits do, and keeps the build deterministic.
 struct Range {
   std::size_t begin, end, slots_end;
   std::size_t count() const { return end - begin; }
@@ -80,7 +80,8 @@ class TopologyBuilder {
   bool may_be_leaf(const Range& range) const {
     if (range.count() > settings_.max_leaf_triangles) return false;
     const auto refs = references(range);
-    return range.count() == 1 || std::none_of(refs.begin(), refs.end(), [](const Reference& r) { return r.is_instance(); });
+    return range.count() == 1 ||
+           std::none_of(refs.begin(), refs.end(), [](const Reference& r) { return r.is_instance(); });
   }
 
   // Stich et al. 2009, section 4.1: only where the object split's children overlap noticeably.
@@ -90,16 +91,17 @@ class TopologyBuilder {
     return half_area(intersect(object.left, object.right)) > settings_.spatial_split_overlap * root_area_;
   }
 
-  bool split_objects(Range range, const ObjectBinning& binning, const ObjectSplit& split, Range& left, Range& right) {
-    const auto middle = std::partition(
-        begin(range), end(range),
-        [&](const Reference& r) { return binning.bin(r.box, split.axis) < split.first_right_bin; });
+  bool split_objects(Range range, const ObjectBinning& binning, const ObjectSplit& split, Range& left,
+                     Range& right) {
+    const auto middle = std::partition(begin(range), end(range), [&](const Reference& r) {
+      return binning.bin(r.box, split.axis) < split.first_right_bin;
+    });
     share(range, static_cast<std::size_t>(middle - out_.references.begin()), left, right);
     return true;
   }
 
-  // False, with the references untouched, if the free slots do not suffice or one side stays empty. Ends always: a split
-  // that cuts uses up free slots, one that does not leaves fewer references on either side.
+  // False, with the references untouched, if the free slots do not suffice or one side stays empty. Ends
+  // always: a split that cuts uses up free slots, one that does not leaves fewer references on either side.
   bool split_space(Range range, const SpatialSplit& split, Range& left, Range& right) {
     if (split.left_count + split.right_count - range.count() > range.free_slots()) return false;
     std::vector<Reference> lefts, rights;
@@ -124,12 +126,15 @@ class TopologyBuilder {
     return true;
   }
 
-  // Divides the free slots among the children by their number of references; the right one's references move up.
+  // Divides the free slots among the children by their number of references; the right one's references move
+  // up.
   void share(const Range& range, std::size_t middle, Range& left, Range& right) {
     const std::size_t left_count = middle - range.begin, right_count = range.end - middle;
     const std::size_t left_free = range.free_slots() * left_count / range.count();
     const std::size_t moved = std::min(left_free, right_count);
-    const auto at = [this](std::size_t i) { return out_.references.begin() + static_cast<std::ptrdiff_t>(i); };
+    const auto at = [this](std::size_t i) {
+      return out_.references.begin() + static_cast<std::ptrdiff_t>(i);
+    };
     std::copy_backward(at(middle), at(middle + moved), at(range.end + left_free));
     left = {range.begin, middle, middle + left_free};
     right = {middle + left_free, range.end + left_free, range.slots_end};
@@ -178,7 +183,8 @@ Topology build_topology(const Primitives& primitives, const BuildSettings& setti
   const std::size_t count = out.references.size();
   if (count == 0) return out;
   const bool spatial = settings.builder == Builder::kMsbvh;
-  const auto extra = static_cast<std::size_t>(spatial ? settings.spatial_split_budget * static_cast<float>(count) : 0.0f);
+  const auto extra =
+      static_cast<std::size_t>(spatial ? settings.spatial_split_budget * static_cast<float>(count) : 0.0f);
   if (count + extra >= (std::size_t(1) << 31)) {
     throw Error("accelerator: " + std::to_string(count) + " primitives; expected fewer than 2^31 references");
   }

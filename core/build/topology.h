@@ -1,4 +1,5 @@
-// The binary topology of a tree, chosen at the shutter's centre: step 1 of the paper's construction (section 3.1).
+// The binary topology of a tree, chosen at the shutter's centre: step 1 of the paper's construction
+// (section 3.1).
 #pragma once
 
 #include <atomic>
@@ -12,9 +13,9 @@
 namespace msbvh {
 
 struct BinaryNode {
-  float lo[3], hi[3];  // at the shutter's centre
-  std::uint32_t first; // leaf: first reference; inner: left child, the right one is next to it
-  std::uint32_t count; // leaf: number of references, > 0; inner: 0
+  float lo[3], hi[3];   // at the shutter's centre
+  std::uint32_t first;  // leaf: first reference; inner: left child, the right one is next to it
+  std::uint32_t count;  // leaf: number of references, > 0; inner: 0
 
   bool is_leaf() const { return count > 0; }
   float half_area() const {
@@ -27,8 +28,9 @@ struct Topology {
   // Uninitialised where unused: pages that no node touches cost nothing.
   std::unique_ptr<BinaryNode[]> nodes;  // node 0 is the root
   std::uint32_t node_count = 0;         // 0: nothing in the tree
-  std::vector<Reference> references;    // leaves own ranges of it; slots that spatial splits left unused lie between
-  std::uint64_t reference_count = 0;    // in leaves
+  std::vector<Reference>
+      references;  // leaves own ranges of it; slots that spatial splits left unused lie between
+  std::uint64_t reference_count = 0;  // in leaves
 
   const BinaryNode& root() const { return nodes[0]; }
 };

@@ -32,13 +32,13 @@ class Bvh {
 
   AlignedBuffer arena;
   ChildRef root = ChildRef::leaf(0);
-  bool empty = true;                // nothing to hit; the arena is empty
+  bool empty = true;  // nothing to hit; the arena is empty
   std::uint32_t root_segments = 0;
-  std::vector<Box3f> root_bounds;   // at the keys of the root
+  std::vector<Box3f> root_bounds;  // at the keys of the root
   // What traversal must be ready for: nothing that moves in this tree or below its instances, no instances.
   bool moving = false;
   bool instanced = false;
-  std::uint32_t max_level = 0;      // of nodes and blocks in this tree
+  std::uint32_t max_level = 0;  // of nodes and blocks in this tree
   BvhStatistics statistics;
 
   const NodeHeader& node(ChildRef ref) const {
@@ -47,7 +47,9 @@ class Bvh {
   const BlockHeader& block(ChildRef ref) const {
     return *reinterpret_cast<const BlockHeader*>(arena.data() + ref.offset());
   }
-  const Affine3f* keys_of(const Instance& instance) const { return instance_keys.data() + instance.first_key; }
+  const Affine3f* keys_of(const Instance& instance) const {
+    return instance_keys.data() + instance.first_key;
+  }
 };
 
 // The block that follows in the same leaf; block.last must be 0.

@@ -12,7 +12,8 @@ namespace msbvh {
 namespace {
 
 constexpr std::size_t kParallelBytes = 1 << 18;  // subtrees smaller than this are written by one task
-constexpr std::uint32_t kParallelDepth = 3;      // and planned by one task from this depth on: 8^3 tasks are enough
+constexpr std::uint32_t kParallelDepth =
+    3;  // and planned by one task from this depth on: 8^3 tasks are enough
 
 std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
 
@@ -30,7 +31,8 @@ struct WideChildren {
       int largest = -1;
       for (std::uint32_t i = 0; i < count; ++i) {
         if (nodes[node[i]].is_leaf()) continue;
-        if (largest < 0 || nodes[node[i]].half_area() > nodes[node[largest]].half_area()) largest = static_cast<int>(i);
+        if (largest < 0 || nodes[node[i]].half_area() > nodes[node[largest]].half_area())
+          largest = static_cast<int>(i);
       }
       if (largest < 0) break;
       const std::uint32_t opened = nodes[node[largest]].first;
@@ -51,13 +53,18 @@ struct BlockRange {
 class Flattener {
  public:
   Flattener(const Primitives& primitives, Topology& topology, const BuildSettings& settings, Bvh& out)
-      : primitives_(primitives), topology_(topology), settings_(settings), out_(out), plans_(topology.node_count) {}
+      : primitives_(primitives),
+        topology_(topology),
+        settings_(settings),
+        out_(out),
+        plans_(topology.node_count) {}
 
   void run() {
     plan(0, 0);
     const std::size_t bytes = plans_[0].bytes;
     if (bytes / kUnit >= ChildRef::kLeafFlag) {
-      throw Error("accelerator: " + std::to_string(bytes) + " bytes of nodes and leaves; expected less than 2^35");
+      throw Error("accelerator: " + std::to_string(bytes) +
+                  " bytes of nodes and leaves; expected less than 2^35");
     }
     out_.arena = AlignedBuffer(bytes);
     out_.root_segments = segments_of_level(plans_[0].level);
@@ -112,7 +119,8 @@ class Flattener {
       for (std::size_t i = begin; i < end; ++i) plan(children.node[i], depth + 1);
     });
     Plan& p = plans_[node];
-    for (std::uint32_t i = 0; i < children.count; ++i) p.level = std::max(p.level, plans_[children.node[i]].level);
+    for (std::uint32_t i = 0; i < children.count; ++i)
+      p.level = std::max(p.level, plans_[children.node[i]].level);
     p.bytes = node_bytes(p.level);
     std::size_t leaves = 0;
     for (std::uint32_t i = 0; i < children.count; ++i) {
@@ -131,16 +139,18 @@ class Flattener {
     for (const BlockRange& b : blocks(refs)) p.bytes += b.bytes();
   }
 
-  // Blocks of at most 4 distinct triangles of one level, or of one instance. Two fragments of one triangle that meet
-  // again in a leaf share an entry.
+  // Blocks of at most 4 distinct triangles of one level, or of one instance. Two fragments of one triangle
+  // that meet again in a leaf share an entry.
   std::vector<BlockRange> blocks(std::span<const Reference> refs) {
     std::vector<BlockRange> out;
     std::size_t begin = 0;
     std::uint32_t distinct = 0;
     for (std::size_t i = 0; i < refs.size(); ++i) {
-      const bool repeat = i > begin && refs[i].mesh() == refs[i - 1].mesh() && refs[i].index == refs[i - 1].index;
+      const bool repeat =
+          i > begin && refs[i].mesh() == refs[i - 1].mesh() && refs[i].index == refs[i - 1].index;
       const bool full = distinct == kBlockWidth && !repeat;
-      const bool other = i > begin && (level(refs[i]) != level(refs[begin]) || refs[i].is_instance() || refs[begin].is_instance());
+      const bool other = i > begin && (level(refs[i]) != level(refs[begin]) || refs[i].is_instance() ||
+                                       refs[begin].is_instance());
       if (i > begin && (full || other)) {
         out.push_back({refs.subspan(begin, i - begin), level(refs[begin]), refs[begin].is_instance()});
         begin = i;
@@ -169,22 +179,24 @@ class Flattener {
 
     std::vector<Box3f> slots(std::size_t(kWidth) * key_count(segments));
     std::array<Tally, kWidth> tallies;
-    parallel_for_ranges(children.count, p.bytes > kParallelBytes ? 1 : kWidth, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const std::uint32_t child = children.node[i];
-        const std::uint32_t child_segments = segments_of_level(plans_[child].level);
-        std::vector<Box3f> track(key_count(child_segments));
-        tallies[i] = emit(child, offsets[i], track, depth + 1);
-        const std::span<Box3f> slot(slots.data() + i * key_count(segments), key_count(segments));
-        grow_keys(slot, segments, track, child_segments);
-        header.child[i] = ref_of(child, offsets[i]);
-      }
-    });
+    parallel_for_ranges(
+        children.count, p.bytes > kParallelBytes ? 1 : kWidth, [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t child = children.node[i];
+            const std::uint32_t child_segments = segments_of_level(plans_[child].level);
+            std::vector<Box3f> track(key_count(child_segments));
+            tallies[i] = emit(child, offsets[i], track, depth + 1);
+            const std::span<Box3f> slot(slots.data() + i * key_count(segments), key_count(segments));
+            grow_keys(slot, segments, track, child_segments);
+            header.child[i] = ref_of(child, offsets[i]);
+          }
+        });
     Tally sum;
     for (std::uint32_t i = 0; i < children.count; ++i) {
       const std::span<const Box3f> slot(slots.data() + i * key_count(segments), key_count(segments));
       sum.add(tallies[i]);
-      sum.cost += mean_half_area(slot) * (is_leaf(children.node[i]) ? settings_.block_cost * block_units(children.node[i]) : 1.0);
+      sum.cost += mean_half_area(slot) *
+                  (is_leaf(children.node[i]) ? settings_.block_cost * block_units(children.node[i]) : 1.0);
       for (std::uint32_t k = 0; k <= segments; ++k) bounds[k].grow(slot[k]);
     }
     write_bounds(header, slots, segments);
@@ -249,7 +261,8 @@ class Flattener {
     block.level = static_cast<std::uint8_t>(range.level);
     block.last = last;
     for (const Reference& r : range.references) {
-      const bool repeat = block.count > 0 && r.mesh() == block.mesh[block.count - 1] && r.index == block.triangle[block.count - 1];
+      const bool repeat = block.count > 0 && r.mesh() == block.mesh[block.count - 1] &&
+                          r.index == block.triangle[block.count - 1];
       if (repeat) continue;
       block.mesh[block.count] = r.mesh();
       block.triangle[block.count++] = r.index;
@@ -292,7 +305,8 @@ class Flattener {
     s.sah_cost = 1.0 + (root_area > 0.0 ? t.cost / root_area : 0.0);
     if (!t.indexed) return;
     for (const auto& mesh : primitives_.meshes) {
-      if (triangle_block_kind(level_of(mesh->segments)) == BlockKind::kIndexed) s.vertex_bytes += mesh->positions.size() * sizeof(Vec3f);
+      if (triangle_block_kind(level_of(mesh->segments)) == BlockKind::kIndexed)
+        s.vertex_bytes += mesh->positions.size() * sizeof(Vec3f);
     }
   }
 

@@ -10,7 +10,8 @@ namespace msbvh {
 namespace {
 
 template <typename T>
-T at_fine_key(std::span<const T> keys, std::uint32_t segments, std::uint32_t key, std::uint32_t fine_segments) {
+T at_fine_key(std::span<const T> keys, std::uint32_t segments, std::uint32_t key,
+              std::uint32_t fine_segments) {
   if (segments == 0) return keys[0];
   const std::uint32_t ratio = fine_segments / segments;
   const std::uint32_t i = std::min(key / ratio, segments - 1);
@@ -31,8 +32,9 @@ struct Pose {
   Box3d box;
 };
 
-// Adds to both ends of a segment what the quadratic paths of the corners swell beyond their chords. With control points
-// b0, b1, b2 a path leaves its chord by 2 u (1 - u) (b1 - (b0 + b2) / 2), at most half of that difference.
+// Adds to both ends of a segment what the quadratic paths of the corners swell beyond their chords. With
+// control points b0, b1, b2 a path leaves its chord by 2 u (1 - u) (b1 - (b0 + b2) / 2), at most half of that
+// difference.
 void grow_segment(const Pose& a, const Pose& b, Box3d& at_a, Box3d& at_b) {
   for (int i = 0; i < 8; ++i) {
     const Vec3d x0 = corner(a.box, i), x1 = corner(b.box, i);
@@ -65,7 +67,8 @@ InstanceBounds bound_instance(std::span<const Affine3f> matrix_keys, std::uint32
   }
   std::vector<Box3d> bounds(poses.size());
   if (out.segments == 0) grow_segment(poses[0], poses[0], bounds[0], bounds[0]);
-  for (std::uint32_t k = 0; k < out.segments; ++k) grow_segment(poses[k], poses[k + 1], bounds[k], bounds[k + 1]);
+  for (std::uint32_t k = 0; k < out.segments; ++k)
+    grow_segment(poses[k], poses[k + 1], bounds[k], bounds[k + 1]);
   for (std::uint32_t k = 0; k <= out.segments; ++k) {
     Vec3d pad = error_of(poses[k].matrix, poses[k].box);
     if (k > 0) pad = max(pad, error_of(poses[k - 1].matrix, poses[k - 1].box));

@@ -1,4 +1,5 @@
-// Boxes at keys: steps 2 to 4 of the paper's construction (sections 3.2, 3.3) for one reference or one set of children.
+// Boxes at keys: steps 2 to 4 of the paper's construction (sections 3.2, 3.3) for one reference or one set of
+// children.
 #pragma once
 
 #include <span>
@@ -9,12 +10,14 @@
 
 namespace msbvh {
 
-// A track of boxes on a coarse grid, read on a finer one (both power-of-two or still), gets padded by this share of its
-// largest coordinate: rounding the intermediate key and interpolating on either grid err by at most kLerpError each.
+// A track of boxes on a coarse grid, read on a finer one (both power-of-two or still), gets padded by this
+// share of its largest coordinate: rounding the intermediate key and interpolating on either grid err by at
+// most kLerpError each.
 inline constexpr float kRekeyPad = 4.0f * kLerpError;
 
-// A fragment's corner is a weighted sum of vertices. The vertices in flight, and the box in flight, err by kLerpError
-// each (core/base/lerp.h); the sum itself is made in double and rounded outwards. 4 units of 2^-22 are 8 machine epsilons.
+// A fragment's corner is a weighted sum of vertices. The vertices in flight, and the box in flight, err by
+// kLerpError each (core/base/lerp.h); the sum itself is made in double and rounded outwards. 4 units of 2^-22
+// are 8 machine epsilons.
 inline constexpr float kFragmentPad = 4.0f * kLerpError;
 
 // Grows out[0 .. segments] by `track` (key_count(track_segments) boxes). `segments` must be a multiple of

@@ -17,8 +17,8 @@ void check_positions(const TriangleMesh& mesh, std::size_t count) {
     for (int axis = 0; axis < 3; ++axis) {
       if (std::abs(p[axis]) <= kMaxCoordinate) continue;  // false for NaN too
       fail(mesh, "positions: vertex " + std::to_string(i % mesh.vertex_count) + " at key " +
-                     std::to_string(i / mesh.vertex_count) + " has the coordinate " + std::to_string(p[axis]) +
-                     "; expected a finite number of at most 2^60 in size");
+                     std::to_string(i / mesh.vertex_count) + " has the coordinate " +
+                     std::to_string(p[axis]) + "; expected a finite number of at most 2^60 in size");
     }
   }
 }
@@ -27,7 +27,8 @@ void check_positions(const TriangleMesh& mesh, std::size_t count) {
 
 TriangleMesh validated(TriangleMesh mesh) {
   if (!is_valid_segment_count(mesh.segments)) {
-    fail(mesh, "segments: found " + std::to_string(mesh.segments) + "; expected 0 or a power of two up to 128");
+    fail(mesh,
+         "segments: found " + std::to_string(mesh.segments) + "; expected 0 or a power of two up to 128");
   }
   const std::size_t count = std::size_t(key_count(mesh.segments)) * mesh.vertex_count;
   if (mesh.positions.size() != count && mesh.positions.size() != count + TriangleMesh::kGuard) {

@@ -17,10 +17,11 @@ namespace msbvh {
 using Triangle = std::array<std::uint32_t, 3>;
 
 struct TriangleMesh {
-  std::string name;                 // in messages: the prim's path
-  std::uint32_t segments = 0;       // 0 still, else 2^k; see core/motion/track.h
+  std::string name;            // in messages: the prim's path
+  std::uint32_t segments = 0;  // 0 still, else 2^k; see core/motion/track.h
   std::uint32_t vertex_count = 0;
-  std::vector<Vec3f> positions;     // [key_count(segments)][vertex_count], key-major, then kGuard unused elements
+  std::vector<Vec3f>
+      positions;  // [key_count(segments)][vertex_count], key-major, then kGuard unused elements
   std::vector<Triangle> triangles;  // vertex indices
 
   // Elements behind the last vertex, so that a 16-byte load of any position stays inside the array.
@@ -36,9 +37,10 @@ struct TriangleMesh {
   }
 };
 
-// The one gate through which geometry enters. Checks the segment count, the size of `positions` (with or without the
-// guard, which it appends), that every coordinate is finite and at most kMaxCoordinate in size, and that every index
-// is in range. Throws Error naming the mesh, the array, what was found and what is expected.
+// The one gate through which geometry enters. Checks the segment count, the size of `positions` (with or
+// without the guard, which it appends), that every coordinate is finite and at most kMaxCoordinate in size,
+// and that every index is in range. Throws Error naming the mesh, the array, what was found and what is
+// expected.
 TriangleMesh validated(TriangleMesh mesh);
 
 // Squares and products of coordinates must not overflow in single precision (the triangle test multiplies two

@@ -1,9 +1,9 @@
 // The truth that every kernel is held against: each primitive tested, one by one, in double precision.
 //
-// A single-precision tracer cannot decide what happens within rounding error of an edge, nor order two hits closer than
-// that. So the oracle does not return one hit but says of a given answer whether it is right: the triangle that was
-// hit must not be missed by more than the stated error, its distance must agree, and nothing that is hit clearly
-// may lie clearly in front of it.
+// A single-precision tracer cannot decide what happens within rounding error of an edge, nor order two hits
+// closer than that. So the oracle does not return one hit but says of a given answer whether it is right: the
+// triangle that was hit must not be missed by more than the stated error, its distance must agree, and
+// nothing that is hit clearly may lie clearly in front of it.
 #pragma once
 
 #include <optional>
@@ -14,13 +14,14 @@
 
 namespace msbvh {
 
-// Positions and distances are compared to within this share of the largest coordinate involved (ray origin, vertices,
-// transformed and not). 2^-24 is one rounding; the kernel rounds the interpolated vertex (3), the difference to the
-// origin (1), the sheared coordinate (3) and the distance (about 8), and the instance transform (3).
+// Positions and distances are compared to within this share of the largest coordinate involved (ray origin,
+// vertices, transformed and not). 2^-24 is one rounding; the kernel rounds the interpolated vertex (3), the
+// difference to the origin (1), the sheared coordinate (3) and the distance (about 8), and the instance
+// transform (3).
 inline constexpr double kOracleError = 0x1p-19;
 
-// Empty if the answer is right, else what is wrong with it, for a person to read. `hit` is the kernel's closest hit,
-// none for a miss. Takes time proportional to the number of triangles.
+// Empty if the answer is right, else what is wrong with it, for a person to read. `hit` is the kernel's
+// closest hit, none for a miss. Takes time proportional to the number of triangles.
 std::optional<std::string> judge_intersection(const Bvh& bvh, const Ray& ray, const std::optional<Hit>& hit);
 
 // The same for an any-hit query.

@@ -13,17 +13,17 @@ struct Ray {
   float tnear = 0.0f;  // hits lie in [tnear, tfar]
   Vec3f dir;           // any length but zero; t is measured in units of it
   float tfar = std::numeric_limits<float>::infinity();
-  float time = 0.0f;   // u in [0, 1] over the shutter
+  float time = 0.0f;  // u in [0, 1] over the shutter
 };
 
 inline constexpr std::uint32_t kNoInstance = 0xffffffffu;
 
 struct Hit {
   float t = 0.0f;
-  float u = 0.0f, v = 0.0f;                // barycentrics of the triangle's second and third vertex
-  std::uint32_t triangle = 0;              // index in its mesh
-  std::uint32_t mesh = 0;                  // id in the Accel that holds the mesh
-  std::uint32_t instance = kNoInstance;    // id in the outer Accel, kNoInstance for a mesh in it directly
+  float u = 0.0f, v = 0.0f;              // barycentrics of the triangle's second and third vertex
+  std::uint32_t triangle = 0;            // index in its mesh
+  std::uint32_t mesh = 0;                // id in the Accel that holds the mesh
+  std::uint32_t instance = kNoInstance;  // id in the outer Accel, kNoInstance for a mesh in it directly
 };
 
 }  // namespace msbvh

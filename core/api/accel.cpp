@@ -1,0 +1,80 @@
+#include "core/api/accel.h"
+
+#include <optional>
+
+#include "core/base/error.h"
+#include "core/bvh/build_bvh.h"
+#include "core/bvh/verify.h"
+
+namespace msbvh {
+
+struct Accel::Data {
+  BvhInput input;  // until commit
+  std::shared_ptr<const Bvh> bvh;
+  std::optional<Tracer> tracer;
+
+  void require_open() const {
+    if (bvh) throw Error("accelerator: geometry was added after commit(); expected before");
+  }
+  const Bvh& committed() const {
+    if (!bvh) throw Error("accelerator: used before commit()");
+    return *bvh;
+  }
+};
+
+Accel::Accel() : data_(std::make_unique<Data>()) {}
+Accel::~Accel() = default;
+Accel::Accel(Accel&&) noexcept = default;
+Accel& Accel::operator=(Accel&&) noexcept = default;
+
+std::uint32_t Accel::add_mesh(TriangleMesh mesh) {
+  return add_mesh(std::make_shared<const TriangleMesh>(validated(std::move(mesh))));
+}
+
+std::uint32_t Accel::add_mesh(std::shared_ptr<const TriangleMesh> mesh) {
+  data_->require_open();
+  data_->input.meshes.push_back(std::move(mesh));
+  return static_cast<std::uint32_t>(data_->input.meshes.size() - 1);
+}
+
+std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, std::uint32_t segments,
+                                   std::span<const Affine3f> world_from_object) {
+  data_->require_open();
+  if (!object || object->bvh().instanced) {
+    throw Error("accelerator: an instance of an Accel that holds instances; expected one with meshes only");
+  }
+  if (!is_valid_segment_count(segments) || world_from_object.size() % key_count(segments) != 0) {
+    throw Error("accelerator: " + std::to_string(world_from_object.size()) + " matrices for instances of " +
+                std::to_string(segments) + " segments; expected a multiple of the number of keys");
+  }
+  for (const Affine3f& m : world_from_object) {
+    if (!is_finite(m.x) || !is_finite(m.y) || !is_finite(m.z) || !is_finite(m.t)) {
+      throw Error("accelerator: an instance's matrix has an element that is not finite");
+    }
+  }
+  BvhInput& in = data_->input;
+  const auto first = static_cast<std::uint32_t>(in.instances.size());
+  auto first_key = static_cast<std::uint32_t>(in.instance_keys.size());
+  const std::size_t count = world_from_object.size() / key_count(segments);
+  in.instance_keys.insert(in.instance_keys.end(), world_from_object.begin(), world_from_object.end());
+  for (std::size_t i = 0; i < count; ++i, first_key += key_count(segments)) {
+    in.instances.push_back({object->data_->bvh, segments, first_key});
+  }
+  return first;
+}
+
+void Accel::commit(const BuildSettings& settings) {
+  data_->require_open();
+  data_->bvh = std::make_shared<const Bvh>(build_bvh(data_->input, settings));
+  data_->input = {};
+  data_->tracer.emplace(*data_->bvh);
+}
+
+bool Accel::intersect(const Ray& ray, Hit& hit) const { return data_->tracer->intersect(ray, hit); }
+bool Accel::occluded(const Ray& ray) const { return data_->tracer->occluded(ray); }
+
+const Bvh& Accel::bvh() const { return data_->committed(); }
+const BvhStatistics& Accel::statistics() const { return bvh().statistics; }
+void Accel::verify() const { msbvh::verify(bvh()); }
+
+}  // namespace msbvh

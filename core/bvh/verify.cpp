@@ -1,0 +1,183 @@
+#include "core/bvh/verify.h"
+
+#include <map>
+#include <sstream>
+#include <tuple>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/lerp.h"
+#include "core/bvh/instance_bounds.h"
+
+namespace msbvh {
+namespace {
+
+constexpr int kSamplesPerEdge = 12;  // barycentric grid on a triangle in several leaves
+
+// A track of boxes.
+struct Slot {
+  std::uint32_t segments;
+  std::vector<Box3f> keys;
+
+  Box3f at(float u) const {
+    const SegmentTime t = locate(u, segments);
+    return segments == 0 ? keys[0] : lerp(keys[t.key], keys[t.key + 1], t.w);
+  }
+};
+
+class Verifier {
+ public:
+  explicit Verifier(const Bvh& bvh) : bvh_(bvh) {}
+
+  void run() {
+    visit(bvh_.root, {bvh_.root_segments, bvh_.root_bounds}, 1);
+    for (const auto& [id, slots] : triangles_) check_triangle(std::get<0>(id), std::get<1>(id), slots);
+    check_complete();
+  }
+
+ private:
+  [[noreturn]] void fail(ChildRef ref, const std::string& what) const {
+    std::ostringstream s;
+    s << "accelerator: " << (ref.is_leaf() ? "leaf" : "node") << " at byte " << ref.offset() << ": " << what;
+    throw Error(s.str());
+  }
+
+  // `slot`: what the parent says that bounds this child.
+  void visit(ChildRef ref, const Slot& slot, std::uint32_t depth) {
+    if (depth > kMaxDepth) fail(ref, "deeper than the traversal stack allows");
+    if (ref.is_leaf()) return visit_leaf(ref, slot);
+    const NodeHeader& node = bvh_.node(ref);
+    if (ref.offset() + node_bytes(node.level) > bvh_.arena.size()) fail(ref, "reaches beyond the arena");
+    if (ref.offset() % AlignedBuffer::kAlignment != 0) fail(ref, "does not start on a cache line");
+    if (node.child_count < 2 || node.child_count > kWidth)
+      fail(ref, "has " + std::to_string(node.child_count) + " children");
+    const std::uint32_t segments = segments_of_level(node.level);
+    if (segments > slot.segments) fail(ref, "has more keys than its parent");
+    for (std::uint32_t i = 0; i < kWidth; ++i) {
+      const Slot child = slot_of(node, i);
+      if (i >= node.child_count) {
+        check_absent(ref, child);
+        continue;
+      }
+      check_contains(ref, slot, child);
+      visit(node.child[i], child, depth + 1);
+    }
+  }
+
+  static Slot slot_of(const NodeHeader& node, std::uint32_t i) {
+    Slot slot{segments_of_level(node.level), {}};
+    for (std::uint32_t k = 0; k <= slot.segments; ++k) {
+      const NodeBounds& b = node.bounds()[k];
+      slot.keys.push_back({{b.lo[0][i], b.lo[1][i], b.lo[2][i]}, {b.hi[0][i], b.hi[1][i], b.hi[2][i]}});
+    }
+    return slot;
+  }
+
+  void check_absent(ChildRef ref, const Slot& slot) const {
+    for (const Box3f& b : slot.keys) {
+      if (b.lo.x != kAbsent || b.hi.x != -kAbsent) fail(ref, "an absent child has a box");
+    }
+  }
+
+  // At the keys of the finer one: between them both are linear, and interpolation is monotone.
+  void check_contains(ChildRef ref, const Slot& outer, const Slot& inner) const {
+    const std::uint32_t steps = std::max(outer.segments, inner.segments);
+    for (std::uint32_t k = 0; k <= steps; ++k) {
+      const float u = steps == 0 ? 0.0f : static_cast<float>(k) / static_cast<float>(steps);
+      if (!outer.at(u).contains(inner.at(u)))
+        fail(ref, "a child leaves its parent at u = " + std::to_string(u));
+    }
+  }
+
+  void visit_leaf(ChildRef ref, const Slot& slot) {
+    const BlockHeader* block = &bvh_.block(ref);
+    for (;; block = next_block(block)) {
+      const auto end = reinterpret_cast<const std::byte*>(block) + sizeof(BlockHeader) - bvh_.arena.data();
+      if (static_cast<std::size_t>(end) > bvh_.arena.size()) fail(ref, "reaches beyond the arena");
+      if (block->count < 1 || block->count > kBlockWidth)
+        fail(ref, "a block of " + std::to_string(block->count));
+      if (segments_of_level(block->level) > slot.segments) fail(ref, "a block has more keys than its node");
+      if (block->kind == BlockKind::kInstance) {
+        check_instance(ref, block->triangle[0], slot);
+      } else {
+        for (int i = 0; i < block->count; ++i) add_triangle(ref, *block, i, slot);
+      }
+      if (block->last) return;
+    }
+  }
+
+  void add_triangle(ChildRef ref, const BlockHeader& block, int i, const Slot& slot) {
+    if (block.mesh[i] >= bvh_.meshes.size()) fail(ref, "mesh id out of range");
+    const TriangleMesh& mesh = *bvh_.meshes[block.mesh[i]];
+    if (block.triangle[i] >= mesh.triangles.size()) fail(ref, "triangle id out of range");
+    if (level_of(mesh.segments) != block.level) fail(ref, "a block's keys are not its mesh's");
+    triangles_[{block.mesh[i], block.triangle[i]}].push_back(slot);
+  }
+
+  void check_instance(ChildRef ref, std::uint32_t id, const Slot& slot) {
+    if (id >= bvh_.instances.size()) fail(ref, "instance id out of range");
+    const Instance& instance = bvh_.instances[id];
+    const InstanceBounds b =
+        bound_instance({bvh_.keys_of(instance), key_count(instance.segments)}, instance.segments,
+                       instance.object->root_bounds, instance.object->root_segments);
+    check_contains(ref, slot, {b.segments, b.keys});
+    ++instance_leaves_;
+  }
+
+  // Each point of the triangle, moved exactly as its vertices are, lies in a slot of one of its leaves.
+  void check_triangle(std::uint32_t m, std::uint32_t t, const std::vector<Slot>& slots) const {
+    const TriangleMesh& mesh = *bvh_.meshes[m];
+    std::uint32_t steps = mesh.segments;
+    for (const Slot& s : slots) steps = std::max(steps, s.segments);
+    const int samples = slots.size() == 1 ? 1 : kSamplesPerEdge;
+    for (std::uint32_t k = 0; k <= 2 * steps; ++k) {
+      const float u = steps == 0 ? 0.0f : static_cast<float>(k) / static_cast<float>(2 * steps);
+      const Triangle& v = mesh.triangles[t];
+      const Vec3d p[3] = {Vec3d(mesh.position(v[0], u)), Vec3d(mesh.position(v[1], u)),
+                          Vec3d(mesh.position(v[2], u))};
+      for (int i = 0; i <= samples; ++i) {
+        for (int j = 0; i + j <= samples; ++j) {
+          const double b1 = double(i) / samples, b2 = double(j) / samples;
+          check_point(m, t, u, p[0] * (1.0 - b1 - b2) + p[1] * b1 + p[2] * b2, slots);
+        }
+      }
+    }
+  }
+
+  void check_point(std::uint32_t m, std::uint32_t t, float u, const Vec3d& p,
+                   const std::vector<Slot>& slots) const {
+    for (const Slot& s : slots) {
+      const Box3f b = s.at(u);
+      if (Box3d{Vec3d(b.lo), Vec3d(b.hi)}.contains(p)) return;
+    }
+    throw Error("accelerator: mesh " + std::to_string(m) + " triangle " + std::to_string(t) +
+                ": a point of it is outside its " + std::to_string(slots.size()) +
+                " leaves at u = " + std::to_string(u));
+  }
+
+  void check_complete() const {
+    std::size_t triangles = 0, instances = 0;
+    for (const auto& mesh : bvh_.meshes) triangles += mesh->triangles.size();
+    for (const Instance& i : bvh_.instances) instances += i.object->empty ? 0 : 1;
+    if (triangles_.size() != triangles) {
+      throw Error("accelerator: " + std::to_string(triangles_.size()) + " triangles in leaves; expected " +
+                  std::to_string(triangles));
+    }
+    if (instance_leaves_ != instances) {
+      throw Error("accelerator: " + std::to_string(instance_leaves_) + " instances in leaves; expected " +
+                  std::to_string(instances));
+    }
+  }
+
+  const Bvh& bvh_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Slot>> triangles_;
+  std::size_t instance_leaves_ = 0;
+};
+
+}  // namespace
+
+void verify(const Bvh& bvh) {
+  if (!bvh.empty) Verifier(bvh).run();
+}
+
+}  // namespace msbvh

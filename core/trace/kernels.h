@@ -1,0 +1,25 @@
+// The traversal kernels that are compiled once for each instruction set.
+#pragma once
+
+#include "core/bvh/bvh.h"
+#include "core/trace/ray.h"
+#include "core/trace/tracer.h"
+
+namespace msbvh {
+
+using IntersectKernel = bool (*)(const Bvh&, const Ray&, Hit&, TraceCounts*);
+using OccludedKernel = bool (*)(const Bvh&, const Ray&, TraceCounts*);
+
+// First index: whether anything moves; second: whether there are instances. What a tree does not hold costs
+// no instruction: the still kernels know no time, the flat ones no transforms.
+struct KernelTable {
+  IntersectKernel intersect[2][2];
+  OccludedKernel occluded[2][2];
+  IntersectKernel intersect_counted[2][2];
+  OccludedKernel occluded_counted[2][2];
+};
+
+// Null if the machine does not support the instruction set.
+const KernelTable* kernels_for(InstructionSet set);
+
+}  // namespace msbvh

@@ -1,0 +1,202 @@
+#include "core/trace/oracle.h"
+
+#include <cmath>
+#include <functional>
+#include <sstream>
+
+#include "core/base/lerp.h"
+
+namespace msbvh {
+namespace {
+
+struct RayD {
+  Vec3d org, dir;
+  double error;  // absolute, of a single-precision kernel in this space, without the vertices' share
+};
+
+struct Id {
+  std::uint32_t instance, mesh, triangle;
+  bool operator==(const Id&) const = default;
+};
+
+// What the oracle knows of one triangle and one ray.
+struct Verdict {
+  bool clear = false;     // hit, and farther from every edge than the error
+  bool possible = false;  // hit, or missed by less than the error
+  bool hit = false;       // in exact arithmetic, edges included
+  double t = 0.0, u = 0.0, v = 0.0;
+  double t_lo = 0.0, t_hi = 0.0;  // what a kernel may say of t
+};
+
+struct Vec2d {
+  double x, y;
+};
+double cross2(const Vec2d& a, const Vec2d& b) { return a.x * b.y - a.y * b.x; }
+
+double distance_to_segment(const Vec2d& a, const Vec2d& b) {
+  const Vec2d e{b.x - a.x, b.y - a.y};
+  const double l2 = e.x * e.x + e.y * e.y;
+  const double s = l2 > 0.0 ? std::clamp(-(a.x * e.x + a.y * e.y) / l2, 0.0, 1.0) : 0.0;
+  return std::hypot(a.x + s * e.x, a.y + s * e.y);
+}
+
+// The triangle sheared along the ray, as Woop et al. do, so that the ray becomes the origin of a plane.
+class ShearedTriangle {
+ public:
+  ShearedTriangle(const RayD& ray, const std::array<Vec3d, 3>& vertices) {
+    const Vec3d a = abs(ray.dir);
+    const int kz = a.z >= a.x && a.z >= a.y ? 2 : (a.y >= a.x ? 1 : 0), kx = (kz + 1) % 3, ky = (kz + 2) % 3;
+    double size = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      const Vec3d v = vertices[i] - ray.org;
+      const double z = v[kz] / ray.dir[kz];
+      p_[i] = {v[kx] - ray.dir[kx] * z, v[ky] - ray.dir[ky] * z};
+      t_[i] = z;
+      const Vec3d m = max(abs(vertices[i]), abs(ray.org));
+      size = std::max({size, m.x, m.y, m.z});
+    }
+    error_ = ray.error + kOracleError * size;
+    t_error_ = error_ / std::abs(ray.dir[kz]);
+  }
+
+  Verdict judge() const {
+    const double w[3] = {cross2(p_[1], p_[2]), cross2(p_[2], p_[0]), cross2(p_[0], p_[1])};
+    const double area = w[0] + w[1] + w[2];
+    Verdict verdict;
+    verdict.hit =
+        area != 0.0 && ((w[0] >= 0 && w[1] >= 0 && w[2] >= 0) || (w[0] <= 0 && w[1] <= 0 && w[2] <= 0));
+    const double edge = std::min({distance_to_segment(p_[0], p_[1]), distance_to_segment(p_[1], p_[2]),
+                                  distance_to_segment(p_[2], p_[0])});
+    verdict.clear = verdict.hit && edge > error_;
+    verdict.possible = verdict.hit || edge <= error_;
+    if (!verdict.possible) return verdict;
+    const double t_min = std::min({t_[0], t_[1], t_[2]}), t_max = std::max({t_[0], t_[1], t_[2]});
+    verdict.t_lo = t_min - t_error_;
+    verdict.t_hi = t_max + t_error_;
+    if (area == 0.0) return verdict;
+    verdict.u = w[1] / area;
+    verdict.v = w[2] / area;
+    verdict.t = (w[0] * t_[0] + w[1] * t_[1] + w[2] * t_[2]) / area;
+    const double slack = t_error_ + slope(area) * error_;
+    verdict.t_lo = std::max(verdict.t_lo, std::min(verdict.t, t_max) - slack);
+    verdict.t_hi = std::min(verdict.t_hi, std::max(verdict.t, t_min) + slack);
+    return verdict;
+  }
+
+ private:
+  // How fast t changes as the ray moves sideways: steep where the triangle is seen edge-on.
+  double slope(double area) const {
+    const Vec2d e1{p_[1].x - p_[0].x, p_[1].y - p_[0].y}, e2{p_[2].x - p_[0].x, p_[2].y - p_[0].y};
+    const double d1 = t_[1] - t_[0], d2 = t_[2] - t_[0];
+    return std::hypot(d1 * e2.y - d2 * e1.y, d2 * e1.x - d1 * e2.x) / std::abs(area);
+  }
+
+  Vec2d p_[3];
+  double t_[3];
+  double error_, t_error_;
+};
+
+Vec3d vertex_at(const TriangleMesh& mesh, std::uint32_t vertex, double u) {
+  if (mesh.segments == 0) return Vec3d(mesh.positions[vertex]);
+  const double scaled = u * mesh.segments;
+  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), mesh.segments - 1);
+  return lerp(Vec3d(mesh.key_positions(key)[vertex]), Vec3d(mesh.key_positions(key + 1)[vertex]),
+              scaled - key);
+}
+
+using Visitor = std::function<void(const Id&, const Verdict&)>;
+
+void visit_meshes(const Bvh& bvh, const RayD& ray, double u, std::uint32_t instance, const Visitor& visit) {
+  for (std::uint32_t m = 0; m < bvh.meshes.size(); ++m) {
+    const TriangleMesh& mesh = *bvh.meshes[m];
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      const Triangle& t = mesh.triangles[i];
+      const ShearedTriangle sheared(
+          ray, {vertex_at(mesh, t[0], u), vertex_at(mesh, t[1], u), vertex_at(mesh, t[2], u)});
+      const Verdict verdict = sheared.judge();
+      if (verdict.possible) visit({instance, m, i}, verdict);
+    }
+  }
+}
+
+Affine3d map_at(const Bvh& bvh, const Instance& instance, double u) {
+  const Affine3f* keys = bvh.keys_of(instance);
+  if (instance.segments == 0) return Affine3d(keys[0]);
+  const double scaled = u * instance.segments;
+  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), instance.segments - 1);
+  return lerp(Affine3d(keys[key]), Affine3d(keys[key + 1]), scaled - key);
+}
+
+void visit_all(const Bvh& bvh, const Ray& ray, const Visitor& visit) {
+  const double u = std::clamp(double(ray.time), 0.0, 1.0);
+  visit_meshes(bvh, {Vec3d(ray.org), Vec3d(ray.dir), 0.0}, u, kNoInstance, visit);
+  for (std::uint32_t i = 0; i < bvh.instances.size(); ++i) {
+    const Affine3d world_from_object = map_at(bvh, bvh.instances[i], u);
+    if (world_from_object.determinant() == 0.0) continue;
+    const Affine3d m = inverse(world_from_object);
+    // The map's elements, the origin and their product err by a share of the terms that the transform adds
+    // up.
+    const Vec3d terms = abs(m.x) * std::abs(double(ray.org.x)) + abs(m.y) * std::abs(double(ray.org.y)) +
+                        abs(m.z) * std::abs(double(ray.org.z)) + abs(m.t);
+    const RayD local{m.point(Vec3d(ray.org)), m.vector(Vec3d(ray.dir)),
+                     kOracleError * std::max({terms.x, terms.y, terms.z})};
+    visit_meshes(*bvh.instances[i].object, local, u, i, visit);
+  }
+}
+
+std::string describe(const Id& id) {
+  std::ostringstream s;
+  if (id.instance != kNoInstance) s << "instance " << id.instance << " ";
+  s << "mesh " << id.mesh << " triangle " << id.triangle;
+  return s.str();
+}
+
+}  // namespace
+
+std::optional<std::string> judge_intersection(const Bvh& bvh, const Ray& ray, const std::optional<Hit>& hit) {
+  std::ostringstream wrong;
+  wrong.precision(9);
+  bool answered = !hit.has_value();
+  visit_all(bvh, ray, [&](const Id& id, const Verdict& v) {
+    if (hit && id == Id{hit->instance, hit->mesh, hit->triangle}) {
+      answered = true;
+      if (hit->t < v.t_lo || hit->t > v.t_hi) {
+        wrong << describe(id) << " was hit at t = " << hit->t << "; expected " << v.t << " in [" << v.t_lo
+              << ", " << v.t_hi << "]. ";
+      }
+      return;
+    }
+    const double limit = hit ? hit->t : ray.tfar;
+    if (v.clear && v.t_lo > ray.tnear && v.t_hi < limit) {
+      wrong << describe(id) << " lies at t = " << v.t << ", before " << limit << ", and was not found. ";
+    }
+  });
+  if (!answered)
+    wrong << describe({hit->instance, hit->mesh, hit->triangle}) << " was hit; the ray misses it. ";
+  const std::string text = wrong.str();
+  return text.empty() ? std::nullopt : std::optional(text);
+}
+
+std::optional<std::string> judge_occlusion(const Bvh& bvh, const Ray& ray, bool occluded) {
+  bool clear = false, possible = false;
+  visit_all(bvh, ray, [&](const Id&, const Verdict& v) {
+    clear |= v.clear && v.t_lo > ray.tnear && v.t_hi < ray.tfar;
+    possible |= v.t_hi >= ray.tnear && v.t_lo <= ray.tfar;
+  });
+  if (occluded && !possible) return "occluded, but nothing lies on the ray";
+  if (!occluded && clear) return "not occluded, but something lies on the ray";
+  return std::nullopt;
+}
+
+std::optional<Hit> oracle_intersect(const Bvh& bvh, const Ray& ray) {
+  std::optional<Hit> best;
+  double best_t = ray.tfar;
+  visit_all(bvh, ray, [&](const Id& id, const Verdict& v) {
+    if (!v.hit || v.t < ray.tnear || v.t > best_t || (best && v.t == best_t)) return;
+    best_t = v.t;
+    best = Hit{float(v.t), float(v.u), float(v.v), id.triangle, id.mesh, id.instance};
+  });
+  return best;
+}
+
+}  // namespace msbvh

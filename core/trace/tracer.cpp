@@ -1,0 +1,48 @@
+#include "core/trace/tracer.h"
+
+#include "core/base/error.h"
+#include "core/bvh/bvh.h"
+#include "core/trace/kernels.h"
+
+namespace msbvh {
+
+std::vector<InstructionSet> supported_instruction_sets() {
+  std::vector<InstructionSet> sets;
+  for (const InstructionSet set : {InstructionSet::kSse4, InstructionSet::kAvx2, InstructionSet::kAvx3}) {
+    if (kernels_for(set)) sets.push_back(set);
+  }
+  if (sets.empty()) throw Error("this processor: no supported instruction set; expected at least SSE4.2");
+  return sets;
+}
+
+const char* instruction_set_name(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::kSse4:
+      return "sse4";
+    case InstructionSet::kAvx2:
+      return "avx2";
+    case InstructionSet::kAvx3:
+      return "avx3";
+  }
+  return "unknown";
+}
+
+Tracer::Tracer(const Bvh& bvh) : Tracer(bvh, supported_instruction_sets().back()) {}
+
+Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
+  const KernelTable* table = kernels_for(set);
+  if (!table) throw Error(std::string("this processor does not support ") + instruction_set_name(set));
+  intersect_ = table->intersect[bvh.moving][bvh.instanced];
+  occluded_ = table->occluded[bvh.moving][bvh.instanced];
+  intersect_counted_ = table->intersect_counted[bvh.moving][bvh.instanced];
+  occluded_counted_ = table->occluded_counted[bvh.moving][bvh.instanced];
+}
+
+bool Tracer::intersect_counted(const Ray& ray, Hit& hit, TraceCounts& counts) const {
+  return intersect_counted_(*bvh_, ray, hit, &counts);
+}
+bool Tracer::occluded_counted(const Ray& ray, TraceCounts& counts) const {
+  return occluded_counted_(*bvh_, ray, &counts);
+}
+
+}  // namespace msbvh
