@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 MAX_FRAMES = 1_000_000
@@ -124,3 +124,17 @@ def output_files(output: str, frames: list[float], precision: int) -> list[tuple
         if frame_of_file.setdefault(file, frame) != frame:
             raise FrameError(f"frames {frame_of_file[file]:g} and {frame:g} would both be written to '{file}'")
     return [(frame, file) for file, frame in frame_of_file.items()]
+
+
+def frame_jobs(outputs: Sequence[str], specs: str) -> list[tuple[float, tuple[str, ...]]]:
+    """Every frame of the FrameSpecs with the files that it goes to, one for each of `outputs`. Raises FrameError."""
+    frames, precision = parse_frame_specs(specs)
+    columns = [output_files(output, frames, precision) for output in outputs]
+    return [(row[0][0], tuple(file for _, file in row)) for row in zip(*columns, strict=True)]
+
+
+def check_single_outputs(outputs: Sequence[str]) -> None:
+    """Raises FrameError for a placeholder where no range of frames is rendered: the file would be named `###`."""
+    for output in outputs:
+        if "#" in output:
+            raise FrameError(f"output '{output}' has a frame placeholder, but there is no --frames to fill it")

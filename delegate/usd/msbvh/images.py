@@ -106,6 +106,7 @@ def _display_rgba(rgba: np.ndarray, color: ColorCorrection, associated: bool) ->
 def _describe(spec: oiio.ImageSpec, metadata: ImageMetadata) -> None:
     """Formats without arbitrary metadata drop what they cannot hold; EXR holds all of it."""
     spec.attribute("Software", metadata.software)
+    spec.attribute("PixelAspectRatio", metadata.pixel_aspect_ratio)
     spec.attribute("framesPerSecond", oiio.TypeRational, rational_rate(metadata.frames_per_second))
     spec.attribute("worldToCamera", oiio.TypeMatrix, _floats(metadata.world_to_camera))
     spec.attribute("worldToNDC", oiio.TypeMatrix, _floats(metadata.world_to_ndc))

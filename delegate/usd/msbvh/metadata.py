@@ -25,6 +25,8 @@ class ImageMetadata:
     """float64[4, 4], OpenEXR's convention, see world_to_camera()."""
     world_to_ndc: np.ndarray
     """float64[4, 4], OpenEXR's convention, see world_to_ndc()."""
+    pixel_aspect_ratio: float = 1.0
+    """Width of a pixel over its height."""
 
 
 def world_to_camera(world_from_camera: np.ndarray) -> np.ndarray:

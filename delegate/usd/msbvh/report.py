@@ -6,11 +6,12 @@ import sys
 
 
 class Reporter:
-    """Prints `msbvh: warning: ...` and `msbvh: error: ...`, one line each, the same warning once a run."""
+    """Prints `msbvh: ...`, `msbvh: warning: ...` and `msbvh: error: ...`, a line each, the same one once a run."""
 
     def __init__(self) -> None:
         self.warnings: list[str] = []
         """Everything that was missing or degraded, in the order of its first appearance."""
+        self._notes: set[str] = set()
 
     def warning(self, message: str) -> None:
         """Something was left out or approximated; the run goes on."""
@@ -18,6 +19,13 @@ class Reporter:
         if line not in self.warnings:
             self.warnings.append(line)
             print(f"msbvh: warning: {line}", file=sys.stderr, flush=True)
+
+    def note(self, message: str) -> None:
+        """Worth saying; nothing is lost."""
+        line = one_line(message)
+        if line not in self._notes:
+            self._notes.add(line)
+            print(f"msbvh: {line}", file=sys.stderr, flush=True)
 
     @staticmethod
     def error(message: str) -> None:

@@ -26,8 +26,8 @@ class FrameStats:
     frame: float | None
     """Time code; None: USD's default time."""
     output: str
-    width: int
-    height: int
+    width: int = 0
+    height: int = 0
     seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PHASES, 0.0))
     scene: dict[str, Any] = field(default_factory=dict)
     """Meshes, triangles, keys, instances, lights: of the scene as it was rendered."""

@@ -1,0 +1,171 @@
+"""The record command: stage in, images out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pxr import Usd
+
+from . import _core
+from .atomic import check_writable
+from .errors import Diagnostics
+from .images import ImageSettings, check_image_path, write_image
+from .metadata import ImageMetadata
+from .progress import Progress
+from .reader import ReadResult, ReadSettings, read_frame
+from .report import Reporter
+from .stage import open_stage
+from .stats import FrameStats, RunStats
+
+
+@dataclass(frozen=True)
+class RenderSettings:
+    """How the renderer samples; see core/api/renderer.h for what each costs."""
+
+    spp: int = 64
+    seed: int = 0
+    max_bounces: int = 2
+    threads: int = 0
+    """0: all."""
+    builder: str = "msbvh"
+
+
+@dataclass(frozen=True)
+class RecordSettings:
+    """Everything about a recording but the scene and the files."""
+
+    read: ReadSettings = ReadSettings()
+    render: RenderSettings = RenderSettings()
+    image: ImageSettings = ImageSettings()
+    mask: tuple[str, ...] = ()
+    """Prims that the stage is limited to; empty: all."""
+    stats: Path | None = None
+    """Where the run's figures go, as JSON."""
+
+
+TRACK_FIELDS = ("path", "segments", "moving_transform", "error_pixels")
+"""Of a _core.TrackReport."""
+
+FrameJob = tuple[float | None, Sequence[str]]
+"""A time code (None: USD's default time) and the files that its image is written to."""
+
+
+def software() -> str:
+    """Name and version, as images and statistics carry it."""
+    return f"msbvh {version('msbvh')}"
+
+
+def record(
+    scene: str, jobs: Sequence[FrameJob] | Sequence[str], settings: RecordSettings, reporter: Reporter
+) -> RunStats:
+    """Renders the frames of a scene and writes their images; file names alone mean the stage's start time.
+
+    Raises SceneError and _core.Error for a scene that cannot be rendered, OutputError for a file that cannot be
+    written, ColorError for an unknown display or view. Every file is checked before the first frame.
+    """
+    settings.image.color.resolve()
+    if settings.stats is not None:
+        check_writable(settings.stats)
+    for job in jobs:
+        for file in [job] if isinstance(job, str) else job[1]:
+            check_image_path(Path(file))
+
+    run = RunStats(software(), scene, _plain(settings), _core.supported_instruction_sets())
+    diagnostics = Diagnostics()
+    start = time.perf_counter()
+    stage = open_stage(scene, diagnostics, settings.mask)
+    read_seconds = time.perf_counter() - start
+    report(diagnostics, reporter)
+    for frame, files in _frame_jobs(jobs, stage):
+        run.frames.append(_record_frame(stage, frame, files, settings, reporter))
+    run.frames[0].seconds["read"] = read_seconds
+    run.warnings = list(reporter.warnings)
+    if settings.stats is not None:
+        run.write(settings.stats)
+    return run
+
+
+def _frame_jobs(jobs: Sequence[FrameJob] | Sequence[str], stage: Usd.Stage) -> Sequence[FrameJob]:
+    if isinstance(jobs[0], str):
+        return [(stage.GetStartTimeCode(), jobs)]
+    return jobs
+
+
+def _record_frame(
+    stage: Usd.Stage, frame: float | None, files: Sequence[str], settings: RecordSettings, reporter: Reporter
+) -> FrameStats:
+    stats = FrameStats(frame, list(files))
+    with stats.timed("sample"):
+        result = read_frame(stage, frame, settings.read)
+    report(result.diagnostics, reporter)
+    camera = result.camera
+    stats.width, stats.height = camera.width, camera.height
+    stats.scene = dict(result.scene.statistics())
+    stats.tracks = [{name: getattr(track, name) for name in TRACK_FIELDS} for track in result.tracks]
+    with stats.timed("build"):
+        renderer = _core.Renderer(result.scene, width=camera.width, height=camera.height, **asdict(settings.render))
+    stats.plan = plan_entries(renderer)
+    with stats.timed("trace"), Progress(f"msbvh: {frame_label(frame)}") as progress:
+        pixels = renderer.render(progress)
+    stats.render = dict(renderer.statistics)
+    with stats.timed("write"):
+        _write_images(files, pixels, _metadata(stage, result, stats, settings.render), settings.image)
+    reporter.note(f"{frame_label(frame)}: wrote {', '.join(files)} in {sum(stats.seconds.values()):.1f} s")
+    return stats
+
+
+def report(diagnostics: Diagnostics, reporter: Reporter) -> None:
+    """Prints what the reader found, by its weight; a prim that was not rendered does not end the run."""
+    for diagnostic in diagnostics:
+        if diagnostic.severity == "note":
+            reporter.note(str(diagnostic))
+        else:
+            reporter.warning(str(diagnostic))
+
+
+def plan_entries(renderer: Any) -> list[dict[str, str]]:
+    """The effect plan as plain data."""
+    return [{"effect": effect, "prim": prim, "why": why} for effect, prim, why in renderer.plan]
+
+
+def frame_label(frame: float | None) -> str:
+    """How a frame is called in messages."""
+    return "default time" if frame is None else f"frame {frame:g}"
+
+
+def _metadata(
+    stage: Usd.Stage, result: ReadResult, stats: FrameStats, settings: RenderSettings
+) -> ImageMetadata:
+    camera = result.camera
+    return ImageMetadata(
+        software=software(),
+        frame=stats.frame,
+        frames_per_second=stage.GetFramesPerSecond(),
+        shutter=(camera.shutter.open, camera.shutter.close),
+        spp=settings.spp,
+        seed=settings.seed,
+        render_seconds=sum(stats.seconds.values()),
+        world_to_camera=camera.world_to_camera,
+        world_to_ndc=camera.world_to_ndc,
+        pixel_aspect_ratio=camera.pixel_aspect_ratio,
+    )
+
+
+def _write_images(
+    files: Sequence[str], pixels: np.ndarray, metadata: ImageMetadata, settings: ImageSettings
+) -> None:
+    for file in files:
+        write_image(Path(file), pixels, metadata, settings)
+
+
+def _plain(settings: RecordSettings) -> dict[str, Any]:
+    """The settings as JSON knows them."""
+    values = asdict(settings)
+    values["stats"] = None if settings.stats is None else str(settings.stats)
+    return values

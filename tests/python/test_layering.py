@@ -1,0 +1,182 @@
+"""The one direction in which data flows: reads every #include and every Python import, and names each arrow that runs
+back up, each library outside its room, and each cycle."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+ROOMS = [
+    "core/base", "core/motion", "core/geometry", "core/scene", "core/plan", "core/build", "core/bvh", "core/trace",
+    "core/shade", "core/film", "core/api", "delegate/translate", "delegate/usd/bindings", "delegate/hydra",
+]  # fmt: skip
+"""In the order in which data flows: a room includes itself and those before it."""
+
+FRONT_ENDS = {"delegate/usd/bindings", "delegate/hydra"}
+"""Side by side: neither includes the other."""
+
+LIBRARY_HOMES = {
+    "hwy/": ("core/trace/",),
+    "tbb/": ("core/base/parallel.h", "core/base/parallel.cpp"),
+    "oneapi/": ("core/base/parallel.h", "core/base/parallel.cpp"),
+    "nanobind/": ("delegate/usd/bindings/",),
+    "Python.h": ("delegate/usd/bindings/",),
+    "pxr/": ("delegate/hydra/",),
+}
+"""Headers of a library, and the only places that may include them."""
+
+PACKAGE = "delegate/usd/msbvh/"
+MODULE_HOMES = {
+    "click": {"cli"},
+    "tqdm": {"progress"},
+    "OpenImageIO": {"images"},
+    "PyOpenColorIO": {"color"},
+}
+"""Python libraries, and the only modules of the package that may import them."""
+TOP_MODULES = {"cli": {"__main__"}, "__main__": set[str](), "record": {"cli"}}
+"""Modules of the package, and the only ones that may import them."""
+
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"]+)[>"]', re.MULTILINE)
+
+Files = Mapping[str, str]
+
+
+def room_of(path: str) -> str | None:
+    return next((room for room in ROOMS if path.startswith(room + "/")), None)
+
+
+def include_violations(files: Files) -> Iterator[str]:
+    """Lines `file includes header: reason` for C++ files, given as path -> text."""
+    for file, text in files.items():
+        room = room_of(file)
+        for header in INCLUDE.findall(text):
+            target = room_of(header)
+            if room is None:
+                yield f"{file}: stands in no room; expected one of {', '.join(ROOMS)}"
+            elif target is None and header.startswith(("core/", "delegate/")):
+                yield f"{file} includes {header}: no such room"
+            elif target is not None and ROOMS.index(target) > ROOMS.index(room):
+                yield f"{file} includes {header}: against the direction, {room} comes before {target}"
+            elif target in FRONT_ENDS and target != room:
+                yield f"{file} includes {header}: front-ends do not know each other"
+            for library, homes in LIBRARY_HOMES.items():
+                if header.startswith(library) and not file.startswith(homes):
+                    yield f"{file} includes {header}: only {' and '.join(homes)} may"
+
+
+def imports_of(text: str) -> tuple[set[str], set[str]]:
+    """The modules of our own package and the top-level names of other libraries that a Python file imports."""
+    own: set[str] = set()
+    others: set[str] = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import):
+            names = [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            parent = "msbvh." if node.level else ""
+            stem = f"{parent}{node.module or ''}".rstrip(".")
+            names = [f"{stem}.{alias.name}" for alias in node.names]
+        else:
+            continue
+        for name in names:
+            top, _, rest = name.partition(".")
+            own.add(rest.partition(".")[0]) if top == "msbvh" else others.add(top)
+    return own, others
+
+
+def import_violations(files: Files) -> Iterator[str]:
+    """The same for the Python package's modules."""
+    modules = {Path(file).stem: imports_of(text) for file, text in files.items()}
+    graph = {module: own & modules.keys() for module, (own, _) in modules.items()}
+    for module, (own, others) in modules.items():
+        for library, homes in MODULE_HOMES.items():
+            if library in others and module not in homes:
+                yield f"{module} imports {library}: only {', '.join(sorted(homes))} may"
+        for target in sorted(own & TOP_MODULES.keys()):
+            if module not in TOP_MODULES[target]:
+                yield f"{module} imports {target}: against the direction"
+    yield from (f"import cycle: {' -> '.join(cycle)}" for cycle in cycles(graph))
+
+
+def cycles(graph: Mapping[str, set[str]]) -> Iterator[list[str]]:
+    """Cycles of a graph, each found at least once."""
+    done: set[str] = set()
+
+    def visit(node: str, trail: list[str]) -> Iterator[list[str]]:
+        if node in trail:
+            yield trail[trail.index(node) :] + [node]
+        elif node not in done:
+            for target in sorted(graph[node]):
+                yield from visit(target, [*trail, node])
+            done.add(node)
+
+    for start in sorted(graph):
+        yield from visit(start, [])
+
+
+def read(folder: str, *suffixes: str) -> dict[str, str]:
+    paths = (path for path in (ROOT / folder).rglob("*") if path.suffix in suffixes)
+    return {path.relative_to(ROOT).as_posix(): path.read_text(encoding="utf-8") for path in paths}
+
+
+def test_includes_run_one_way() -> None:
+    files = read("core", ".h", ".cpp") | read("delegate", ".h", ".cpp")
+    assert {room_of(file) for file in files} >= {"core/base", "core/trace", "core/api", "delegate/translate"}
+    assert list(include_violations(files)) == []
+
+
+def test_imports_run_one_way() -> None:
+    files = {file: text for file, text in read(PACKAGE, ".py").items()}
+    assert f"{PACKAGE}cli.py" in files
+    assert list(import_violations(files)) == []
+
+
+@pytest.mark.parametrize(
+    ("file", "header", "reason"),
+    [
+        ("core/base/vec.h", '"core/motion/track.h"', "core/base comes before core/motion"),
+        ("core/build/sah.cpp", '"core/bvh/node.h"', "core/build comes before core/bvh"),
+        ("core/api/renderer.cpp", '"delegate/translate/inputs.h"', "core/api comes before delegate/translate"),
+        ("core/api/accel.cpp", '"core/extra/a.h"', "no such room"),
+        ("delegate/hydra/plugin.cpp", '"delegate/usd/bindings/core.h"', "front-ends do not know each other"),
+        ("core/shade/sky.cpp", "<hwy/highway.h>", "only core/trace/ may"),
+        ("core/build/topology.cpp", "<tbb/parallel_for.h>", "only core/base/parallel.h"),
+        ("core/scene/scene.cpp", "<pxr/usd/usd/stage.h>", "only delegate/hydra/ may"),
+        ("delegate/translate/translator.cpp", "<nanobind/nanobind.h>", "only delegate/usd/bindings/ may"),
+        ("core/attic/old.cpp", "<vector>", "stands in no room"),
+    ],
+)
+def test_a_planted_include_is_caught(file: str, header: str, reason: str) -> None:
+    found = list(include_violations({file: f"#pragma once\n  # include {header}\n"}))
+    assert len(found) == 1
+    assert reason in found[0]
+
+
+@pytest.mark.parametrize(
+    ("modules", "reason"),
+    [
+        ({"stage": "import click"}, "stage imports click: only cli may"),
+        ({"reader": "from .cli import main", "cli": ""}, "reader imports cli: against the direction"),
+        ({"reader": "def f():\n    from msbvh.record import record", "record": ""}, "reader imports record"),
+        ({"a": "from . import b", "b": "from .c import x", "c": "import msbvh.a"}, "import cycle: a -> b -> c -> a"),
+    ],
+)
+def test_a_planted_import_is_caught(modules: dict[str, str], reason: str) -> None:
+    files = {f"{PACKAGE}{name}.py": text for name, text in modules.items()}
+    assert any(reason in line for line in import_violations(files))
+
+
+def test_what_is_allowed_passes() -> None:
+    includes = {
+        "core/trace/kernel.cpp": '#include <hwy/highway.h>\n#include "core/bvh/layout.h"\n#include <vector>\n',
+        "core/base/parallel.cpp": "#include <tbb/parallel_for.h>\n",
+        "delegate/usd/bindings/core.cpp": '#include <nanobind/nanobind.h>\n#include "core/api/renderer.h"\n',
+    }
+    imports = {f"{PACKAGE}cli.py": "import click\nfrom .record import record\n", f"{PACKAGE}record.py": "import os\n"}
+    assert list(include_violations(includes)) == []
+    assert list(import_violations(imports)) == []
