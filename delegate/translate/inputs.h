@@ -1,9 +1,10 @@
-// What a front-end (the command line, the Hydra plugin) has read from a stage, as plain structs. Nothing here depends
-// on USD or Python. Spans borrow: they must live until the call that takes them returns.
+// What a front-end (the command line, the Hydra plugin) has read from a stage, as plain structs. Nothing here
+// depends on USD or Python. Spans borrow: they must live until the call that takes them returns.
 //
-// Times are `time01`: (time code - shutter open) / (shutter close - shutter open). 0 is the shutter's opening, 1 its
-// closing; samples that bracket the shutter lie outside [0, 1] and are wanted. With a closed shutter, one sample at 0.
-// Matrices are double, in USD's row-vector convention (p' = p * M, translation in the last row), row-major.
+// Times are `time01`: (time code - shutter open) / (shutter close - shutter open). 0 is the shutter's
+// opening, 1 its closing; samples that bracket the shutter lie outside [0, 1] and are wanted. With a closed
+// shutter, one sample at 0. Matrices are double, in USD's row-vector convention (p' = p * M, translation in
+// the last row), row-major.
 #pragma once
 
 #include <array>
@@ -19,8 +20,9 @@ namespace msbvh::translate {
 
 using Matrix4d = std::array<double, 16>;
 
-// A transform at increasing times, to be interpolated linearly by element between them and held outside. The front-end
-// evaluates the stage at as many times as that takes (`is_dense_enough` says when). One sample: still.
+// A transform at increasing times, to be interpolated linearly by element between them and held outside. The
+// front-end evaluates the stage at as many times as that takes (`is_dense_enough` says when). One sample:
+// still.
 struct TransformSamples {
   std::vector<double> times01;
   std::vector<Matrix4d> matrices;
@@ -32,7 +34,8 @@ struct ArraySample {
   std::span<const Vec3f> values;
 };
 
-// Samples at increasing times, interpolated linearly between them (`held`: each holds until the next), held outside.
+// Samples at increasing times, interpolated linearly between them (`held`: each holds until the next), held
+// outside.
 struct ArraySamples {
   std::vector<ArraySample> samples;
   bool held = false;
@@ -67,9 +70,9 @@ struct MeshInput {
 struct InstancesInput {
   std::string path;
   std::uint32_t prototype = 0;
-  std::vector<double> times01;              // T increasing times, shared by all instances
-  std::span<const Matrix4d> matrices;       // [T][count], time-major: stage space from prototype space
-  std::span<const Vec3f> display_color;     // empty, or one an instance
+  std::vector<double> times01;           // T increasing times, shared by all instances
+  std::span<const Matrix4d> matrices;    // [T][count], time-major: stage space from prototype space
+  std::span<const Vec3f> display_color;  // empty, or one an instance
 };
 
 // One time of a camera; the window as in core/scene/scene.h.
@@ -88,7 +91,7 @@ struct CameraInput {
 };
 
 struct LightInput {
-  Light light;                         // all but `segments` and `world_from_light`
+  Light light;  // all but `segments` and `world_from_light`
   TransformSamples world_from_light;
 };
 

@@ -1,32 +1,22 @@
-// From what a front-end has read to a Scene: the one code path that the command line and the Hydra plugin share.
+// From what a front-end has read to a Scene: the one code path that the command line and the Hydra plugin
+// share.
 //
-// It checks the input, subtracts the frame's origin in double precision, triangulates, computes missing normals, and
-// fits tracks: the fewest 2^k segments whose linear interpolation follows the samples within the motion tolerance,
-// measured in pixels through the camera.
+// It checks the input, subtracts the frame's origin in double precision, triangulates, computes missing
+// normals, and fits tracks: the fewest 2^k segments whose linear interpolation follows the samples within the
+// motion tolerance, measured in pixels through the camera.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "core/scene/scene.h"
+#include "delegate/translate/diagnostics.h"
 #include "delegate/translate/inputs.h"
 
 namespace msbvh::translate {
-
-enum class Severity : std::uint8_t {
-  kWarning,  // rendered, but something was left out or approximated
-  kError     // the prim was not rendered
-};
-
-// Names the prim, the attribute, what was found and what was expected, in one line.
-struct Diagnostic {
-  Severity severity;
-  std::string path;
-  std::string attribute;
-  std::string message;
-};
 
 struct TranslatorSettings {
   std::uint32_t width = 960, height = 540;  // pixels, for the tolerance
@@ -34,7 +24,8 @@ struct TranslatorSettings {
   std::uint32_t max_segments = kMaxSegments;
 };
 
-// How a prim's motion was kept. For statistics and `msbvh motion`.
+// How a prim's motion was kept: the camera's, then one for each mesh and each set of instances. For
+// statistics and `msbvh motion`.
 struct TrackReport {
   std::string path;
   std::uint32_t segments = 0;
@@ -55,12 +46,16 @@ class Translator {
   // Into a prototype made with begin_prototype(); in the prototype's space, no origin subtracted.
   void add_prototype_mesh(std::uint32_t prototype, const MeshInput& input);
   std::uint32_t begin_prototype(const std::string& path);
+  // After the prototype's meshes, whose extent the tolerance is measured on.
   void add_instances(const InstancesInput& input);
   std::uint32_t add_material(const Material& material);
   void add_light(const LightInput& input);
 
   // Whether the scene has geometry that can be seen.
   bool empty() const;
+  // Meshes without a face to draw, which are no error: an exporter writes them for effects that have not
+  // started.
+  std::size_t empty_meshes() const;
   const std::vector<Diagnostic>& diagnostics() const;
   const std::vector<TrackReport>& tracks() const;
 
@@ -73,9 +68,9 @@ class Translator {
 };
 
 // Whether the matrices at increasing times are dense enough for linear interpolation by element: for each
-// interior sample, the distance between it and the interpolation of its neighbours, over the box (lo, hi) in object
-// space, in units of the object's largest world extent. Front-ends double their samples until it is below 1e-4 or
-// kMaxSegments is reached.
+// interior sample, the distance between it and the interpolation of its neighbours, over the box (lo, hi) in
+// object space, in units of the object's largest world extent. Front-ends double their samples until it is
+// below 1e-4 or kMaxSegments is reached.
 double transform_deviation(const TransformSamples& samples, const Vec3d& lo, const Vec3d& hi);
 
 }  // namespace msbvh::translate

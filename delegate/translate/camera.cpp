@@ -1,0 +1,202 @@
+#include "delegate/translate/camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/error.h"
+#include "core/base/lerp.h"
+#include "core/motion/track.h"
+#include "delegate/translate/diagnostics.h"
+#include "delegate/translate/time_samples.h"
+#include "delegate/translate/transform_samples.h"
+
+namespace msbvh::translate {
+namespace {
+
+constexpr double kShareOfTolerance = 0.1;
+// Depths at which projected points are compared, in multiples of the near distance (orthographic: of the
+// window's width); infinity comes on top.
+constexpr double kDepths[] = {1.0, 10.0, 100.0, 1000.0};
+
+struct WindowD {
+  double left, right, bottom, top;
+};
+
+WindowD window_of(const ScreenWindow& w) { return {w.left, w.right, w.bottom, w.top}; }
+
+WindowD lerp(const WindowD& a, const WindowD& b, double w) {
+  return {msbvh::lerp(a.left, b.left, w), msbvh::lerp(a.right, b.right, w),
+          msbvh::lerp(a.bottom, b.bottom, w), msbvh::lerp(a.top, b.top, w)};
+}
+
+struct CameraInstant {
+  Affine3d world_from_camera;
+  WindowD window;
+};
+
+CameraInstant lerp(const CameraInstant& a, const CameraInstant& b, double w) {
+  return {msbvh::lerp(a.world_from_camera, b.world_from_camera, w), lerp(a.window, b.window, w)};
+}
+
+// The samples, rebased to the frame's origin and interpolated.
+class CameraMotion {
+ public:
+  CameraMotion(const CameraInput& camera, const Vec3d& origin) {
+    for (const CameraSample& sample : camera.samples) {
+      times01_.push_back(sample.time01);
+      instants_.push_back(
+          {rebased(affine_from(sample.world_from_camera), {}, origin), window_of(sample.window)});
+    }
+  }
+  CameraInstant at(double time01) const {
+    const Bracket at = bracket(times01_, time01);
+    return lerp(instants_[at.first], instants_[at.second], at.w);
+  }
+  CameraInstant track(double time01, std::uint32_t segments) const {
+    if (segments == 0) return this->at(key_time(0, 0));
+    const TrackTime at = locate_key(time01, segments);
+    return lerp(this->at(key_time(at.key, segments)), this->at(key_time(at.key + 1, segments)), at.w);
+  }
+  const std::vector<double>& times01() const { return times01_; }
+
+ private:
+  std::vector<double> times01_;
+  std::vector<CameraInstant> instants_;
+};
+
+// A point (or, at infinity, a direction) in camera space at a place of the window, (0, 0) to (1, 1).
+Vec3d camera_point(const WindowD& w, double x01, double y01, double depth, bool perspective) {
+  const double x = msbvh::lerp(w.left, w.right, x01), y = msbvh::lerp(w.bottom, w.top, y01);
+  if (!perspective) return {x, y, -depth};
+  return std::isinf(depth) ? Vec3d{x, y, -1.0} : Vec3d{x * depth, y * depth, -depth};
+}
+
+// How far apart, in pixels, two cameras see what the first one sees at a place of its window and a depth.
+class ProjectionDifference {
+ public:
+  ProjectionDifference(const CameraInstant& truth, const CameraInstant& track,
+                       const TranslatorSettings& settings, bool perspective)
+      : truth_(truth),
+        window_(track.window),
+        track_from_truth_(inverse(track.world_from_camera) * truth.world_from_camera),
+        settings_(settings),
+        perspective_(perspective) {}
+
+  double window_width() const { return std::abs(window_.right - window_.left); }
+  double pixels(double x01, double y01, double depth) const {
+    const Vec3d point = camera_point(truth_.window, x01, y01, depth, perspective_);
+    const Vec3d seen = std::isinf(depth) ? track_from_truth_.vector(point) : track_from_truth_.point(point);
+    if (perspective_ && !(seen.z < 0.0)) return std::numeric_limits<double>::infinity();
+    const double divisor = perspective_ ? -seen.z : 1.0;
+    const double x = (seen.x / divisor - window_.left) / (window_.right - window_.left);
+    const double y = (seen.y / divisor - window_.bottom) / (window_.top - window_.bottom);
+    return std::hypot((x - x01) * settings_.width, (y - y01) * settings_.height);
+  }
+
+ private:
+  CameraInstant truth_;
+  WindowD window_;
+  Affine3d track_from_truth_;
+  const TranslatorSettings& settings_;
+  bool perspective_;
+};
+
+double instant_error(const ProjectionDifference& difference, const CameraInput& camera) {
+  const bool perspective = camera.projection == Projection::kPerspective;
+  const double unit = perspective ? camera.near_clip : difference.window_width();
+  double worst = 0.0;
+  for (const double x01 : {0.0, 0.5, 1.0}) {
+    for (const double y01 : {0.0, 0.5, 1.0}) {
+      for (const double multiple : kDepths) {
+        worst = std::max(worst, difference.pixels(x01, y01, multiple * unit));
+      }
+      if (perspective)
+        worst = std::max(worst, difference.pixels(x01, y01, std::numeric_limits<double>::infinity()));
+    }
+  }
+  return worst;
+}
+
+double track_error(const CameraMotion& motion, const CameraInput& camera, const TranslatorSettings& settings,
+                   std::uint32_t segments, double limit) {
+  const bool perspective = camera.projection == Projection::kPerspective;
+  double worst = 0.0;
+  for (const double time01 : test_times(motion.times01(), segments)) {
+    const CameraInstant track = motion.track(time01, segments);
+    if (is_singular(track.world_from_camera)) return std::numeric_limits<double>::infinity();
+    worst = std::max(worst, instant_error({motion.at(time01), track, settings, perspective}, camera));
+    if (worst > limit) break;
+  }
+  return worst;
+}
+
+[[noreturn]] void fail(const CameraInput& camera, const std::string& attribute, const std::string& what) {
+  throw Error(message(camera.path, ": ", attribute, ": ", what));
+}
+
+void check_sample(const CameraInput& camera, const CameraSample& sample) {
+  const Affine3d map = affine_from(sample.world_from_camera);
+  if (!is_representable(map) || is_singular(map)) {
+    fail(camera, "xformOpOrder",
+         message("the matrix at time ", sample.time01,
+                 " is singular, not finite or too large; expected an invertible one"));
+  }
+  const ScreenWindow& w = sample.window;
+  const bool finite =
+      std::isfinite(w.left) && std::isfinite(w.right) && std::isfinite(w.bottom) && std::isfinite(w.top);
+  if (!finite || w.left == w.right || w.bottom == w.top) {
+    fail(camera, "horizontalAperture",
+         message("the window at time ", sample.time01, " is ", w.left, " to ", w.right, " by ", w.bottom,
+                 " to ", w.top, "; expected finite sides of a size that is not zero"));
+  }
+}
+
+}  // namespace
+
+void check_camera(const CameraInput& camera) {
+  std::vector<double> times01;
+  for (const CameraSample& sample : camera.samples) times01.push_back(sample.time01);
+  std::vector<Diagnostic> diagnostics;
+  PrimLog log(diagnostics, camera.path);
+  if (!check_times(times01, "shutter", log)) fail(camera, diagnostics[0].attribute, diagnostics[0].message);
+  for (const CameraSample& sample : camera.samples) check_sample(camera, sample);
+  const bool perspective = camera.projection == Projection::kPerspective;
+  if (!(camera.near_clip < camera.far_clip) || !std::isfinite(camera.near_clip) ||
+      (perspective && camera.near_clip <= 0.0f)) {
+    fail(camera, "clippingRange",
+         message("found ", camera.near_clip, " to ", camera.far_clip, "; expected ",
+                 perspective ? "0 < near < far" : "near < far"));
+  }
+}
+
+Vec3d frame_origin(const CameraInput& camera) {
+  return CameraMotion(camera, {}).at(key_time(0, 0)).world_from_camera.t;
+}
+
+Camera fit_camera(const CameraInput& input, const Vec3d& origin, const TranslatorSettings& settings,
+                  TrackReport& track) {
+  const CameraMotion motion(input, origin);
+  const double tolerance = kShareOfTolerance * settings.motion_tolerance_pixels;
+  const Fit fit =
+      fewest_segments({tolerance, settings.max_segments}, [&](std::uint32_t segments, double limit) {
+        return track_error(motion, input, settings, segments, limit);
+      });
+  track = {input.path, fit.segments, true, fit.error};
+
+  Camera camera;
+  camera.name = input.path;
+  camera.projection = input.projection;
+  camera.near_clip = input.near_clip;
+  camera.far_clip = input.far_clip;
+  camera.segments = fit.segments;
+  for (std::uint32_t key = 0; key < key_count(fit.segments); ++key) {
+    const CameraInstant at = motion.at(key_time(key, fit.segments));
+    camera.world_from_camera.push_back(Affine3f(at.world_from_camera));
+    camera.window.push_back(
+        {float(at.window.left), float(at.window.right), float(at.window.bottom), float(at.window.top)});
+  }
+  return camera;
+}
+
+}  // namespace msbvh::translate

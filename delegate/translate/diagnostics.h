@@ -1,0 +1,69 @@
+// What a translation has to say about its input: the one place where messages are collected.
+#pragma once
+
+#include <cstdint>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace msbvh::translate {
+
+enum class Severity : std::uint8_t {
+  kWarning,  // rendered, but something was left out or approximated
+  kError     // the prim was not rendered
+};
+
+// Names the prim, the attribute, what was found and what was expected, in one line.
+struct Diagnostic {
+  Severity severity;
+  std::string path;
+  std::string attribute;
+  std::string message;
+};
+
+// Parts written one after the other: numbers in the fewest digits that tell them apart at single precision.
+template <typename... Parts>
+std::string message(const Parts&... parts) {
+  std::ostringstream out;
+  out.precision(9);
+  (out << ... << parts);
+  return out.str();
+}
+
+// The messages about one prim, or about a part of it that it can be rendered without.
+class PrimLog {
+ public:
+  PrimLog(std::vector<Diagnostic>& all, std::string path) : all_(&all), path_(std::move(path)) {}
+
+  // Checks that fail on this log leave out the part only: their messages are warnings that say so.
+  PrimLog of_optional_part() const {
+    PrimLog log = *this;
+    log.optional_ = true;
+    return log;
+  }
+  const std::string& path() const { return path_; }
+
+  void warn(const std::string& attribute, const std::string& message) {
+    all_->push_back({Severity::kWarning, path_, attribute, message});
+  }
+  // What is checked cannot be used. Returns false, so that a check can end with `return log.reject(...)`.
+  bool reject(const std::string& attribute, const std::string& message) {
+    if (optional_) {
+      warn(attribute, message + "; it is left out");
+    } else {
+      all_->push_back({Severity::kError, path_, attribute, message});
+      rejected_ = true;
+    }
+    return false;
+  }
+  // Whether the prim itself, not only a part of it, cannot be used.
+  bool rejected() const { return rejected_; }
+
+ private:
+  std::vector<Diagnostic>* all_;
+  std::string path_;
+  bool optional_ = false;
+  bool rejected_ = false;
+};
+
+}  // namespace msbvh::translate

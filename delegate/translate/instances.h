@@ -1,0 +1,37 @@
+// Instances of one prototype, by the million: each with the fewest keys that follow it, gathered by their
+// number.
+#pragma once
+
+#include <vector>
+
+#include "core/base/box.h"
+#include "core/base/vec.h"
+#include "core/scene/scene.h"
+#include "delegate/translate/diagnostics.h"
+#include "delegate/translate/fit.h"
+#include "delegate/translate/inputs.h"
+#include "delegate/translate/screen_measure.h"
+#include "delegate/translate/translator.h"
+
+namespace msbvh::translate {
+
+struct InstanceTarget {
+  const ScreenMeasure& measure;
+  Vec3d world_origin;      // of the frame, in stage space
+  Vec3d prototype_origin;  // of the prototype's stored meshes, in its own space
+  Box3d box;               // of the stored meshes, over the shutter
+  FitSettings settings;
+};
+
+struct TranslatedInstances {
+  std::vector<InstanceSet> sets;  // by increasing number of segments; instances in the order of the input
+  TrackReport track;              // the most segments and the largest error of any
+};
+
+// Leaves out, with a warning that counts them: instances whose matrix is not finite, and those that are flat
+// (singular, but not a line or a point, which cannot be seen) throughout the shutter. A singular key alone
+// leaves nothing out. Empty for an input that cannot be used (an error in the log).
+TranslatedInstances translate_instances(const InstancesInput& input, const InstanceTarget& target,
+                                        PrimLog& log);
+
+}  // namespace msbvh::translate

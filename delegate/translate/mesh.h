@@ -1,0 +1,53 @@
+// One USD mesh to one mesh of the scene.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/base/affine.h"
+#include "core/base/vec.h"
+#include "core/scene/scene.h"
+#include "delegate/translate/diagnostics.h"
+#include "delegate/translate/fit.h"
+#include "delegate/translate/inputs.h"
+#include "delegate/translate/screen_measure.h"
+#include "delegate/translate/translator.h"
+
+namespace msbvh::translate {
+
+// Where translated meshes go.
+struct MeshTarget {
+  // Null: a prototype's own space, of which it is not known yet how near to the camera it is instanced. A
+  // mesh is then measured as if it filled the image.
+  const ScreenMeasure* measure = nullptr;
+  // Subtracted in double. A prototype's is chosen by its first mesh.
+  std::optional<Vec3d> origin;
+  std::uint32_t width = 1, height = 1;
+  FitSettings settings;
+  std::uint32_t material_count = 0;
+};
+
+struct TranslatedMesh {
+  Mesh mesh;
+  TrackReport track;
+  // In a moving transform: the mesh stays in its object's space and these are its keys. Empty: baked into the
+  // target.
+  std::vector<Affine3f> world_from_mesh;
+};
+
+// The motion of a mesh is kept in one of three ways, the first that is exact:
+//   still points, still transform: baked, one key;
+//   still points, moving transform, in the world: one still mesh under the transform's track;
+//   else: baked, with keys that follow both.
+// A transform that is singular at some time is baked too: it has no inverse to trace rays through.
+// Returns nothing for a mesh that cannot be used (an error in the log) or has nothing to draw.
+std::optional<TranslatedMesh> translate_mesh(const MeshInput& input, MeshTarget& target, PrimLog& log);
+
+// Origin for coordinates that are large but close together: per axis 0, or the middle of the box where the
+// box lies at least its own size away from 0. The difference of two floats that far out is exact in single
+// precision (both are multiples of the smaller one's last place, and at most 2^24 of them apart), so that the
+// shift costs nothing.
+Vec3d exact_origin(const Box3d& box);
+
+}  // namespace msbvh::translate

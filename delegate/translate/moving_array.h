@@ -1,0 +1,40 @@
+// Points, or normals, that move on their own and under a moving transform: what the stage says at any time,
+// how few keys follow it, and the keys themselves.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/box.h"
+#include "core/base/vec.h"
+#include "delegate/translate/array_samples.h"
+#include "delegate/translate/fit.h"
+#include "delegate/translate/screen_measure.h"
+#include "delegate/translate/transform_samples.h"
+
+namespace msbvh::translate {
+
+struct MovingArray {
+  ArrayTrack values;
+  TransformTrack transform;  // already rebased, so that results fit single precision
+
+  std::size_t size() const { return values.at(0.0).size(); }
+  bool is_still() const { return values.is_still() && transform.is_still(); }
+};
+
+// Encloses the points, or the box, at every time of the shutter; not tightly where a transform turns.
+Box3d bounds(const MovingArray& points);
+Box3d bounds(const Box3d& box, const TransformTrack& transform);
+
+// Error in pixels. Tested at every vertex, so that a vertex far away counts for as little as it shows; the
+// inside of a triangle that comes much nearer to the eye than its vertices do may show more.
+Fit fit_points(const MovingArray& points, const ScreenMeasure& measure, const FitSettings& settings);
+// Error as the distance between unit vectors: radians, while small.
+Fit fit_normals(const MovingArray& normals, const FitSettings& settings);
+
+// [key_count(segments)][size], key-major.
+std::vector<Vec3f> point_keys(const MovingArray& points, std::uint32_t segments);
+// Unit length, or zero where the stage's normal is.
+std::vector<Vec3f> normal_keys(const MovingArray& normals, std::uint32_t segments);
+
+}  // namespace msbvh::translate

@@ -1,0 +1,43 @@
+// USD primvars to one value for each element of a triangle mesh.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/vec.h"
+#include "core/scene/scene.h"
+#include "delegate/translate/diagnostics.h"
+#include "delegate/translate/inputs.h"
+#include "delegate/translate/triangulate.h"
+
+namespace msbvh::translate {
+
+// Which authored value belongs to each element of the triangle mesh. Shared by all time samples of a primvar.
+struct PrimvarMap {
+  Interpolation interpolation = Interpolation::kConstant;
+  std::vector<std::uint32_t> source;  // one index into the authored values for each element
+};
+
+// Expands `interpolation` (USD's token) and indices: uniform to one a triangle, faceVarying to three a
+// triangle in the order of its vertices, varying to vertex. `value_count` values are authored. Sizes that do
+// not fit the interpolation, indices out of range and unknown tokens are rejected: nothing is returned.
+std::optional<PrimvarMap> map_primvar(const std::string& token, std::size_t value_count,
+                                      std::span<const int> indices, const Triangulation& mesh,
+                                      const std::string& attribute, PrimLog& log);
+
+// A still primvar, ready for the scene. One that does not fit or has a value that is not finite is left out,
+// with a warning.
+template <typename T>
+Primvar<T> flattened(const PrimvarInput<T>& input, const Triangulation& mesh, const std::string& attribute,
+                     PrimLog& log);
+
+extern template Primvar<Vec3f> flattened(const PrimvarInput<Vec3f>&, const Triangulation&, const std::string&,
+                                         PrimLog&);
+extern template Primvar<float> flattened(const PrimvarInput<float>&, const Triangulation&, const std::string&,
+                                         PrimLog&);
+
+}  // namespace msbvh::translate

@@ -1,0 +1,117 @@
+#include "delegate/translate/transform_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/lerp.h"
+#include "core/geometry/triangle_mesh.h"
+#include "delegate/translate/box_corners.h"
+#include "delegate/translate/translator.h"
+
+namespace msbvh::translate {
+namespace {
+
+// Six digits: the determinant of a float matrix is noise below that share of the product of its columns'
+// lengths.
+constexpr double kSingular = 1e-6;
+
+bool is_affine(const Matrix4d& m) { return m[3] == 0.0 && m[7] == 0.0 && m[11] == 0.0 && m[15] == 1.0; }
+
+}  // namespace
+
+Affine3d affine_from(const Matrix4d& m) {
+  return {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}, {m[12], m[13], m[14]}};
+}
+
+bool is_representable(const Affine3d& map) {
+  for (const Vec3d* column : {&map.x, &map.y, &map.z, &map.t}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(std::abs((*column)[axis]) <= double(kMaxCoordinate))) return false;  // NaN too
+    }
+  }
+  return true;
+}
+
+bool is_singular(const Affine3d& map) {
+  const double volume = length(map.x) * length(map.y) * length(map.z);
+  return !(std::abs(map.determinant()) > kSingular * volume);
+}
+
+Affine3d rebased(Affine3d map, const Vec3d& from, const Vec3d& to) {
+  map.t = map.point(from) - to;
+  return map;
+}
+
+TransformTrack::TransformTrack(const TransformSamples& samples) {
+  const SampleRange range = samples_of_shutter(samples.times01);
+  for (std::size_t i = range.first; i <= range.last; ++i) {
+    times01_.push_back(samples.times01[i]);
+    maps_.push_back(affine_from(samples.matrices[i]));
+  }
+}
+
+TransformTrack::TransformTrack(const Affine3d& still) : times01_{0.0}, maps_{still} {}
+
+TransformTrack TransformTrack::rebased(const Vec3d& from, const Vec3d& to) const {
+  TransformTrack result = *this;
+  for (Affine3d& map : result.maps_) map = translate::rebased(map, from, to);
+  return result;
+}
+
+Affine3d TransformTrack::at(double time01) const {
+  const Bracket at = bracket(times01_, time01);
+  return at.first == at.second ? maps_[at.first] : lerp(maps_[at.first], maps_[at.second], at.w);
+}
+
+bool TransformTrack::is_still() const {
+  return std::all_of(maps_.begin(), maps_.end(), [&](const Affine3d& map) { return map == maps_.front(); });
+}
+
+bool TransformTrack::is_singular_somewhere() const {
+  return std::any_of(maps_.begin(), maps_.end(), [](const Affine3d& map) { return is_singular(map); });
+}
+
+bool check_transform(const TransformSamples& samples, const std::string& attribute, PrimLog& log) {
+  if (!check_times(samples.times01, attribute, log)) return false;
+  if (samples.matrices.size() != samples.times01.size()) {
+    return log.reject(attribute,
+                      message("found ", samples.matrices.size(), " matrices; expected one for each of ",
+                              samples.times01.size(), " times"));
+  }
+  bool projective = false;
+  for (std::size_t i = 0; i < samples.matrices.size(); ++i) {
+    if (!is_representable(affine_from(samples.matrices[i]))) {
+      return log.reject(attribute,
+                        message("the matrix at time ", samples.times01[i],
+                                " has an element that is not finite or too large; expected finite numbers",
+                                " of at most 2^60 in size"));
+    }
+    projective = projective || !is_affine(samples.matrices[i]);
+  }
+  if (projective) {
+    log.warn(attribute,
+             "found a projective matrix; expected the last column 0, 0, 0, 1, which is taken instead");
+  }
+  return true;
+}
+
+double transform_deviation(const TransformSamples& samples, const Vec3d& lo, const Vec3d& hi) {
+  const BoxCorners corners = corners_of({lo, hi});
+  double deviation = 0.0, extent = 0.0;
+  for (std::size_t i = 0; i < samples.matrices.size(); ++i) {
+    const Affine3d map = affine_from(samples.matrices[i]);
+    const Vec3d size = bounds_of(corners, map).extent();
+    extent = std::max({extent, size.x, size.y, size.z});
+    if (i == 0 || i + 1 == samples.matrices.size()) continue;
+    const double w =
+        (samples.times01[i] - samples.times01[i - 1]) / (samples.times01[i + 1] - samples.times01[i - 1]);
+    const Affine3d between =
+        lerp(affine_from(samples.matrices[i - 1]), affine_from(samples.matrices[i + 1]), w);
+    deviation = std::max(deviation, largest_distance(corners, map, between));
+  }
+  if (deviation == 0.0) return 0.0;
+  return extent > 0.0 ? deviation / extent : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace msbvh::translate

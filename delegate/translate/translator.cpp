@@ -1,0 +1,207 @@
+#include "delegate/translate/translator.h"
+
+#include <cmath>
+#include <utility>
+
+#include "core/base/box.h"
+#include "core/base/error.h"
+#include "delegate/translate/camera.h"
+#include "delegate/translate/instances.h"
+#include "delegate/translate/light.h"
+#include "delegate/translate/mesh.h"
+#include "delegate/translate/screen_measure.h"
+
+namespace msbvh::translate {
+namespace {
+
+void check_settings(const TranslatorSettings& settings) {
+  if (settings.width == 0 || settings.height == 0) {
+    throw Error(
+        message("image size: found ", settings.width, " x ", settings.height, "; expected at least 1 x 1"));
+  }
+  if (!(settings.motion_tolerance_pixels > 0.0) || !std::isfinite(settings.motion_tolerance_pixels)) {
+    throw Error(message("motion tolerance: found ", settings.motion_tolerance_pixels,
+                        " pixels; expected a finite number above 0"));
+  }
+  if (!is_valid_segment_count(settings.max_segments)) {
+    throw Error(message("max_segments: found ", settings.max_segments,
+                        "; expected 0 or a power of two up to ", kMaxSegments));
+  }
+}
+
+// What instances need to know of their prototype while the scene grows.
+struct PrototypeState {
+  MeshTarget target;
+  Box3d box;  // of its meshes at all their keys
+};
+
+Box3d box_of(const TriangleMesh& shape) {
+  Box3d box;
+  for (const Vec3f& p : shape.positions) box.grow(Vec3d(p));
+  return box;
+}
+
+// A material with a value that is not finite keeps its index but becomes the default one.
+Material checked_material(const Material& material, PrimLog& log) {
+  if (is_finite(material.diffuse_color) && is_finite(material.emissive_color) &&
+      std::isfinite(material.opacity) && std::isfinite(material.opacity_threshold)) {
+    return material;
+  }
+  log.warn("inputs",
+           "a colour or opacity is not finite; expected finite numbers; the default material is taken");
+  Material standard;
+  standard.name = material.name;
+  return standard;
+}
+
+}  // namespace
+
+struct Translator::Data {
+  Data(const CameraInput& camera, const TranslatorSettings& settings_)
+      : settings(settings_),
+        fit{settings.motion_tolerance_pixels, settings.max_segments},
+        origin(frame_origin(camera)),
+        measure(camera, origin, settings.width, settings.height) {}
+
+  // Keeps the track and counts what has nothing to draw.
+  std::optional<TranslatedMesh> translated(const MeshInput& input, MeshTarget& target);
+  MeshTarget target(const ScreenMeasure* in_world);
+  std::uint32_t add(Mesh mesh);
+  void add_moving(TranslatedMesh translated);
+
+  TranslatorSettings settings;
+  FitSettings fit;
+  Vec3d origin;
+  ScreenMeasure measure;
+  Scene scene;
+  std::vector<PrototypeState> prototypes;  // beside scene.prototypes
+  std::vector<Diagnostic> diagnostics;
+  std::vector<TrackReport> tracks;
+  std::size_t empty_meshes = 0;
+};
+
+MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
+  MeshTarget result{in_world, std::nullopt, settings.width, settings.height, fit, 0};
+  if (in_world) result.origin = origin;
+  return result;
+}
+
+std::optional<TranslatedMesh> Translator::Data::translated(const MeshInput& input, MeshTarget& target) {
+  PrimLog log(diagnostics, input.path);
+  target.material_count = std::uint32_t(scene.materials.size());
+  std::optional<TranslatedMesh> result = translate_mesh(input, target, log);
+  if (result) {
+    tracks.push_back(result->track);
+  } else if (!log.rejected()) {
+    ++empty_meshes;
+  }
+  return result;
+}
+
+std::uint32_t Translator::Data::add(Mesh mesh) {
+  scene.meshes.push_back(std::move(mesh));
+  return std::uint32_t(scene.meshes.size() - 1);
+}
+
+void Translator::Data::add_moving(TranslatedMesh moving) {
+  const std::string name = moving.mesh.shape.name;
+  const auto prototype = std::uint32_t(scene.prototypes.size());
+  scene.prototypes.push_back({name, {add(std::move(moving.mesh))}});
+  prototypes.emplace_back();
+  scene.instances.push_back({name, prototype, moving.track.segments, std::move(moving.world_from_mesh), {}});
+}
+
+Translator::Translator(const CameraInput& camera, const TranslatorSettings& settings) {
+  check_settings(settings);
+  check_camera(camera);
+  data_ = std::make_unique<Data>(camera, settings);
+  TrackReport track;
+  data_->scene.camera = fit_camera(camera, data_->origin, settings, track);
+  data_->tracks.push_back(track);
+  if (track.error_pixels > settings.motion_tolerance_pixels) {
+    PrimLog(data_->diagnostics, camera.path)
+        .warn("xformOpOrder",
+              message("the camera's motion deviates by ", track.error_pixels, " pixels at ", track.segments,
+                      " segments; expected at most ", settings.motion_tolerance_pixels));
+  }
+}
+
+Translator::~Translator() = default;
+
+void Translator::add_mesh(const MeshInput& input) {
+  MeshTarget world = data_->target(&data_->measure);
+  std::optional<TranslatedMesh> translated = data_->translated(input, world);
+  if (!translated) return;
+  if (translated->world_from_mesh.empty()) {
+    data_->scene.world_meshes.push_back(data_->add(std::move(translated->mesh)));
+  } else {
+    data_->add_moving(std::move(*translated));
+  }
+}
+
+std::uint32_t Translator::begin_prototype(const std::string& path) {
+  data_->scene.prototypes.push_back({path, {}});
+  data_->prototypes.push_back({data_->target(nullptr), {}});
+  return std::uint32_t(data_->scene.prototypes.size() - 1);
+}
+
+void Translator::add_prototype_mesh(std::uint32_t prototype, const MeshInput& input) {
+  if (prototype >= data_->prototypes.size()) {
+    PrimLog(data_->diagnostics, input.path)
+        .reject("prototype", message("found ", prototype, "; expected one of ", data_->prototypes.size()));
+    return;
+  }
+  PrototypeState& state = data_->prototypes[prototype];
+  std::optional<TranslatedMesh> translated = data_->translated(input, state.target);
+  if (!translated) return;
+  state.box.grow(box_of(translated->mesh.shape));
+  data_->scene.prototypes[prototype].meshes.push_back(data_->add(std::move(translated->mesh)));
+}
+
+void Translator::add_instances(const InstancesInput& input) {
+  PrimLog log(data_->diagnostics, input.path);
+  if (input.prototype >= data_->prototypes.size()) {
+    log.reject("prototypes",
+               message("found prototype ", input.prototype, "; expected one of ", data_->prototypes.size()));
+    return;
+  }
+  const PrototypeState& state = data_->prototypes[input.prototype];
+  if (state.box.empty() || input.matrices.empty()) return;  // nothing to draw; its meshes have been reported
+  const Vec3d prototype_origin = state.target.origin.value_or(Vec3d{});
+  TranslatedInstances result = translate_instances(
+      input, {data_->measure, data_->origin, prototype_origin, state.box, data_->fit}, log);
+  if (result.sets.empty()) return;
+  for (InstanceSet& set : result.sets) data_->scene.instances.push_back(std::move(set));
+  data_->tracks.push_back(result.track);
+}
+
+std::uint32_t Translator::add_material(const Material& material) {
+  PrimLog log(data_->diagnostics, material.name);
+  data_->scene.materials.push_back(checked_material(material, log));
+  return std::uint32_t(data_->scene.materials.size() - 1);
+}
+
+void Translator::add_light(const LightInput& input) {
+  PrimLog log(data_->diagnostics, input.light.name);
+  std::optional<Light> light = translate_light(input, data_->measure, data_->origin, data_->settings.width,
+                                               data_->settings.height, data_->fit, log);
+  if (light) data_->scene.lights.push_back(std::move(*light));
+}
+
+bool Translator::empty() const { return data_->scene.world_meshes.empty() && data_->scene.instances.empty(); }
+
+std::size_t Translator::empty_meshes() const { return data_->empty_meshes; }
+
+const std::vector<Diagnostic>& Translator::diagnostics() const { return data_->diagnostics; }
+
+const std::vector<TrackReport>& Translator::tracks() const { return data_->tracks; }
+
+std::shared_ptr<const Scene> Translator::finish() {
+  auto scene = std::make_shared<Scene>(std::move(data_->scene));
+  data_->scene = {};
+  data_->scene.camera = scene->camera;
+  data_->prototypes.clear();
+  return scene;
+}
+
+}  // namespace msbvh::translate

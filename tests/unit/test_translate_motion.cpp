@@ -1,0 +1,304 @@
+// How few keys follow the samples, and that they do: every claim is checked by projecting both in double
+// precision.
+#include <cmath>
+#include <doctest/doctest.h>
+
+#include "core/base/lerp.h"
+#include "core/motion/affine_track.h"
+#include "core/scene/scene.h"
+#include "delegate/translate/transform_samples.h"
+#include "delegate/translate/translator.h"
+#include "tests/unit/translate_inputs.h"
+
+using namespace msbvh;
+using namespace msbvh::translate;
+using namespace msbvh::translate::testing;
+
+namespace {
+
+struct Result {
+  std::shared_ptr<const Scene> scene;
+  std::vector<Diagnostic> diagnostics;
+  TrackReport track;
+};
+
+Result translated(const MeshInput& input, const Vec3d& eye,
+                  const TranslatorSettings& settings = settings_of()) {
+  Translator translator(camera_at(eye), settings);
+  translator.add_mesh(input);
+  const TrackReport track = translator.tracks().back();
+  const std::vector<Diagnostic> diagnostics = translator.diagnostics();
+  return {translator.finish(), diagnostics, track};
+}
+
+// In the frame's world, whichever way the motion was kept.
+Vec3d position(const Scene& scene, std::uint32_t vertex, float u) {
+  const Vec3d p(scene.meshes.at(0).shape.position(vertex, u));
+  if (scene.instances.empty()) return p;
+  const InstanceSet& set = scene.instances[0];
+  return Affine3d(evaluate(set.world_from_prototype, set.segments, u)).point(p);
+}
+
+// Pixels from the image's centre, for a camera at the frame's origin.
+Vec3d projected(const Vec3d& p, std::uint32_t width = 1000) {
+  return {0.5 * width * p.x / -p.z, 0.5 * width * p.y / -p.z, 0.0};
+}
+
+// The largest distance, in pixels, of any vertex from where `truth` (stage space) has it, at dense times.
+double largest_error(const Result& result, const Vec3d& eye,
+                     const std::function<Vec3d(std::uint32_t vertex, double time01)>& truth) {
+  double worst = 0.0;
+  for (std::uint32_t vertex = 0; vertex < result.scene->meshes.at(0).shape.vertex_count; ++vertex) {
+    for (int i = 0; i <= 1000; ++i) {
+      const double u = double(float(i / 1000.0));
+      const Vec3d found = projected(position(*result.scene, vertex, float(u)));
+      worst = std::max(worst, length(found - projected(truth(vertex, u) - eye)));
+    }
+  }
+  return worst;
+}
+
+std::vector<Vec3f> moved(std::vector<Vec3f> points, const Vec3f& by) {
+  for (Vec3f& p : points) p += by;
+  return points;
+}
+
+}  // namespace
+
+TEST_SUITE("translate: motion") {
+  TEST_CASE("values that do not change over many samples are still") {
+    MeshFixture fixture;
+    fixture.add_points(0.3, fixture.points[0]);
+    fixture.add_points(0.9, fixture.points[0]);
+    fixture.transform = sampled([](double) { return rotation(30); }, uniform_times(8));
+    const Result result = translated(fixture.input(), {0, 0, 10});
+    CHECK(result.track.segments == 0);
+    CHECK_FALSE(result.track.moving_transform);
+    CHECK(result.scene->world_meshes.size() == 1);
+    CHECK(result.scene->instances.empty());
+  }
+
+  TEST_CASE("linear deformation takes one segment, with bracketing samples outside the shutter") {
+    MeshFixture fixture;
+    fixture.times01 = {-1.0};
+    fixture.add_points(3.0, moved(fixture.points[0], {4, 0, 0}));
+    const Result result = translated(fixture.input(), {0, 0, 10});
+    CHECK(result.track.segments == 1);
+    CHECK(result.track.error_pixels == doctest::Approx(0.0));
+    CHECK(position(*result.scene, 0, 0.0f).x == doctest::Approx(1.0));
+    CHECK(position(*result.scene, 0, 1.0f).x == doctest::Approx(2.0));
+  }
+
+  TEST_CASE("beyond the sampled range the samples hold") {
+    MeshFixture fixture;
+    fixture.times01 = {0.25};
+    fixture.add_points(0.75, moved(fixture.points[0], {1, 0, 0}));
+    const Result result = translated(fixture.input(), {0, 0, 10});
+    CHECK(result.track.segments == 4);
+    CHECK(position(*result.scene, 0, 0.0f).x == 0.0);
+    CHECK(position(*result.scene, 0, 0.25f).x == 0.0);
+    CHECK(position(*result.scene, 0, 0.5f).x == doctest::Approx(0.5));
+    CHECK(position(*result.scene, 0, 1.0f).x == 1.0);
+  }
+
+  TEST_CASE("sample times that are no multiple of 2^-k are followed within the tolerance") {
+    MeshFixture fixture;
+    const std::vector<Vec3f> rest = fixture.points[0];
+    fixture.add_points(0.3, moved(rest, {0, 1, 0}));
+    fixture.add_points(1.0, moved(rest, {2, 1, 0}));
+    const Vec3d eye{0.5, 0.5, 10};
+    const Result result = translated(fixture.input(), eye);
+    CHECK(result.track.segments ==
+          128);  // 0.3 is not a key: the corner is cut by up to 1/4 of a segment's motion
+    const auto truth = [&](std::uint32_t vertex, double u) {
+      const Vec3d a(fixture.points[u < 0.3 ? 0 : 1][vertex]), b(fixture.points[u < 0.3 ? 1 : 2][vertex]);
+      return lerp(a, b, u < 0.3 ? u / 0.3 : (u - 0.3) / 0.7);
+    };
+    // A corner of the motion at w = 0.4 of a segment is cut by w (1 - w) times the change of velocity times
+    // the segment: at distance 10, 50 pixels a unit; the measure allows for the picture's corner (1 / cos^2 =
+    // 3).
+    const double seen = 0.24 * std::hypot(2.0 / 0.7, 1.0 / 0.3) / 128 * 50;
+    CHECK(largest_error(result, eye, truth) == doctest::Approx(seen).epsilon(0.05));
+    CHECK(result.track.error_pixels == doctest::Approx(3 * seen).epsilon(0.05));
+    REQUIRE(result.diagnostics.size() == 1);  // more than the tolerance, and so said
+  }
+
+  TEST_CASE("rigid motion stays a still mesh under a moving transform, with the fewest keys that follow it") {
+    MeshFixture fixture;
+    const auto spin = [](double u) { return rotation(90 * u); };
+    fixture.transform = sampled(spin, uniform_times(128));
+    const Vec3d eye{0, 0, 10};
+    const Result result = translated(fixture.input(), eye);
+    CHECK(result.track.moving_transform);
+    CHECK(result.scene->world_meshes.empty());
+    REQUIRE(result.scene->instances.size() == 1);
+    CHECK(result.scene->meshes.at(0).shape.segments == 0);
+    const auto truth = [&](std::uint32_t vertex, double u) {
+      return spin(u).point(Vec3d(fixture.points[0][vertex]));
+    };
+    CHECK(largest_error(result, eye, truth) <= 0.1);
+    // The arc of 90 / n degrees at radius sqrt(2) rises sqrt(2) (1 - cos(45 / n)) above its chord: at 50
+    // pixels a unit, and 3 times that at the picture's corner, 0.26 pixels for n = 16 and 0.06 for 32.
+    CHECK(result.track.segments == 32);
+    CHECK(result.track.error_pixels == doctest::Approx(0.064).epsilon(0.01));
+    validate(*result.scene);
+  }
+
+  TEST_CASE("deformation under a moving transform is baked and follows both") {
+    MeshFixture fixture;
+    const std::vector<Vec3f> rest = fixture.points[0];
+    fixture.add_points(1.0, moved(rest, {0.5f, 0, 0}));
+    const auto spin = [](double u) { return rotation(60 * u); };
+    fixture.transform = sampled(spin, uniform_times(64));
+    const Vec3d eye{0, 0, 10};
+    const Result result = translated(fixture.input(), eye);
+    CHECK_FALSE(result.track.moving_transform);
+    CHECK(result.track.segments >= 8);
+    CHECK(result.track.segments <= 32);
+    const auto truth = [&](std::uint32_t vertex, double u) {
+      return spin(u).point(lerp(Vec3d(rest[vertex]), Vec3d(fixture.points[1][vertex]), u));
+    };
+    CHECK(largest_error(result, eye, truth) <= 0.1);
+  }
+
+  TEST_CASE("a tighter tolerance takes more keys, a farther object fewer") {
+    MeshFixture fixture;
+    fixture.transform = sampled([](double u) { return rotation(90 * u); }, uniform_times(128));
+    TranslatorSettings tight = settings_of();
+    tight.motion_tolerance_pixels = 0.01;
+    const std::uint32_t usual = translated(fixture.input(), {0, 0, 10}).track.segments;
+    CHECK(translated(fixture.input(), {0, 0, 10}, tight).track.segments > usual);
+    CHECK(translated(fixture.input(), {0, 0, 1000}).track.segments < usual);
+  }
+
+  TEST_CASE("too few segments allowed: the most are kept, and a warning names the error") {
+    MeshFixture fixture;
+    fixture.transform = sampled([](double u) { return rotation(180 * u); }, uniform_times(128));
+    TranslatorSettings settings = settings_of();
+    settings.max_segments = 2;
+    const Result result = translated(fixture.input(), {0, 0, 10}, settings);
+    CHECK(result.track.segments == 2);
+    CHECK(result.track.error_pixels > 1.0);
+    REQUIRE(result.diagnostics.size() == 1);
+    CHECK(result.diagnostics[0].severity == Severity::kWarning);
+    CHECK(result.diagnostics[0].path == "/mesh");
+    CHECK(result.diagnostics[0].message.find("pixels at 2 segments") != std::string::npos);
+  }
+
+  TEST_CASE("held samples that jump inside the shutter are warned about; one at its end is none") {
+    MeshFixture fixture;
+    fixture.held = true;
+    fixture.add_points(1.0, moved(fixture.points[0], {1, 0, 0}));
+    CHECK(translated(fixture.input(), {0, 0, 10}).track.segments == 0);
+    fixture.times01[1] = 0.5;
+    const Result result = translated(fixture.input(), {0, 0, 10});
+    CHECK(result.track.segments == 128);
+    CHECK(position(*result.scene, 0, 0.49f).x == 0.0);
+    CHECK(position(*result.scene, 0, 0.5f).x == 1.0);
+    REQUIRE(result.diagnostics.size() == 1);
+    CHECK(result.diagnostics[0].message.find("jump") != std::string::npos);
+  }
+
+  TEST_CASE("a transform that passes through a singular matrix is baked") {
+    MeshFixture fixture;
+    const auto flip = [](double u) { return Affine3d{{1 - 2 * u, 0, 0}, {0, 1, 0}, {0, 0, 1}, {}}; };
+    fixture.transform = sampled(flip, {0.0, 0.5, 1.0});
+    const Result result = translated(fixture.input(), {0, 0, 10});
+    CHECK_FALSE(result.track.moving_transform);
+    CHECK(result.track.segments == 1);
+    CHECK(position(*result.scene, 1, 0.5f).x == doctest::Approx(0.0));
+    CHECK(position(*result.scene, 1, 1.0f).x == doctest::Approx(-1.0));
+  }
+
+  TEST_CASE("smooth and authored normals follow a baked rotation") {
+    MeshFixture fixture;
+    fixture.add_points(1.0, moved(fixture.points[0], {0.5f, 0, 0}));
+    // About x, so that the normal of the plane z = 0 turns.
+    const auto tumble = [](double u) {
+      const double a = u;
+      return Affine3d{{1, 0, 0}, {0, std::cos(a), std::sin(a)}, {0, -std::sin(a), std::cos(a)}, {}};
+    };
+    fixture.transform = sampled(tumble, uniform_times(64));
+    MeshInput input = fixture.input();
+    const std::vector<Vec3f> up{{0, 0, 1}};
+    SUBCASE("authored") {
+      input.normals.samples = {{0.0, up}};
+      input.normals_interpolation = "constant";
+    }
+    SUBCASE("computed") { input.computed_normals = Normals::kSmooth; }
+    const Result result = translated(input, {0, 0, 10});
+    const Mesh& mesh = result.scene->meshes.at(0);
+    REQUIRE(mesh.normals.authored());
+    CHECK(mesh.normals.segments > 0);
+    const std::size_t count = mesh.normals.values.size() / key_count(mesh.normals.segments);
+    for (int i = 0; i <= 100; ++i) {
+      const float u = float(i / 100.0);
+      const SegmentTime at = locate(u, mesh.normals.segments);
+      const Vec3f n = normalize(
+          lerp(mesh.normals.values[at.key * count], mesh.normals.values[(at.key + 1) * count], at.w));
+      CHECK(length(Vec3d(n) - Vec3d{0, -std::sin(u), std::cos(u)}) < 0.0101);
+    }
+    validate(*result.scene);
+  }
+}
+
+TEST_SUITE("translate: large worlds") {
+  // A shot of a scene 1e7 units from the stage's origin: float coordinates are a whole unit apart there.
+  const Vec3d kFar{1e7, -2e7, 3e7};
+  // 1 unit from the eye, so that 0.1 pixel of 1000 is 0.2 mm if the unit is a metre.
+  const Vec3d kEye = kFar + Vec3d{0.25, 0.25, 1.0};
+
+  TEST_CASE("sub-millimetre motion of a transform far from the stage's origin") {
+    MeshFixture fixture;
+    const auto creep = [&](double u) { return translation(kFar + Vec3d{5e-4 * u, 0, 0}); };
+    fixture.transform = sampled(creep, {0.0, 1.0});
+    const Result result = translated(fixture.input(), kEye);
+    CHECK(result.track.segments == 1);
+    const auto truth = [&](std::uint32_t vertex, double u) {
+      return creep(u).point(Vec3d(fixture.points[0][vertex]));
+    };
+    CHECK(largest_error(result, kEye, truth) < 1e-3);
+    const double travelled = position(*result.scene, 0, 1.0f).x - position(*result.scene, 0, 0.0f).x;
+    CHECK(travelled == doctest::Approx(5e-4).epsilon(1e-3));
+  }
+
+  TEST_CASE("sub-millimetre deformation far from the stage's origin") {
+    MeshFixture fixture;
+    fixture.add_points(1.0, moved(fixture.points[0], {5e-4f, 0, 0}));
+    fixture.transform = still(translation(kFar));
+    const Result result = translated(fixture.input(), kEye);
+    CHECK(result.track.segments == 1);
+    const auto truth = [&](std::uint32_t vertex, double u) {
+      return kFar + lerp(Vec3d(fixture.points[0][vertex]), Vec3d(fixture.points[1][vertex]), u);
+    };
+    CHECK(largest_error(result, kEye, truth) < 1e-3);
+  }
+
+  TEST_CASE("points that are large themselves and brought back by a moving transform") {
+    // Exact in float: multiples of 4 near 3e7.
+    MeshFixture fixture;
+    const Vec3f corner{3e7f, -3e7f, 3e7f};
+    fixture.points[0] = moved({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}}, corner);
+    const auto creep = [&](double u) { return translation(Vec3d{5e-4 * u, 0, -4.0} - Vec3d(corner)); };
+    fixture.transform = sampled(creep, {0.0, 1.0});
+    const Result result = translated(fixture.input(), {});
+    CHECK(result.track.moving_transform);
+    const auto truth = [&](std::uint32_t vertex, double u) {
+      return creep(u).point(Vec3d(fixture.points[0][vertex]));
+    };
+    CHECK(largest_error(result, {}, truth) < 1e-3);
+  }
+}
+
+TEST_CASE("transform_deviation tells whether samples are dense enough") {
+  const auto spin = [](double u) { return rotation(90 * u); };
+  const Vec3d lo{-1, -1, 0}, hi{1, 1, 0};
+  // The middle of a 90 degree arc against its chord at the corners, radius sqrt(2); the box is sqrt(8) across
+  // when turned by 45 degrees.
+  const double chord = std::sqrt(2.0) * (1 - std::cos(std::numbers::pi / 4)) / std::sqrt(8.0);
+  CHECK(transform_deviation(sampled(spin, {0.0, 0.5, 1.0}), lo, hi) == doctest::Approx(chord));
+  CHECK(transform_deviation(sampled(spin, uniform_times(128)), lo, hi) < 1e-4);
+  CHECK(transform_deviation(sampled(spin, {0.0, 1.0}), lo, hi) == 0.0);  // no interior sample
+  const auto slide = [](double u) { return translation({u, 0, 0}); };
+  CHECK(transform_deviation(sampled(slide, {0.0, 0.3, 1.0}), lo, hi) < 1e-15);
+}
