@@ -2,9 +2,9 @@
 
     python testenv/showcase/make_showcase.py testenv/showcase/showcase.usda
 
-A wheel that truly rotates (a rotate op, moving transform over a still mesh), balls and dice thrown along parabolas (a
-PointInstancer with velocities, accelerations and angular velocities), a flag in the wind (time-sampled points), a still
-studio around them. Metres, Y up, 24 frames a second, frames 1 to 12.
+A wheel that truly rotates (a rotate op, moving transform over a still mesh), balls and dice thrown along
+parabolas (a PointInstancer with velocities, accelerations and angular velocities), a flag in the wind
+(time-sampled points), a still studio around them. Metres, Y up, 24 frames a second, frames 1 to 12.
 """
 
 from __future__ import annotations
@@ -80,8 +80,14 @@ def add_studio(stage: Usd.Stage) -> None:
     colors = np.where(((row // 2 + column // 2) % 2 == 0)[:, None], light, dark)
     # The checker fades out where the floor ends.
     fade = np.clip((row - 26) / 10.0, 0.0, 1.0)[:, None]
-    add_mesh(stage, "/showcase/studio", points, grid_faces(len(depth), len(across)), fade * wall + (1 - fade) * colors,
-             "uniform")
+    add_mesh(
+        stage,
+        "/showcase/studio",
+        points,
+        grid_faces(len(depth), len(across)),
+        fade * wall + (1 - fade) * colors,
+        "uniform",
+    )
 
 
 def add_wheel(stage: Usd.Stage) -> None:
@@ -116,7 +122,11 @@ def add_wheel(stage: Usd.Stage) -> None:
 def add_throws(stage: Usd.Stage) -> None:
     """Bodies one after another on the same bounces: the streaks draw the parabolas."""
     instancer = UsdGeom.PointInstancer.Define(stage, "/showcase/throws")
-    colors = {"ball_teal": (0.03, 0.36, 0.4), "ball_orange": (0.85, 0.28, 0.03), "ball_cream": (0.8, 0.74, 0.6)}
+    colors = {
+        "ball_teal": (0.03, 0.36, 0.4),
+        "ball_orange": (0.85, 0.28, 0.03),
+        "ball_cream": (0.8, 0.74, 0.6),
+    }
     for name, color in colors.items():
         add_mesh(stage, f"/showcase/throws/prototypes/{name}", *sphere(0.2, 40, 20), color)
     add_mesh(stage, "/showcase/throws/prototypes/die", *cube(0.17), (0.62, 0.05, 0.04))
@@ -148,7 +158,8 @@ def bouncing(seconds: Array) -> tuple[Array, Array, Array]:
     zero = np.zeros_like(seconds)
     run, drift = 2.9, 1.05  # m/s
     positions = np.stack(
-        [-1.75 + run * seconds, radius + lift * phase - gravity / 2 * phase**2, 3.1 - drift * seconds], axis=-1
+        [-1.75 + run * seconds, radius + lift * phase - gravity / 2 * phase**2, 3.1 - drift * seconds],
+        axis=-1,
     )
     velocities = np.stack([zero + run, lift - gravity * phase, zero - drift], axis=-1)
     return positions, velocities, np.stack([zero, zero - gravity, zero], axis=-1)
@@ -158,8 +169,13 @@ def add_flag(stage: Usd.Stage) -> None:
     """A travelling wave that grows away from the pole; sampled twice a frame."""
     points, faces = tube((2.05, 0.0, -1.6), (2.05, 4.35, -1.6), 0.05, 20)
     add_mesh(stage, "/showcase/flag/pole", points, faces, (0.55, 0.55, 0.53))
-    add_mesh(stage, "/showcase/flag/knob", sphere(0.1, 24, 12)[0] + (2.05, 4.4, -1.6), sphere(0.1, 24, 12)[1],
-             (0.8, 0.32, 0.05))
+    add_mesh(
+        stage,
+        "/showcase/flag/knob",
+        sphere(0.1, 24, 12)[0] + (2.05, 4.4, -1.6),
+        sphere(0.1, 24, 12)[1],
+        (0.8, 0.32, 0.05),
+    )
     rows, columns = 19, 31
     u, v = np.meshgrid(np.linspace(0.0, 1.0, columns), np.linspace(1.0, 0.0, rows))
     stripe = np.arange((rows - 1) * (columns - 1)) // (columns - 1) // 3 % 2
@@ -178,7 +194,7 @@ def waving(u: Array, v: Array, seconds: float) -> Array:
     """Points of the flag; u runs away from the pole, v downwards, both in [0, 1]; float64[n, 3]."""
     wave = 2 * np.pi * (1.35 * u + 0.18 * v - 3.2 * seconds)
     gust = 2 * np.pi * (0.6 * u - 1.7 * seconds)
-    reach = u ** 0.8
+    reach = u**0.8
     x = 2.1 + 2.25 * u - 0.12 * reach * np.cos(gust) ** 2
     y = 4.25 - 1.5 * v - 0.22 * u**1.5 + 0.14 * reach * np.sin(gust)
     z = -1.6 + 0.3 * reach * np.sin(wave) + 0.5 * u
@@ -198,12 +214,18 @@ def grid_faces(rows: int, columns: int) -> Faces:
 
 def torus(major: float, minor: float, around: int, across: int) -> tuple[Array, Faces]:
     """About the z axis."""
-    a, b = np.meshgrid(np.arange(around) * 2 * np.pi / around, np.arange(across) * 2 * np.pi / across, indexing="ij")
+    a, b = np.meshgrid(
+        np.arange(around) * 2 * np.pi / around, np.arange(across) * 2 * np.pi / across, indexing="ij"
+    )
     radius = major + minor * np.cos(b)
     points = np.stack([radius * np.cos(a), radius * np.sin(a), minor * np.sin(b)], axis=-1).reshape(-1, 3)
     faces = [
-        (i * across + j, (i + 1) % around * across + j, (i + 1) % around * across + (j + 1) % across,
-         i * across + (j + 1) % across)
+        (
+            i * across + j,
+            (i + 1) % around * across + j,
+            (i + 1) % around * across + (j + 1) % across,
+            i * across + (j + 1) % across,
+        )
         for i in range(around)
         for j in range(across)
     ]
@@ -215,7 +237,11 @@ def sphere(radius: float, around: int, rows: int) -> tuple[Array, Faces]:
     latitude = np.linspace(-np.pi / 2, np.pi / 2, rows + 1)[1:-1, None]
     longitude = (np.arange(around) * 2 * np.pi / around)[None, :]
     ring = np.stack(
-        [np.cos(latitude) * np.cos(longitude), np.sin(latitude) + 0 * longitude, np.cos(latitude) * np.sin(longitude)],
+        [
+            np.cos(latitude) * np.cos(longitude),
+            np.sin(latitude) + 0 * longitude,
+            np.cos(latitude) * np.sin(longitude),
+        ],
         axis=-1,
     ).reshape(-1, 3)
     points = radius * np.concatenate([[(0.0, -1.0, 0.0)], ring, [(0.0, 1.0, 0.0)]])
@@ -232,7 +258,8 @@ def sphere(radius: float, around: int, rows: int) -> tuple[Array, Faces]:
 
 
 def tube(start: tuple[float, ...], end: tuple[float, ...], radius: float, around: int) -> tuple[Array, Faces]:
-    """A closed cylinder between two points; its caps have vertices of their own, so that the edges stay sharp."""
+    """A closed cylinder between two points; its caps have vertices of their own, so that the edges stay
+    sharp."""
     axis = np.subtract(end, start) / np.linalg.norm(np.subtract(end, start))
     side = np.cross(axis, (0.0, 1.0, 0.0) if abs(axis[1]) < 0.9 else (1.0, 0.0, 0.0))
     side /= np.linalg.norm(side)
@@ -256,14 +283,17 @@ def smooth_normals(points: Array, faces: Faces) -> Array:
     normals = np.zeros_like(points)
     for face in faces:
         corners = points[list(face)]
-        normals[list(face)] += np.cross(corners - corners[0], np.roll(corners, -1, axis=0) - corners[0]).sum(axis=0)
+        normals[list(face)] += np.cross(corners - corners[0], np.roll(corners, -1, axis=0) - corners[0]).sum(
+            axis=0
+        )
     return normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
 def add_mesh(
     stage: Usd.Stage, path: str, points: Array, faces: Faces, color: object, interpolation: str = "constant"
 ) -> UsdGeom.Mesh:
-    """`color` is one colour, or one a face with interpolation "uniform". Edges between shared vertices are smooth."""
+    """`color` is one colour, or one a face with interpolation "uniform". Edges between shared vertices are
+    smooth."""
     mesh = UsdGeom.Mesh.Define(stage, path)
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
     mesh.CreateFaceVertexCountsAttr(Vt.IntArray([len(face) for face in faces]))

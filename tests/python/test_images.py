@@ -1,4 +1,5 @@
-"""Image output: what is stored comes back, display values are those of the sRGB formula, files are whole or absent."""
+"""Image output: what is stored comes back, display values are those of the sRGB formula, files are whole or
+absent."""
 
 from __future__ import annotations
 
@@ -24,9 +25,16 @@ WINDOW = (-0.5, 0.25, -0.2, 0.4)
 def metadata() -> ImageMetadata:
     to_camera = world_to_camera(WORLD_FROM_CAMERA)
     return ImageMetadata(
-        software="msbvh test", frame=101.25, frames_per_second=23.976, shutter=(-0.25, 0.125), spp=16, seed=7,
-        render_seconds=1.5, world_to_camera=to_camera, world_to_ndc=world_to_ndc(to_camera, WINDOW, perspective=True),
-    )  # fmt: skip
+        software="msbvh test",
+        frame=101.25,
+        frames_per_second=23.976,
+        shutter=(-0.25, 0.125),
+        spp=16,
+        seed=7,
+        render_seconds=1.5,
+        world_to_camera=to_camera,
+        world_to_ndc=world_to_ndc(to_camera, WINDOW, perspective=True),
+    )
 
 
 def random_rgba(height: int = 5, width: int = 7) -> np.ndarray:
@@ -103,8 +111,14 @@ def test_matrices_take_the_window_to_the_unit_square(perspective: bool) -> None:
 
 @pytest.mark.parametrize(
     ("rate", "expected"),
-    [(24.0, (24, 1)), (23.976, (24000, 1001)), (29.97, (30000, 1001)), (59.94, (60000, 1001)), (12.5, (25, 2)),
-     (128.0, (128, 1))],
+    [
+        (24.0, (24, 1)),
+        (23.976, (24000, 1001)),
+        (29.97, (30000, 1001)),
+        (59.94, (60000, 1001)),
+        (12.5, (25, 2)),
+        (128.0, (128, 1)),
+    ],
 )
 def test_frame_rates(rate: float, expected: tuple[int, int]) -> None:
     assert rational_rate(rate) == expected
@@ -130,7 +144,8 @@ def test_tiff_is_srgb_with_associated_alpha(tmp_path: Path) -> None:
 
 
 def test_jpeg_lies_over_black(tmp_path: Path) -> None:
-    """Composited in linear light: the premultiplied colour is encoded. One flat colour, so that JPEG keeps it."""
+    """Composited in linear light: the premultiplied colour is encoded. One flat colour, so that JPEG keeps
+    it."""
     rgba = np.broadcast_to(np.float32([0.1, 0.1, 0.1, 0.5]), (16, 16, 4))
     path = tmp_path / "a.jpg"
     write_image(path, rgba, metadata(), ImageSettings())
@@ -158,8 +173,16 @@ def test_open_color_io_takes_a_view(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("color", "message"),
-    [(ColorCorrection("openColorIO", "Nowhere"), "unknown OpenColorIO display 'Nowhere'; expected one of: sRGB"),
-     (ColorCorrection("openColorIO", None, "Nothing"), "unknown OpenColorIO view 'Nothing'; expected one of: ACES")],
+    [
+        (
+            ColorCorrection("openColorIO", "Nowhere"),
+            "unknown OpenColorIO display 'Nowhere'; expected one of: sRGB",
+        ),
+        (
+            ColorCorrection("openColorIO", None, "Nothing"),
+            "unknown OpenColorIO view 'Nothing'; expected one of: ACES",
+        ),
+    ],
 )
 def test_unknown_display_or_view(color: ColorCorrection, message: str) -> None:
     with pytest.raises(ColorError, match=message):
@@ -184,8 +207,12 @@ def test_nothing_is_left_behind_on_failure(tmp_path: Path, monkeypatch: pytest.M
 
 @pytest.mark.parametrize(
     ("name", "message"),
-    [("a.bmp", "extension '.bmp', expected one of .exr"), ("a", "no extension"), ("no/a.exr", "there is no folder"),
-     ("folder.exr", "not a regular file")],
+    [
+        ("a.bmp", "extension '.bmp', expected one of .exr"),
+        ("a", "no extension"),
+        ("no/a.exr", "there is no folder"),
+        ("folder.exr", "not a regular file"),
+    ],
 )
 def test_a_path_that_cannot_be_written(tmp_path: Path, name: str, message: str) -> None:
     (tmp_path / "folder.exr").mkdir()
@@ -195,5 +222,8 @@ def test_a_path_that_cannot_be_written(tmp_path: Path, name: str, message: str) 
 
 
 def test_the_system_s_refusal_is_one_line(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match=r"cannot write '.*a\.json': No such file"), replacing(tmp_path / "a.json"):
+    with (
+        pytest.raises(OutputError, match=r"cannot write '.*a\.json': No such file"),
+        replacing(tmp_path / "a.json"),
+    ):
         pass  # Nothing was written under the temporary name.

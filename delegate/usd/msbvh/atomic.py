@@ -13,7 +13,8 @@ class OutputError(Exception):
 
 
 def check_writable(path: Path) -> None:
-    """Raises OutputError where `path` could not be written: said before an hour of rendering, not after it."""
+    """Raises OutputError where `path` could not be written: said before an hour of rendering, not after
+    it."""
     folder = path.parent
     if not folder.is_dir():
         raise OutputError(f"cannot write '{path}': there is no folder '{folder}'")

@@ -32,7 +32,8 @@ class ColorCorrection:
     """Of mode openColorIO; None: the display's default."""
 
     def resolve(self) -> tuple[str, str] | None:
-        """The display and the view that the mode stands for; None where pixels stay linear. Raises ColorError."""
+        """The display and the view that the mode stands for; None where pixels stay linear. Raises
+        ColorError."""
         if self.mode == "disabled":
             return None
         if self.mode == "sRGB":
@@ -43,7 +44,8 @@ class ColorCorrection:
         return display, view
 
     def apply(self, rgb: np.ndarray) -> np.ndarray:
-        """Display values of linear ones; float32[h, w, 3] in and out, `rgb` is left alone. Raises ColorError."""
+        """Display values of linear ones; float32[h, w, 3] in and out, `rgb` is left alone. Raises
+        ColorError."""
         pixels = np.array(rgb, dtype=np.float32, order="C")
         resolved = self.resolve()
         if resolved is not None:

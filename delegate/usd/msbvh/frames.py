@@ -1,8 +1,8 @@
 """Which frames to render, and the file that each one goes to: usdrecord's FrameSpecs and `###` placeholders.
 
-A FrameSpec is `START`, `START:END` or `START:ENDxSTRIDE` in time codes; specs are joined by commas. The rules are those
-of UsdUtils.TimeCodeRange and UsdAppUtils.framesArgs. usd-core has the former, but its wheel crashes on some malformed
-specs ("1:" after an exception), so that command line input must not reach it.
+A FrameSpec is `START`, `START:END` or `START:ENDxSTRIDE` in time codes; specs are joined by commas. The rules
+are those of UsdUtils.TimeCodeRange and UsdAppUtils.framesArgs. usd-core has the former, but its wheel crashes
+on some malformed specs ("1:" after an exception), so that command line input must not reach it.
 """
 
 from __future__ import annotations
@@ -70,7 +70,9 @@ def _parse_frame_spec(spec: str) -> FrameRange:
         raise FrameError(f"invalid FrameSpec '{spec}': the stride is zero")
     if (end - start) * stride < 0.0:
         side = "below" if stride > 0.0 else "above"
-        raise FrameError(f"invalid FrameSpec '{spec}': the end is {side} the start, against the stride's sign")
+        raise FrameError(
+            f"invalid FrameSpec '{spec}': the end is {side} the start, against the stride's sign"
+        )
     return FrameRange(start, end, stride)
 
 
@@ -89,13 +91,15 @@ def _digits_behind_point(number: str) -> int:
 
 
 def find_placeholder(output: str) -> str | None:
-    """The one group of hashes in a file name (`###` or `###.##`), or None where there is none or more than one."""
+    """The one group of hashes in a file name (`###` or `###.##`), or None where there is none or more than
+    one."""
     match = _PLACEHOLDER.fullmatch(output)
     return match.group(1) if match else None
 
 
 def format_frame(output: str, placeholder: str, frame: float) -> str:
-    """Puts a time code where the placeholder stands: padded with zeros to its width, as precise as its second group."""
+    """Puts a time code where the placeholder stands: padded with zeros to its width, as precise as its second
+    group."""
     precision = _digits_behind_point(placeholder)
     return output.replace(placeholder, f"{frame:0{len(placeholder)}.{precision}f}")
 
@@ -103,15 +107,16 @@ def format_frame(output: str, placeholder: str, frame: float) -> str:
 def output_files(output: str, frames: list[float], precision: int) -> list[tuple[float, str]]:
     """Pairs every frame with its file; a frame named twice is rendered once.
 
-    `precision` comes from parse_frame_specs(). A single frame needs no placeholder (usdrecord wants one). Raises
-    FrameError where the name has none, where it is too coarse, and where two frames would go to the same file.
+    `precision` comes from parse_frame_specs(). A single frame needs no placeholder (usdrecord wants one).
+    Raises FrameError where the name has none, where it is too coarse, and where two frames would go to the
+    same file.
     """
     placeholder = find_placeholder(output)
     if len(frames) == 1 and "#" not in output:
         return [(frames[0], output)]
     if placeholder is None:
         raise FrameError(
-            f"output '{output}' must contain exactly one frame placeholder, ### or ###.###, for a range of frames"
+            f"output '{output}' must contain exactly one frame placeholder, ### or ###.###, for many frames"
         )
     if _digits_behind_point(placeholder) < precision:
         raise FrameError(
@@ -122,19 +127,25 @@ def output_files(output: str, frames: list[float], precision: int) -> list[tuple
     for frame in frames:
         file = format_frame(output, placeholder, frame)
         if frame_of_file.setdefault(file, frame) != frame:
-            raise FrameError(f"frames {frame_of_file[file]:g} and {frame:g} would both be written to '{file}'")
+            raise FrameError(
+                f"frames {frame_of_file[file]:g} and {frame:g} would both be written to '{file}'"
+            )
     return [(frame, file) for file, frame in frame_of_file.items()]
 
 
 def frame_jobs(outputs: Sequence[str], specs: str) -> list[tuple[float, tuple[str, ...]]]:
-    """Every frame of the FrameSpecs with the files that it goes to, one for each of `outputs`. Raises FrameError."""
+    """Every frame of the FrameSpecs with the files that it goes to, one for each of `outputs`. Raises
+    FrameError."""
     frames, precision = parse_frame_specs(specs)
     columns = [output_files(output, frames, precision) for output in outputs]
     return [(row[0][0], tuple(file for _, file in row)) for row in zip(*columns, strict=True)]
 
 
 def check_single_outputs(outputs: Sequence[str]) -> None:
-    """Raises FrameError for a placeholder where no range of frames is rendered: the file would be named `###`."""
+    """Raises FrameError for a placeholder where no range of frames is rendered: the file would be named
+    `###`."""
     for output in outputs:
         if "#" in output:
-            raise FrameError(f"output '{output}' has a frame placeholder, but there is no --frames to fill it")
+            raise FrameError(
+                f"output '{output}' has a frame placeholder, but there is no --frames to fill it"
+            )

@@ -1,8 +1,8 @@
 """Writes pixels as EXR, PNG, JPEG or TIFF by OpenImageIO.
 
-EXR keeps what the renderer made: linear, premultiplied. The others are display-referred: colour correction works on
-colours that are not premultiplied, then each format gets the alpha that it is defined with: PNG unassociated, TIFF
-associated, JPEG none (the image lies over black).
+EXR keeps what the renderer made: linear, premultiplied. The others are display-referred: colour correction
+works on colours that are not premultiplied, then each format gets the alpha that it is defined with: PNG
+unassociated, TIFF associated, JPEG none (the image lies over black).
 """
 
 from __future__ import annotations
@@ -42,7 +42,8 @@ def check_image_path(path: Path) -> None:
 
 
 def write_image(path: Path, rgba: np.ndarray, metadata: ImageMetadata, settings: ImageSettings) -> None:
-    """Writes linear, premultiplied float32[h, w, 4], top row first, complete or not at all. Raises OutputError."""
+    """Writes linear, premultiplied float32[h, w, 4], top row first, complete or not at all. Raises
+    OutputError."""
     check_image_path(path)
     pixels, spec = _encode(path.suffix.lower(), rgba, settings)
     _describe(spec, metadata)
@@ -60,9 +61,7 @@ def _write_pixels(temporary: Path, final: Path, pixels: np.ndarray, spec: oiio.I
         raise OutputError(f"cannot write '{final}': {output.geterror() or 'the image could not be stored'}")
 
 
-def _encode(
-    suffix: str, rgba: np.ndarray, settings: ImageSettings
-) -> tuple[np.ndarray, oiio.ImageSpec]:
+def _encode(suffix: str, rgba: np.ndarray, settings: ImageSettings) -> tuple[np.ndarray, oiio.ImageSpec]:
     """The stored pixels of a format, float32, and their description."""
     if suffix == ".exr":
         return _encode_exr(rgba, settings.exr_float)

@@ -43,9 +43,9 @@ def world_to_ndc(
 ) -> np.ndarray:
     """OpenEXR's worldToNDC: (0, 0) is the upper left corner of the image, (1, 1) the lower right one.
 
-    `to_camera` is float64[4, 4] from world_to_camera(); `window` is left, right, bottom, top of the image plane at
-    unit distance (perspective) or in scene units. After the division by w, z is 1 for a perspective camera (depth is
-    not part of NDC) and the distance for an orthographic one.
+    `to_camera` is float64[4, 4] from world_to_camera(); `window` is left, right, bottom, top of the image
+    plane at unit distance (perspective) or in scene units. After the division by w, z is 1 for a perspective
+    camera (depth is not part of NDC) and the distance for an orthographic one.
     """
     left, right, bottom, top = window
     from_camera = np.zeros((4, 4))
@@ -60,7 +60,8 @@ def world_to_ndc(
 
 
 def rational_rate(frames_per_second: float) -> tuple[int, int]:
-    """A frame rate as a fraction; 23.976 and its kin become the NTSC rates that they mean, n * 1000 / 1001."""
+    """A frame rate as a fraction; 23.976 and its kin become the NTSC rates that they mean, n * 1000 /
+    1001."""
     ntsc = round(frames_per_second * 1.001)
     if abs(frames_per_second * 1.001 - ntsc) < 1e-3:
         return ntsc * 1000, 1001

@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -58,7 +57,7 @@ FrameJob = tuple[float | None, Sequence[str]]
 
 def software() -> str:
     """Name and version, as images and statistics carry it."""
-    return f"msbvh {version('msbvh')}"
+    return f"msbvh {_core.__version__}"
 
 
 def record(
@@ -66,8 +65,8 @@ def record(
 ) -> RunStats:
     """Renders the frames of a scene and writes their images; file names alone mean the stage's start time.
 
-    Raises SceneError and _core.Error for a scene that cannot be rendered, OutputError for a file that cannot be
-    written, ColorError for an unknown display or view. Every file is checked before the first frame.
+    Raises SceneError and _core.Error for a scene that cannot be rendered, OutputError for a file that cannot
+    be written, ColorError for an unknown display or view. Every file is checked before the first frame.
     """
     settings.image.color.resolve()
     if settings.stats is not None:
@@ -109,7 +108,9 @@ def _record_frame(
     stats.scene = dict(result.scene.statistics())
     stats.tracks = [{name: getattr(track, name) for name in TRACK_FIELDS} for track in result.tracks]
     with stats.timed("build"):
-        renderer = _core.Renderer(result.scene, width=camera.width, height=camera.height, **asdict(settings.render))
+        renderer = _core.Renderer(
+            result.scene, width=camera.width, height=camera.height, **asdict(settings.render)
+        )
     stats.plan = plan_entries(renderer)
     with stats.timed("trace"), Progress(f"msbvh: {frame_label(frame)}") as progress:
         pixels = renderer.render(progress)

@@ -6,7 +6,8 @@ import sys
 
 
 class Reporter:
-    """Prints `msbvh: ...`, `msbvh: warning: ...` and `msbvh: error: ...`, a line each, the same one once a run."""
+    """Prints `msbvh: ...`, `msbvh: warning: ...` and `msbvh: error: ...`, a line each, the same one once a
+    run."""
 
     def __init__(self) -> None:
         self.warnings: list[str] = []

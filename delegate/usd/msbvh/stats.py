@@ -15,8 +15,8 @@ from typing import Any
 from .atomic import replacing
 
 PHASES = ("read", "sample", "build", "trace", "write")
-"""read: opening and composing the stage. sample: evaluating it over the shutter and fitting tracks. build: checking
-the scene, the plan and the trees. trace: pixels. write: colour correction and the file."""
+"""read: opening and composing the stage. sample: evaluating it over the shutter and fitting tracks. build:
+checking the scene, the plan and the trees. trace: pixels. write: colour correction and the file."""
 
 
 @dataclass
@@ -70,5 +70,7 @@ class RunStats:
 
 def peak_memory_bytes() -> int:
     """The most memory that this process has held at once."""
-    unit = 1 if sys.platform == "darwin" else 1024  # ru_maxrss: bytes on macOS, KiB elsewhere; see getrusage(2).
+    unit = (
+        1 if sys.platform == "darwin" else 1024
+    )  # ru_maxrss: bytes on macOS, KiB elsewhere; see getrusage(2).
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit

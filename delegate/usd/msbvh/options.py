@@ -1,0 +1,234 @@
+"""The options of the commands, as tables. Names are usdrecord's where it has the option; the help says what
+each costs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .color import MODES
+from .conform import POLICIES
+
+PURPOSES = ("default", "render", "proxy", "guide")
+MAX_PIXELS_ACROSS = 65535
+MAX_SPP = 1 << 20
+
+
+class Names(click.ParamType):
+    """Names separated by commas or blanks, as usdrecord takes them; with `choices`, only those."""
+
+    name = "names"
+
+    def __init__(self, choices: Sequence[str] = ()) -> None:
+        self._choices = choices
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[str, ...]:
+        names = tuple(value.replace(",", " ").split()) if isinstance(value, str) else tuple(value)
+        for name in names:
+            if self._choices and name not in self._choices:
+                self.fail(f"found '{name}', expected any of: {', '.join(self._choices)}", param, ctx)
+        return names
+
+
+def _unsupported(hint: str) -> Callable[..., None]:
+    """A callback for options of usdrecord that change the picture and that we cannot honour yet."""
+
+    def refuse(ctx: click.Context, param: click.Parameter, value: Any) -> None:
+        if value:
+            raise click.UsageError(f"{param.opts[0]} is not supported yet{hint}", ctx)
+
+    return refuse
+
+
+Decorator = Callable[..., Any]
+
+
+def with_options(*tables: Sequence[Decorator]) -> Decorator:
+    """Gives a command the options of the tables, in their order."""
+
+    def decorate(command: Decorator) -> Decorator:
+        for option in reversed([option for table in tables for option in table]):
+            command = option(command)
+        return command
+
+    return decorate
+
+
+SCENE: Sequence[Decorator] = (
+    click.argument("scene", type=click.Path(path_type=str)),
+    click.option(
+        "--camera",
+        "-cam",
+        metavar="NAME|PATH",
+        help="By prim name or path. Default: main_cam, else the first one, else one that frames all.",
+    ),
+    click.option(
+        "--defaultTime",
+        "-d",
+        "default_time",
+        is_flag=True,
+        help="Read the stage at its default time instead of its start time; nothing moves then.",
+    ),
+    click.option(
+        "--imageWidth",
+        "-w",
+        "image_width",
+        type=click.IntRange(1, MAX_PIXELS_ACROSS),
+        default=960,
+        show_default=True,
+        help="Pixels; the height follows from the camera's aspect ratio.",
+    ),
+    click.option(
+        "--resolution",
+        nargs=2,
+        type=click.IntRange(1, MAX_PIXELS_ACROSS),
+        metavar="W H",
+        help="Pixels; overrides --imageWidth. --conform says what happens to the camera's aspect ratio.",
+    ),
+    click.option(
+        "--conform",
+        type=click.Choice(POLICIES),
+        default="expandAperture",
+        show_default=True,
+        help="How the camera fits a --resolution of another shape (UsdRenderSettings' policies).",
+    ),
+    click.option(
+        "--purposes",
+        type=Names(PURPOSES),
+        default="proxy",
+        show_default=True,
+        metavar="PURPOSE[,...]",
+        help="Purposes that are drawn beside default.",
+    ),
+    click.option(
+        "--mask",
+        type=Names(),
+        default="",
+        metavar="PRIMPATH[,...]",
+        help="Populate only these prims, their ancestors and descendants.",
+    ),
+    click.option(
+        "--motion-tolerance",
+        type=click.FloatRange(0.0, min_open=True),
+        default=0.1,
+        show_default=True,
+        help="Pixels that a track may stray from the stage's own motion. Less: more keys, more memory.",
+    ),
+    click.option(
+        "--disableCameraLight",
+        "disable_camera_light",
+        is_flag=True,
+        help="No light at the camera where the scene has no lights.",
+    ),
+    click.option(
+        "--complexity",
+        "-c",
+        type=click.Choice(("low", "medium", "high", "veryhigh")),
+        default="low",
+        show_default=True,
+        help="Accepted; subdivision surfaces are drawn as polygons at any value.",
+    ),
+    click.option(
+        "--sessionLayer",
+        callback=_unsupported("; sublayer it from SCENE instead"),
+        expose_value=False,
+        metavar="FILE",
+        help="Not supported yet.",
+    ),
+    click.option(
+        "--renderSettingsPrimPath",
+        "-rs",
+        callback=_unsupported("; give --camera and --resolution"),
+        expose_value=False,
+        metavar="PRIMPATH",
+        help="Not supported yet.",
+    ),
+    click.option(
+        "--renderPassPrimPath",
+        "-rp",
+        callback=_unsupported("; give --camera and --resolution"),
+        expose_value=False,
+        metavar="PRIMPATH",
+        help="Not supported yet.",
+    ),
+    click.option(
+        "--enableDomeLightVisibility",
+        is_flag=True,
+        callback=_unsupported(""),
+        expose_value=False,
+        help="Not supported yet: dome lights light, but are not seen.",
+    ),
+)
+"""What is read from the stage; shared by all commands."""
+
+OUTPUT: Sequence[Decorator] = (
+    click.argument("outputs", nargs=-1, required=True, metavar="OUT..."),
+    click.option(
+        "--frames",
+        "-f",
+        metavar="FRAMESPEC[,...]",
+        help="START, START:END or START:ENDxSTRIDE. Ranges need a placeholder in OUT: ### or ###.##.",
+    ),
+    click.option(
+        "--colorCorrectionMode",
+        "-color",
+        "color_mode",
+        type=click.Choice(MODES),
+        default="sRGB",
+        show_default=True,
+        help="For PNG, JPEG, TIFF; EXR stays linear. sRGB does not tone-map.",
+    ),
+    click.option(
+        "--ocio-display", metavar="NAME", help="Of mode openColorIO; default: the built-in config's."
+    ),
+    click.option("--ocio-view", metavar="NAME", help="Of mode openColorIO; default: the display's."),
+    click.option("--exr-float", is_flag=True, help="EXR in 32-bit floats instead of half: twice the bytes."),
+    click.option(
+        "--stats",
+        type=click.Path(path_type=Path),
+        metavar="FILE.json",
+        help="Write times, counts, memory, the effect plan and the warnings.",
+    ),
+    click.option("--strict", is_flag=True, help="Exit with 3 if anything was missing or degraded."),
+)
+"""Which files are written, and how."""
+
+RENDER: Sequence[Decorator] = (
+    click.option(
+        "--spp",
+        type=click.IntRange(1, MAX_SPP),
+        default=64,
+        show_default=True,
+        help="Samples a pixel: noise falls with the square root, time grows in proportion.",
+    ),
+    click.option(
+        "--seed",
+        type=click.IntRange(0, 2**32 - 1),
+        default=0,
+        show_default=True,
+        help="The same seed gives the same pixels, on any number of threads.",
+    ),
+    click.option(
+        "--max-bounces",
+        type=click.IntRange(0, 64),
+        default=2,
+        show_default=True,
+        help="Of indirect light; 0: direct light only.",
+    ),
+    click.option("--threads", type=click.IntRange(0, 4096), default=0, show_default=True, help="0: all."),
+    click.option(
+        "--builder",
+        type=click.Choice(("msbvh", "mbvh")),
+        default="msbvh",
+        show_default=True,
+        help="mbvh: without spatial splits, the paper's baseline.",
+    ),
+    click.option("--renderer", "-r", metavar="NAME", help="Accepted for usdrecord's sake; this is msbvh."),
+    click.option("--disableGpu", is_flag=True, expose_value=False, help="Accepted; there is no GPU in use."),
+)
+"""How the renderer works."""
