@@ -207,13 +207,15 @@ class Flattener {
   }
 
   // Leaves right behind the node, where the next cache line is; then the inner children, depth first.
-  void place(const WideChildren& children, std::size_t offset, std::size_t* offsets) const {
+  void place(const WideChildren& children, std::size_t offset, std::size_t* offsets) {
     for (std::uint32_t i = 0; i < children.count; ++i) {
       if (!is_leaf(children.node[i])) continue;
       offsets[i] = offset;
       offset += plans_[children.node[i]].bytes;
     }
-    offset = rounded_up(offset, AlignedBuffer::kAlignment);
+    const std::size_t gap = rounded_up(offset, AlignedBuffer::kAlignment) - offset;
+    std::memset(out_.arena.data() + offset, 0, gap);  // no byte of the arena is left to chance
+    offset += gap;
     for (std::uint32_t i = 0; i < children.count; ++i) {
       if (is_leaf(children.node[i])) continue;
       offsets[i] = offset;
