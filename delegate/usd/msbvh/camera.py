@@ -31,7 +31,7 @@ class RenderCamera:
     world_from_camera: np.ndarray
     """float64[T, 4, 4]."""
     windows: np.ndarray
-    """float32[T, 4]: left, right, bottom, top of the image at unit distance (orthographic: in stage units)."""
+    """float32[T, 4]: left, right, bottom, top of the image at unit distance (orthographic: stage units)."""
     near_clip: float
     far_clip: float
     width: int
@@ -72,8 +72,9 @@ def read_camera(
 ) -> RenderCamera:
     """Finds the camera, and samples it over its shutter.
 
-    `image_size` is width and height in pixels; height None: the camera's aspect ratio decides, as in usdrecord.
-    Raises SceneError for an unknown camera, an unknown conform policy and optics that make no image.
+    `image_size` is width and height in pixels; height None: the camera's aspect ratio decides, as in
+    usdrecord. Raises SceneError for an unknown camera, an unknown conform policy and optics that make no
+    image.
     """
     prim = find_camera(stage, name, diagnostics)
     if prim is None:
@@ -91,7 +92,8 @@ def read_camera(
 def find_camera(stage: Usd.Stage, name: str | None, diagnostics: Diagnostics) -> Usd.Prim | None:
     """The camera of that path or name; without one the primary camera of USD's convention, else the first.
 
-    None if the stage has no camera and none was asked for. Raises SceneError if the one asked for is not there.
+    None if the stage has no camera and none was asked for. Raises SceneError if the one asked for is not
+    there.
     """
     prims = Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies())
     cameras = [prim for prim in prims if prim.IsA(UsdGeom.Camera)]
@@ -102,16 +104,16 @@ def find_camera(stage: Usd.Stage, name: str | None, diagnostics: Diagnostics) ->
     primary = [prim for prim in cameras if prim.GetName() == UsdUtils.GetPrimaryCameraName()]
     chosen = (primary or cameras)[0]
     if len(cameras) > 1 and not primary:
-        diagnostics.note(str(chosen.GetPath()), "", f"the first of {len(cameras)} cameras; --camera chooses another")
+        diagnostics.note(
+            str(chosen.GetPath()), "", f"the first of {len(cameras)} cameras; --camera chooses another"
+        )
     return chosen
 
 
 def _named_camera(cameras: list[Usd.Prim], name: str) -> Usd.Prim:
-    path = Sdf.Path(name) if Sdf.Path.IsValidPathString(name) else Sdf.Path()
     for prim in cameras:
-        if prim.GetPath() == path or prim.GetName() == name:
-            return prim
-        if path.GetPathElementCount() > 1 and prim.GetPath() == path.MakeAbsolutePath(Sdf.Path.absoluteRootPath):
+        # As usdrecord has it, a relative path counts from the root.
+        if prim.GetName() == name or prim.GetPath() == Sdf.Path("/" + name.lstrip("/")):
             return prim
     known = ", ".join(str(prim.GetPath()) for prim in cameras[:8]) or "none"
     raise SceneError(f"camera: found no camera '{name}', expected one of the stage's cameras: {known}")
@@ -192,7 +194,12 @@ def _window(camera: Gf.Camera) -> Window:
         scale = Gf.Camera.APERTURE_UNIT / (camera.focalLength * Gf.Camera.FOCAL_LENGTH_UNIT)
     x, half_width = camera.horizontalApertureOffset, camera.horizontalAperture / 2
     y, half_height = camera.verticalApertureOffset, camera.verticalAperture / 2
-    return ((x - half_width) * scale, (x + half_width) * scale, (y - half_height) * scale, (y + half_height) * scale)
+    return (
+        (x - half_width) * scale,
+        (x + half_width) * scale,
+        (y - half_height) * scale,
+        (y + half_height) * scale,
+    )
 
 
 def _check_optics(path: str, camera: Gf.Camera) -> None:

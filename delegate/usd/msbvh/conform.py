@@ -19,8 +19,8 @@ POLICIES = (
 def conformed(window: Window, image_aspect: float, policy: str) -> tuple[Window, float]:
     """The window that fills an image of width / height = `image_aspect`, and the pixel aspect ratio.
 
-    UsdRenderSettings' aspectRatioConformPolicy; the window's centre stays where it is, so aperture offsets count once.
-    Raises SceneError for an unknown policy.
+    UsdRenderSettings' aspectRatioConformPolicy; the window's centre stays where it is, so aperture offsets
+    count once. Raises SceneError for an unknown policy.
     """
     left, right, bottom, top = window
     width, height = right - left, top - bottom

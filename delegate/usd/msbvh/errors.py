@@ -1,4 +1,5 @@
-"""What can be wrong with a scene: the exception that ends a run, and the record of what was left out or approximated."""
+"""What can be wrong with a scene: the exception that ends a run, and the record of what was left out or
+approximated."""
 
 from __future__ import annotations
 
@@ -18,7 +19,8 @@ class Diagnostic:
     """One thing to tell the user, in one line."""
 
     severity: str
-    """note: nothing is lost. warning: something was approximated or left out. error: the prim was not rendered."""
+    """note: nothing is lost. warning: something was approximated or left out. error: the prim was not
+    rendered."""
     path: str
     """Of the prim; empty where the stage or a setting is meant."""
     attribute: str
@@ -26,7 +28,7 @@ class Diagnostic:
     message: str
 
     def __str__(self) -> str:
-        subject = f"{self.path}.{self.attribute}" if self.path and self.attribute else self.path or self.attribute
+        subject = ".".join(filter(None, (self.path, self.attribute)))
         return f"{subject}: {self.message}" if subject else self.message
 
 

@@ -21,7 +21,9 @@ def framing_camera(
     cache = UsdGeom.BBoxCache(Shutter(frame).frame_code, ["default", *purposes], useExtentsHint=True)
     bounds = cache.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
     if bounds.IsEmpty() or not all(map(math.isfinite, (*bounds.min, *bounds.max))):
-        diagnostics.warning("", "", "no camera and no finite bounds to frame; a camera at (0, 0, 10) looks at the origin")
+        diagnostics.warning(
+            "", "", "no camera and no finite bounds to frame; a camera at (0, 0, 10) looks at the origin"
+        )
         return Gf.Camera(Gf.Matrix4d().SetTranslate(Gf.Vec3d(0, 0, 10)))
     diagnostics.note("", "", "no camera on the stage; made one that frames everything")
     y_up = UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y

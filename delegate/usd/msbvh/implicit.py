@@ -1,7 +1,8 @@
 """Implicit shapes as polygon meshes: Sphere, Cube, Cone, Cylinder, Capsule, Plane.
 
-Shapes are built along z around the origin, then turned so that z becomes the authored axis. Vertices lie on the shape.
-Edges that are to stay sharp have two sets of vertices, so that smooth normals do not run across them.
+Shapes are built along z around the origin, then turned so that z becomes the authored axis. Vertices lie on
+the shape. Edges that are to stay sharp have two sets of vertices, so that smooth normals do not run across
+them.
 """
 
 from __future__ import annotations
@@ -44,15 +45,18 @@ def _revolved(profile: np.ndarray, first_row: int = 0) -> Surface:
     )
     low = (np.arange(len(profile) - 1)[:, None] + first_row) * SIDES
     here, there = np.arange(SIDES)[None], (np.arange(SIDES)[None] + 1) % SIDES
-    quads = np.stack([low + here, low + there, low + SIDES + there, low + SIDES + here], axis=-1).reshape(-1, 4)
+    quads = np.stack([low + here, low + there, low + SIDES + there, low + SIDES + here], axis=-1).reshape(
+        -1, 4
+    )
     return Surface(np.full(len(quads), 4, np.int32), quads.astype(np.int32).ravel(), points)
 
 
 def _joined(*parts: Surface) -> Surface:
-    offsets = np.cumsum([0, *(len(part.points) for part in parts)])
+    offsets = np.cumsum([0, *(len(part.points) for part in parts[:-1])])
+    indices = [part.indices + offset for part, offset in zip(parts, offsets, strict=True)]
     return Surface(
         np.concatenate([part.counts for part in parts]),
-        np.concatenate([part.indices + offset for part, offset in zip(parts, offsets)]).astype(np.int32),
+        np.concatenate(indices).astype(np.int32),
         np.concatenate([part.points for part in parts]),
     )
 
@@ -92,7 +96,9 @@ def cube(size: float) -> Surface:
 def plane(width: float, length: float) -> Surface:
     """In xy, facing +z."""
     corners = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], float)
-    return Surface(np.array([4], np.int32), np.arange(4, dtype=np.int32), corners * (width / 2, length / 2, 0.0))
+    return Surface(
+        np.array([4], np.int32), np.arange(4, dtype=np.int32), corners * (width / 2, length / 2, 0.0)
+    )
 
 
 @dataclass(frozen=True)
@@ -127,7 +133,7 @@ def read_implicit(prim: Usd.Prim, context: FrameContext) -> dict:
     axis_attribute = prim.GetAttribute("axis")
     axis = axis_attribute.Get(context.code) if axis_attribute else "Z"
     if kind.surface is plane and axis != "Z":
-        attributes.reverse()  # The width lies along x or, across the x axis, along z: second in the cyclic order.
+        attributes.reverse()  # The width lies along x, or along z where x is the axis: second in the cycle.
 
     def surface_at(code: Usd.TimeCode) -> Surface:
         surface = kind.surface(*(attribute.Get(code) for attribute in attributes))
@@ -144,12 +150,14 @@ def read_implicit(prim: Usd.Prim, context: FrameContext) -> dict:
         "face_vertex_counts": surface.counts,
         "face_vertex_indices": surface.indices,
         "hole_indices": None,
-        "left_handed": UsdGeom.Gprim(prim).GetOrientationAttr().Get(context.code) == UsdGeom.Tokens.leftHanded,
+        "left_handed": UsdGeom.Gprim(prim).GetOrientationAttr().Get(context.code)
+        == UsdGeom.Tokens.leftHanded,
         "samples": samples,
         "computed_normals": "smooth" if kind.smooth else "faceted",
     }
 
 
 def turned(points: np.ndarray, axis: str) -> np.ndarray:
-    """float64[N, 3] from along z to along `axis`, by a cyclic exchange of the axes, which keeps the orientation."""
+    """float64[N, 3] from along z to along `axis`, by a cyclic exchange of the axes, which keeps the
+    orientation."""
     return np.roll(points, {"X": 1, "Y": 2, "Z": 0}[str(axis)], axis=1)

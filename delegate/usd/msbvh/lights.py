@@ -26,14 +26,17 @@ def is_light(prim: Usd.Prim) -> bool:
 
 
 def read_light(prim: Usd.Prim, world_from_light: np.ndarray, context: FrameContext) -> dict | None:
-    """The translator's keywords of a light at the frame, without its motion; None, with a warning, if unsupported.
+    """The translator's keywords of a light at the frame, without its motion; None, with a warning, if
+    unsupported.
 
-    `world_from_light` is float64[4, 4] at the frame: normalisation divides by the area in the world.
+    `world_from_light` is float64[4, 4] at the frame: normalisation is by the area in the world.
     """
     kind = SUPPORTED_LIGHTS.get(str(prim.GetTypeName()))
     path = str(prim.GetPath())
     if kind is None:
-        context.diagnostics.group(path, "", f"lights of type {prim.GetTypeName() or 'none'} are not supported yet; left out")
+        context.diagnostics.group(
+            path, "", f"lights of type {prim.GetTypeName() or 'none'} are not supported yet; left out"
+        )
         return None
     _warn_of_the_rest(prim, context)
     code = context.code
@@ -46,12 +49,14 @@ def read_light(prim: Usd.Prim, world_from_light: np.ndarray, context: FrameConte
     if UsdLux.LightAPI(prim).GetNormalizeAttr().Get(code):
         radiance = radiance / normalization(kind, light, world_from_light)
     if kind == "sphere" and light["radius"] == 0.0:
-        radiance = radiance / 4.0  # Radiant intensity: what a small normalised sphere, pi r^2 L / (4 pi r^2), tends to.
+        radiance = (
+            radiance / 4.0
+        )  # Radiant intensity: what a small normalised sphere, pi r^2 L / (4 pi r^2), tends to.
     return {"name": path, "kind": kind, "radiance": tuple(radiance.tolist()), **light}
 
 
 def emission(light: UsdLux.LightAPI, code: Usd.TimeCode) -> np.ndarray:
-    """intensity * 2^exposure * color, times the black body's colour where a temperature is set: float64[3]."""
+    """intensity * 2^exposure * color, times the black body's colour where enabled: float64[3]."""
     strength = light.GetIntensityAttr().Get(code) * math.exp2(light.GetExposureAttr().Get(code))
     colour = np.array(light.GetColorAttr().Get(code), np.float64)
     if light.GetEnableColorTemperatureAttr().Get(code):
@@ -61,8 +66,8 @@ def emission(light: UsdLux.LightAPI, code: Usd.TimeCode) -> np.ndarray:
 
 
 def normalization(kind: str, light: dict[str, float], world_from_light: np.ndarray) -> float:
-    """What inputs:normalize divides by (UsdLux, "Light Contributions"): the world's area, for distant lights the
-    cosine-weighted solid angle; 1 where that is 0."""
+    """What inputs:normalize divides by (UsdLux, "Light Contributions"): the world's area, for distant lights
+    the cosine-weighted solid angle; 1 where that is 0."""
     axes = np.linalg.norm(world_from_light[:3, :3], axis=1)
     if kind == "sphere":
         a, b, c = light["radius"] * axes
@@ -86,14 +91,20 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
     path = str(prim.GetPath())
     texture = prim.GetAttribute("inputs:texture:file")
     if texture and texture.Get(context.code):
-        found = f"found @{texture.Get(context.code).path}@; textured lights are not supported yet, lit by the plain colour"
+        found = f"found @{texture.Get(context.code).path}@; not supported yet, lit by the plain colour"
         context.diagnostics.warning(path, texture.GetName(), found)
-    for name, neutral in (("inputs:shaping:cone:angle", 90.0), ("inputs:shaping:focus", 0.0), ("inputs:diffuse", 1.0)):
+    for name, neutral in (
+        ("inputs:shaping:cone:angle", 90.0),
+        ("inputs:shaping:focus", 0.0),
+        ("inputs:diffuse", 1.0),
+    ):
         attribute = prim.GetAttribute(name)
         if attribute and attribute.HasAuthoredValue() and attribute.Get(context.code) != neutral:
             context.diagnostics.group(path, name, "not supported yet; lit without it")
     if prim.GetRelationship("light:filters").GetTargets():
-        context.diagnostics.group(path, "light:filters", "light filters are not supported yet; lit without them")
+        context.diagnostics.group(
+            path, "light:filters", "light filters are not supported yet; lit without them"
+        )
 
 
 def add_lights(translator: Any, light: dict, motion: Motion, level: int) -> None:
@@ -102,7 +113,9 @@ def add_lights(translator: Any, light: dict, motion: Motion, level: int) -> None
     for index in range(motion.count):
         place = matrices[:, index]
         last = 1 if (place == place[0]).all() else len(times01)
-        translator.add_light(**light, times01=np.array(times01[:last]), world_from_light=np.ascontiguousarray(place[:last]))
+        translator.add_light(
+            **light, times01=np.array(times01[:last]), world_from_light=np.ascontiguousarray(place[:last])
+        )
 
 
 def camera_light(times01: np.ndarray, world_from_camera: np.ndarray) -> dict:

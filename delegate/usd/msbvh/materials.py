@@ -46,7 +46,7 @@ class Materials:
         if identifier != PREVIEW_SURFACE:
             found = f"a surface shader '{identifier}'" if shader else "no surface shader that can be read"
             message = f"found {found}, expected {PREVIEW_SURFACE}; displayColor shows instead"
-            self._context.diagnostics.warning(path, "outputs:surface", message)
+            self._context.diagnostics.group(path, "outputs:surface", message)
             return None
         diffuse = self._input(shader, "diffuseColor", (0.18, 0.18, 0.18))
         opacity = self._input(shader, "opacity", 1.0)
@@ -75,20 +75,25 @@ class Materials:
         return self._connected(shader_input, UsdShade.Shader(source.GetPrim()), default)
 
     def _connected(self, shader_input: UsdShade.Input, node: UsdShade.Shader, default: Any) -> Input:
-        """An input that another node drives: readers of displayColor and displayOpacity are drawn, others fall back."""
-        identifier = node.GetShaderId() or "of no known type"
+        """An input that another node drives: readers of displayColor and displayOpacity are drawn, others
+        fall back."""
+        identifier = node.GetShaderId() or "node of no known type"
         fallback = self._constant(node, "fallback", default)
         if identifier.startswith("UsdPrimvarReader"):
             primvar = str(self._constant(node, "varname", ""))
-            if (shader_input.GetBaseName(), primvar) in (("diffuseColor", "displayColor"), ("opacity", "displayOpacity")):
+            if (shader_input.GetBaseName(), primvar) in (
+                ("diffuseColor", "displayColor"),
+                ("opacity", "displayOpacity"),
+            ):
                 return Input(fallback, primvar)
             identifier = f"{identifier} of '{primvar}'"
         if not isinstance(default, float):
             fallback = tuple(fallback)[:3]
         elif not isinstance(fallback, float):
             fallback = fallback[3] if len(fallback) > 3 else default
-        message = f"connected to {node.GetPath()} ({identifier}), which is not evaluated yet; drawn as {_text(fallback)}"
-        self._context.diagnostics.warning(str(shader_input.GetPrim().GetPath()), shader_input.GetFullName(), message)
+        message = f"connected to a {identifier}, which is not evaluated yet; drawn as {_text(fallback)}"
+        shader = str(shader_input.GetPrim().GetPath())
+        self._context.diagnostics.group(shader, shader_input.GetFullName(), message)
         return Input(fallback)
 
     def _constant(self, node: UsdShade.Shader, name: str, default: Any) -> Any:

@@ -17,7 +17,8 @@ def is_shape(prim: Usd.Prim) -> bool:
 
 
 def read_shape(prim: Usd.Prim, context: FrameContext) -> dict | None:
-    """The translator's keywords of a mesh at the frame, without transform and material; None if there is nothing to draw.
+    """The translator's keywords of a mesh at the frame, without transform and material; None if there is
+    nothing to draw.
 
     `points` stands as Samples under "samples". Nothing is checked here that the translator checks.
     """
@@ -34,8 +35,8 @@ def read_shape(prim: Usd.Prim, context: FrameContext) -> dict | None:
     mesh["display_color"] = read_primvar(prim, "displayColor", 3, context)
     mesh["display_opacity"] = read_primvar(prim, "displayOpacity", None, context)
     if not prim.IsA(UsdGeom.Mesh):
-        for name in ("display_color", "display_opacity"):
-            mesh[name] = _constant(mesh[name], f"primvars:{name}", path, context)
+        mesh["display_color"] = _constant(mesh["display_color"], "primvars:displayColor", path, context)
+        mesh["display_opacity"] = _constant(mesh["display_opacity"], "primvars:displayOpacity", path, context)
     return mesh
 
 
@@ -57,7 +58,9 @@ def _read_mesh(mesh: UsdGeom.Mesh, context: FrameContext) -> dict:
     if scheme == UsdGeom.Tokens.none:
         keywords.update(_normals(mesh, topology_varies, context))
     else:
-        message = f"'{scheme}' is not supported yet; the control cage is drawn as polygons with smooth normals"
+        message = (
+            f"'{scheme}' is not supported yet; the control cage is drawn as polygons with smooth normals"
+        )
         context.diagnostics.group(str(mesh.GetPath()), "subdivisionScheme", message)
     return keywords
 
@@ -87,13 +90,16 @@ def _normals(mesh: UsdGeom.Mesh, topology_varies: bool, context: FrameContext) -
     }
 
 
-def _constant(primvar: PrimvarInput | None, name: str, path: str, context: FrameContext) -> PrimvarInput | None:
+def _constant(
+    primvar: PrimvarInput | None, name: str, path: str, context: FrameContext
+) -> PrimvarInput | None:
     """An implicit shape has no vertices of its own that a primvar could vary over."""
     if primvar is None or primvar[0] == "constant":
         return primvar
     _, values, indices = primvar
     if len(values) > 1:
-        context.diagnostics.warning(path, name, f"found {len(values)} {primvar[0]} values on an implicit shape; drew the first")
+        message = f"found {len(values)} {primvar[0]} values on an implicit shape; drew the first"
+        context.diagnostics.warning(path, name, message)
     return "constant", values[:1] if indices is None else values[indices[:1]], None
 
 
@@ -112,11 +118,14 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
             context.diagnostics.group(str(prim.GetPath()), name, message)
 
 
-def faces_by_material(mesh: UsdGeom.Mesh, face_count: int, context: FrameContext) -> list[tuple[Usd.Prim, np.ndarray]]:
-    """The parts of a mesh that are bound to materials of their own: the subset's prim and the faces *outside* it, int32.
+def faces_by_material(
+    mesh: UsdGeom.Mesh, face_count: int, context: FrameContext
+) -> list[tuple[Usd.Prim, np.ndarray]]:
+    """The parts of a mesh that are bound to materials of their own: the subset's prim and the faces *outside*
+    it, int32.
 
-    With these as holes the mesh shows that part alone. The faces of no subset are a part bound as the mesh is; a mesh
-    without such subsets has no parts at all.
+    With these as holes the mesh shows that part alone. The faces of no subset are a part bound as the mesh
+    is; a mesh without such subsets has no parts at all.
     """
     subsets = UsdGeom.Subset.GetGeomSubsets(mesh, UsdGeom.Tokens.face, "materialBind")
     unclaimed = np.ones(face_count, bool)

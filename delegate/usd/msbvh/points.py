@@ -12,13 +12,13 @@ from .times import bracketing_times, sample_times
 from .transforms import Box
 
 ACCELERATION_LEVEL = 6
-"""Points under acceleration move on parabolas, sampled at 2^6 intervals: the chord strays from the arc by a / 8 of the
-squared interval, 1/16384 of the way that the acceleration alone makes over the shutter."""
+"""Points under acceleration move on parabolas, sampled at 2^6 intervals: the chord strays from the arc by a /
+8 of the squared interval, 1/16384 of the way that the acceleration alone makes over the shutter."""
 
 
 @dataclass
 class Samples:
-    """Arrays at increasing times; linear between them (`held`: each holds until the next) and held outside."""
+    """Arrays at increasing times; linear between them (`held`: each holds until the next), held outside."""
 
     values: list[tuple[float, np.ndarray]] = field(default_factory=list)
     """time01 and float32[N, 3] each."""
@@ -46,9 +46,11 @@ def sample_array(attribute: Usd.Attribute, context: FrameContext) -> Samples | N
     shutter = context.shutter
     times = sample_times([attribute], shutter)
     values = [(shutter.time01(time), attribute.Get(time)) for time in times]
-    blocked = [time for time, (_, value) in zip(times, values) if value is None]
+    blocked = [time for time, (_, value) in zip(times, values, strict=True) if value is None]
     if blocked:
-        message = f"found blocked samples at {', '.join(f'{time:g}' for time in blocked)}; interpolated across them"
+        message = (
+            f"found blocked samples at {', '.join(f'{time:g}' for time in blocked)}; interpolated across them"
+        )
         context.diagnostics.warning(str(attribute.GetPrim().GetPath()), attribute.GetName(), message)
     samples = [(time01, array(value, np.float32, 3)) for time01, value in values if value is not None]
     if not samples:
@@ -61,7 +63,8 @@ def sample_array(attribute: Usd.Attribute, context: FrameContext) -> Samples | N
 def sample_points(shape: UsdGeom.PointBased, topology_varies: bool, context: FrameContext) -> Samples:
     """How the points of a mesh move over the shutter.
 
-    The pose of the frame is held, with a warning, where the topology changes and no velocities say how to go on.
+    The pose of the frame is held, with a warning, where the topology changes and no velocities say how to go
+    on.
     """
     if context.shutter.moving and velocities_apply(shape, context):
         return _moved_by_velocities(shape, context)
@@ -76,8 +79,8 @@ def sample_points(shape: UsdGeom.PointBased, topology_varies: bool, context: Fra
 
 
 def velocities_apply(shape: UsdGeom.PointBased, context: FrameContext) -> bool:
-    """USD's rule (UsdGeomPointBased::ComputePointsAtTimes): as many velocities as points at the sample at or before
-    the frame, and the samples around the frame align.
+    """USD's rule (UsdGeomPointBased::ComputePointsAtTimes): as many velocities as points at the sample at or
+    before the frame, and the samples around the frame align.
 
     Says why not where velocities are authored.
     """
@@ -130,7 +133,8 @@ def _computed_points(
 
 
 def changes(attribute: Usd.Attribute, context: FrameContext) -> bool:
-    """Whether an int[] attribute takes more than one value within the shutter. Compares values, not sample counts."""
+    """Whether an int[] attribute takes more than one value within the shutter. Compares values, not sample
+    counts."""
     if not context.shutter.moving or not attribute.ValueMightBeTimeVarying():
         return False
     # Integers are held until the next sample: the one after the shutter says nothing.

@@ -1,4 +1,4 @@
-"""Primvars that the renderer shades with: displayColor and displayOpacity, indexed or not, inherited or not."""
+"""Primvars that the renderer shades with: displayColor and displayOpacity, indexed and inherited ones too."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ PrimvarInput = tuple[str, np.ndarray, np.ndarray | None]
 """Interpolation, float32[K] or float32[K, 3], int32 indices or None."""
 
 
-def read_primvar(prim: Usd.Prim, name: str, columns: int | None, context: FrameContext) -> PrimvarInput | None:
+def read_primvar(
+    prim: Usd.Prim, name: str, columns: int | None, context: FrameContext
+) -> PrimvarInput | None:
     """A primvar at the frame, its own or inherited; None where none is authored.
 
     `columns` is 3 for colours, None for scalars. A value of another type is left out with a warning.

@@ -39,7 +39,8 @@ class ReadSettings:
     """Drawn beside the default purpose."""
     disable_camera_light: bool = False
     motion_tolerance: float = 0.1
-    """Pixels by which a moving point may stray from the stage's own evaluation. Less: more keys, more memory."""
+    """Pixels by which a moving point may stray from the stage's own evaluation. Less: more keys, more memory.
+    """
     max_segments: int = 128
 
 
@@ -67,8 +68,8 @@ def read_frame(
     """Reads what is visible at a frame, and its motion over the camera's shutter.
 
     `frame` is a time code; None: USD's default time, without blur. `make_translator` stands in for
-    msbvh._core.Translator in tests. Raises SceneError where there is nothing that could be rendered through this
-    camera; whatever else is wrong or unsupported leaves a diagnostic, and the rest is read.
+    msbvh._core.Translator in tests. Raises SceneError where there is nothing that could be rendered through
+    this camera; whatever else is wrong or unsupported leaves a diagnostic, and the rest is read.
     """
     diagnostics = Diagnostics() if diagnostics is None else diagnostics
     with tf_messages(diagnostics):
@@ -100,7 +101,13 @@ class _FrameReader:
         with self._timed("traverse"):
             purposes = list(settings.purposes)
             self._camera = read_camera(
-                stage, frame, settings.camera, (settings.width, settings.height), settings.conform, purposes, diagnostics
+                stage,
+                frame,
+                settings.camera,
+                (settings.width, settings.height),
+                settings.conform,
+                purposes,
+                diagnostics,
             )
             shutter = self._camera.shutter
             self._context = FrameContext(stage, shutter, is_held(stage), diagnostics)
@@ -151,8 +158,11 @@ class _FrameReader:
         for part in self._traversal.groups[WORLD].shapes:
             self._add_shape(part, None, self._settings.motion_tolerance, self._translator.add_mesh)
 
-    def _add_shape(self, part: Part, root: Usd.Prim | None, tolerance: float, add: Callable[..., None]) -> Box:
-        """Hands a mesh down, once for each material on it. Returns its box in the space of `root` over the shutter."""
+    def _add_shape(
+        self, part: Part, root: Usd.Prim | None, tolerance: float, add: Callable[..., None]
+    ) -> Box:
+        """Hands a mesh down, once for each material on it. Returns its box in the space of `root` over the
+        shutter."""
         mesh = read_shape(part.prim, self._context)
         if mesh is None:
             return Box.empty()
@@ -177,7 +187,8 @@ class _FrameReader:
         return Box.around((box.corners() @ matrices[:, 0, :, :3]).reshape(-1, 3))
 
     def _prototype(self, key: Hashable) -> tuple[int, Box] | None:
-        """The translator's id of a group and its box; None if it shows nothing. Hands its meshes down at first use."""
+        """The translator's id of a group and its box; None if it shows nothing. Hands its meshes down at
+        first use."""
         group: Group = self._traversal.groups[key]
         if not group.shapes:
             return None
@@ -189,7 +200,8 @@ class _FrameReader:
 
             box = Box.empty()
             for part in group.shapes:
-                # How large a pixel is depends on the instance: motion inside a prototype is sampled as finely as it goes.
+                # How large a pixel is depends on the instance: motion inside a prototype is sampled as finely
+                # as it goes.
                 box = box.union(self._add_shape(part, group.root, 0.0, add))
             self._prototypes[key] = (prototype, box)
         return self._prototypes[key]
@@ -214,7 +226,9 @@ class _FrameReader:
         for placement in placements:
             group = self._traversal.groups[placement.key]
             for part in group.lights:
-                self._add_light(part, self._caches.motion([part.prim], group.root, part.varying).inside(placement.motion))
+                self._add_light(
+                    part, self._caches.motion([part.prim], group.root, part.varying).inside(placement.motion)
+                )
         if self._light_count == 0 and not self._settings.disable_camera_light:
             self._translator.add_light(**camera_light(self._camera.times01, self._camera.world_from_camera))
 
@@ -232,6 +246,8 @@ class _FrameReader:
             record = diagnostics.error if found.severity == "error" else diagnostics.warning
             record(found.path, found.attribute, found.message)
         if self._translator.empty:
-            diagnostics.warning("", "", "nothing to draw: no visible meshes or instances at this frame; the image is empty")
+            diagnostics.warning(
+                "", "", "nothing to draw: no visible meshes or instances at this frame; the image is empty"
+            )
         tracks = self._translator.tracks()
         return ReadResult(self._translator.finish(), self._camera, diagnostics, tracks, self._seconds)

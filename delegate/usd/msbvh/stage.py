@@ -14,9 +14,9 @@ from .errors import Diagnostics, SceneError
 def open_stage(path: str, diagnostics: Diagnostics, mask: Sequence[str] = ()) -> Usd.Stage:
     """Opens and composes a stage with its payloads.
 
-    `mask` limits it to these prims, their ancestors and descendants (usdrecord's --mask). References, payloads and
-    sublayers that do not resolve leave a warning each. Raises SceneError for a missing or unreadable file, an invalid
-    layer, a bad mask and a stage without prims.
+    `mask` limits it to these prims, their ancestors and descendants (usdrecord's --mask). References,
+    payloads and sublayers that do not resolve leave a warning each. Raises SceneError for a missing or
+    unreadable file, an invalid layer, a bad mask and a stage without prims.
     """
     if not Ar.GetResolver().Resolve(path):
         raise SceneError(f"{path}: no such file; expected a USD scene (usd, usda, usdc, usdz)")
@@ -28,7 +28,8 @@ def open_stage(path: str, diagnostics: Diagnostics, mask: Sequence[str] = ()) ->
             raise SceneError(f"{path}: cannot be read as USD: {_reason(error)}") from None
     if not stage.GetPseudoRoot().GetAllChildren():
         limits = f" under the mask {', '.join(mask)}" if mask else ""
-        raise SceneError(f"{path}: the stage is empty: found no prims{limits}, expected at least one")
+        found = "; ".join(["found no prims" + limits, *map(str, diagnostics)])
+        raise SceneError(f"{path}: the stage is empty: {found}; expected at least one prim")
     return stage
 
 
@@ -38,7 +39,9 @@ def _population_mask(paths: Sequence[str]) -> Usd.StagePopulationMask:
         if not Sdf.Path.IsValidPathString(path) or not Sdf.Path(path).IsAbsoluteRootOrPrimPath():
             raise SceneError(f"mask: found '{path}', expected the absolute path of a prim such as /World/Set")
         if not Sdf.Path(path).IsAbsolutePath():
-            raise SceneError(f"mask: found the relative path '{path}', expected an absolute one such as /{path}")
+            raise SceneError(
+                f"mask: found the relative path '{path}', expected an absolute one such as /{path}"
+            )
         mask.Add(path)
     return mask
 

@@ -1,7 +1,7 @@
 """Time: the open shutter, and the times at which a stage is evaluated over it.
 
-`time01` is a time relative to the shutter: 0 at its opening, 1 at its closing. Samples that bracket the shutter lie
-outside [0, 1].
+`time01` is a time relative to the shutter: 0 at its opening, 1 at its closing. Samples that bracket the
+shutter lie outside [0, 1].
 """
 
 from __future__ import annotations
@@ -16,7 +16,8 @@ from pxr import Gf, Usd
 from .errors import Diagnostics
 
 ABSURD_SHUTTER_FRAMES = 16.0
-"""A shutter that is open for longer is taken as authored, with a warning: one exporter writes the length of the shot."""
+"""A shutter that is open for longer is taken as authored, with a warning: one exporter writes the length of
+the shot."""
 
 COARSE_LEVEL = 3
 """Grids start at 2^3 intervals: a full turn within the shutter is then eight steps, not nothing."""
@@ -87,13 +88,15 @@ def checked_shutter(
 
 
 class TimeGrid:
-    """Nested sets of times over the shutter: 2^level even intervals, and the times that are authored within it.
+    """Nested sets of times over the shutter: 2^level even intervals, and the times that are authored within
+    it.
 
     With the authored times, motion that is linear between them is caught exactly; the even ones catch curves.
     """
 
     def __init__(self, shutter: Shutter, authored: Iterable[float] = (), held: bool = False) -> None:
-        """`authored` are time codes, in any order. `held`: values jump at them, so the instants before count too."""
+        """`authored` are time codes, in any order. `held`: values jump at them, so the instants before count
+        too."""
         self.shutter = shutter
         self._authored: list[float] = []
         if shutter.moving:
@@ -118,10 +121,11 @@ def is_held(stage: Usd.Stage) -> bool:
 
 
 def bracketing_times(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
-    """The authored times of an attribute inside the open shutter and the ones next to it, increasing, as time codes.
+    """The authored times of an attribute inside the open shutter and the ones next to it, increasing, as time
+    codes.
 
-    Between them USD interpolates linearly, so they say everything. Empty where nothing is authored or a spline drives
-    the attribute: those have no samples (OpenUSD #3765).
+    Between them USD interpolates linearly, so they say everything. Empty where nothing is authored or a
+    spline drives the attribute: those have no samples (OpenUSD #3765).
     """
     interval = shutter.interval
     before = attribute.GetBracketingTimeSamples(interval.min)
@@ -130,10 +134,11 @@ def bracketing_times(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
 
 
 def sample_times(attributes: Iterable[Usd.Attribute], shutter: Shutter) -> list[float]:
-    """Time codes that say all about how several attributes move together over the shutter; [] where they do not.
+    """Time codes that say all about how several attributes move together over the shutter; [] where they do
+    not.
 
-    The union of their bracketing samples; many even ones for splines and where there are more samples than a track
-    has keys.
+    The union of their bracketing samples; many even ones for splines and where there are more samples than a
+    track has keys.
     """
     varying = [attribute for attribute in attributes if attribute.ValueMightBeTimeVarying()]
     if not shutter.moving or not varying:
@@ -142,4 +147,6 @@ def sample_times(attributes: Iterable[Usd.Attribute], shutter: Shutter) -> list[
     times = sorted(set().union(*authored))
     if all(authored) and len(times) <= 2**FINEST_LEVEL + 3:
         return times
-    return [shutter.time_code(time).GetValue() for time in np.linspace(0.0, 1.0, 2**FINEST_LEVEL + 1).tolist()]
+    return [
+        shutter.time_code(time).GetValue() for time in np.linspace(0.0, 1.0, 2**FINEST_LEVEL + 1).tolist()
+    ]

@@ -1,6 +1,7 @@
 """Transforms over the shutter, evaluated by USD itself and as densely as linear interpolation needs.
 
-Matrices are float64[4, 4] in USD's row-vector convention: p' = p M, so the inner map stands left in a product.
+Matrices are float64[4, 4] in USD's row-vector convention: p' = p M, so the inner map stands left in a
+product.
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ from .times import COARSE_LEVEL, FINEST_LEVEL, Shutter, TimeGrid
 class Motion:
     """The matrices of `count` things that move together over the shutter."""
 
-    def __init__(self, grid: TimeGrid, count: int, still: bool, evaluate: Callable[[float], np.ndarray]) -> None:
+    def __init__(
+        self, grid: TimeGrid, count: int, still: bool, evaluate: Callable[[float], np.ndarray]
+    ) -> None:
         """`evaluate(time01)` gives float64[count, 4, 4]. `still`: it is the same at any time."""
         self.count = count
         self.still = still
@@ -51,7 +54,8 @@ class Motion:
 
 
 class XformCaches:
-    """One UsdGeom.XformCache a time, shared by all prims: ancestors are evaluated once a time, not once a prim."""
+    """One UsdGeom.XformCache a time, shared by all prims: ancestors are evaluated once a time, not once a
+    prim."""
 
     def __init__(self, grid: TimeGrid) -> None:
         self.grid = grid
@@ -103,7 +107,9 @@ class Box:
 
     def corners(self) -> np.ndarray:
         """float64[8, 4], homogeneous; the origin eight times for an empty box."""
-        ends = np.array([self.lo, self.hi], dtype=np.float64) if (self.lo <= self.hi).all() else np.zeros((2, 3))
+        ends = (
+            np.array([self.lo, self.hi], dtype=np.float64) if (self.lo <= self.hi).all() else np.zeros((2, 3))
+        )
         grid = np.stack(np.meshgrid(*ends.T, indexing="ij"), axis=-1).reshape(8, 3)
         return np.concatenate([grid, np.ones((8, 1))], axis=1)
 
@@ -132,7 +138,8 @@ class PixelSize:
 def deviations(times01: list[float], corners: np.ndarray) -> np.ndarray:
     """How far each of N boxes strays from the straight line between the samples next to each: float64[N].
 
-    `corners` is float64[T, N, 8, 3]. Since corners are linear in the matrices, this bounds every point of the box.
+    `corners` is float64[T, N, 8, 3]. Since corners are linear in the matrices, this bounds every point of the
+    box.
     """
     if len(times01) < 3:
         return np.zeros(corners.shape[1])
@@ -145,10 +152,12 @@ def deviations(times01: list[float], corners: np.ndarray) -> np.ndarray:
 def dense_samples(
     motion: Motion, box: Box, pixel: PixelSize, tolerance_pixels: float
 ) -> Iterator[tuple[np.ndarray, list[float], np.ndarray]]:
-    """Samples matrices over the shutter until linear interpolation by element follows them within the tolerance.
+    """Samples matrices over the shutter until linear interpolation by element follows them within the
+    tolerance.
 
-    Doubles the samples of those that need it, up to the finest grid. Yields int[M] indices among the motion's things,
-    their T times and float64[T, M, 4, 4]; every index once. `box` is that of each thing, in its own space.
+    Doubles the samples of those that need it, up to the finest grid. Yields int[M] indices among the motion's
+    things, their T times and float64[T, M, 4, 4]; every index once. `box` is that of each thing, in its own
+    space.
     """
     remaining = np.arange(motion.count)
     local = box.corners()

@@ -1,7 +1,7 @@
 """What a stage has to draw, as groups: the world, and every subtree that instances share.
 
-A group's parts are known relative to its root. Groups refer to others by native instances and point instancers, so
-the whole is an acyclic graph; instances.py flattens it.
+A group's parts are known relative to its root. Groups refer to others by native instances and point
+instancers, so the whole is an acyclic graph; instances.py flattens it.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pxr import Usd, UsdGeom, UsdShade
 from .context import FrameContext
 from .lights import is_light
 from .meshes import is_shape
+from .point_instancers import moving_attributes, prototypes
 from .primvars import primvar_source
 
 WORLD: Hashable = "world"
@@ -95,7 +96,9 @@ class Traversal:
             if (prim.IsInstance() and not is_root) or prim.IsA(UsdGeom.PointInstancer):
                 continue
             if prim.IsInstance() and predicate is _PROTOTYPE:
-                predicate = _DEFINED  # Inside a native prototype everything is defined, seen from the instance.
+                predicate = (
+                    _DEFINED  # Inside a native prototype everything is defined, seen from the instance.
+                )
             pending.extend((child, here) for child in reversed(prim.GetFilteredChildren(predicate)))
 
     def _state(self, prim: Usd.Prim, above: _State, is_root: bool) -> _State | None:
@@ -152,18 +155,20 @@ class Traversal:
                 xformable = UsdGeom.Xformable(prim)
                 if xformable:  # The root's own transform counts with the instancer's.
                     self._varies(xformable, False)
-                purpose = UsdGeom.Imageable(prim).ComputePurpose() if prim.IsA(UsdGeom.Imageable) else "default"
+                purpose = (
+                    UsdGeom.Imageable(prim).ComputePurpose() if prim.IsA(UsdGeom.Imageable) else "default"
+                )
                 self._add_group(key, prim, _State(False, str(purpose)), prim, _PROTOTYPE)
 
     def _warn_of_reset(self, prim: Usd.Prim, group: Group, is_root: bool) -> None:
-        """Inside an instance !resetXformStack! would leave the instance's place: no two-level hierarchy holds that."""
+        """No two-level hierarchy holds what leaves its instance's place."""
         if group.root is not None and not is_root and prim.IsA(UsdGeom.Xformable):
             if UsdGeom.Xformable(prim).GetResetXformStack():
-                message = "!resetXformStack! inside an instance is not supported; placed as if the instance had no transform"
+                message = "!resetXformStack! inside an instance is not supported; it moves with the instance"
                 self._context.diagnostics.group(str(prim.GetPath()), "xformOpOrder", message)
 
     def _instanced(self, prim: Usd.Prim, state: _State) -> Hashable:
-        """The group that a native instance shows; instances that inherit different looks have different ones."""
+        """The group that a native instance shows; one for each set of looks that instances inherit."""
         material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
         inherited = (
             state.purpose,
@@ -175,22 +180,3 @@ class Traversal:
         if key not in self.groups:
             self._add_group(key, prim, _State(False, state.purpose), prim, _DEFINED)
         return key
-
-
-def prototypes(instancer: UsdGeom.PointInstancer) -> list[Usd.Prim]:
-    """The prototypes' root prims by index; an invalid prim where a target does not exist."""
-    stage = instancer.GetPrim().GetStage()
-    return [stage.GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetForwardedTargets()]
-
-
-def moving_attributes(instancer: UsdGeom.PointInstancer) -> list[Usd.Attribute]:
-    """What makes the instances of a point instancer move."""
-    return [
-        instancer.GetPositionsAttr(),
-        instancer.GetOrientationsAttr(),
-        instancer.GetOrientationsfAttr(),
-        instancer.GetScalesAttr(),
-        instancer.GetVelocitiesAttr(),
-        instancer.GetAccelerationsAttr(),
-        instancer.GetAngularVelocitiesAttr(),
-    ]

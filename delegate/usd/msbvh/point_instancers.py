@@ -1,0 +1,175 @@
+"""Point instancers: which instances are drawn, and how they move by USD's own computation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from .context import FrameContext, array
+from .points import changes
+from .primvars import read_primvar
+from .transforms import Motion, XformCaches
+
+_NOT_DRAWN = -1
+
+
+@dataclass(frozen=True)
+class PointInstances:
+    """The instances of one prototype."""
+
+    prototype: Usd.Prim
+    motion: Motion
+    """instancer_from_prototype, the prototype's own transform included."""
+    display_color: np.ndarray | None
+    """float32[count, 3] where the instancer says."""
+
+
+def prototypes(instancer: UsdGeom.PointInstancer) -> list[Usd.Prim]:
+    """The prototypes' root prims by index; an invalid prim where a target does not exist."""
+    stage = instancer.GetPrim().GetStage()
+    return [stage.GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetForwardedTargets()]
+
+
+def moving_attributes(instancer: UsdGeom.PointInstancer) -> list[Usd.Attribute]:
+    """What makes the instances move."""
+    return [
+        instancer.GetPositionsAttr(),
+        instancer.GetOrientationsAttr(),
+        instancer.GetOrientationsfAttr(),
+        instancer.GetScalesAttr(),
+        instancer.GetVelocitiesAttr(),
+        instancer.GetAccelerationsAttr(),
+        instancer.GetAngularVelocitiesAttr(),
+    ]
+
+
+def read_point_instancer(
+    instancer: UsdGeom.PointInstancer, caches: XformCaches, context: FrameContext
+) -> Iterator[PointInstances]:
+    """The instances that are neither invisible nor inactive at the frame, by prototype.
+
+    Arrays that do not fit leave an error and no instances, indices of no prototype an error and the others.
+    """
+    prims = prototypes(instancer)
+    chosen = _prototype_indices(instancer, prims, context)
+    if not len(chosen) or not _is_sound(instancer, len(chosen), context):
+        return
+    colours = _display_color(instancer, len(chosen), context)
+    every = _every_instance(instancer, len(chosen), caches, context)
+    for index, prim in enumerate(prims):
+        selected = np.flatnonzero(chosen == index)
+        if len(selected):
+            colour = None if colours is None else colours[selected]
+            yield PointInstances(prim, _selected(every, selected, prim, caches), colour)
+
+
+def _prototype_indices(
+    instancer: UsdGeom.PointInstancer, prims: list[Usd.Prim], context: FrameContext
+) -> np.ndarray:
+    """int32[N]: one an instance, _NOT_DRAWN for some."""
+    indices = array(instancer.GetProtoIndicesAttr().Get(context.code), np.int32)
+    path, diagnostics = str(instancer.GetPath()), context.diagnostics
+    if not len(indices):
+        diagnostics.group(path, "", "empty: it has no instances at this frame", "note")
+        return indices
+    exists = np.isin(indices, [index for index, prim in enumerate(prims) if prim])
+    if not exists.all():
+        found = ", ".join(map(str, np.unique(indices[~exists])[:8]))
+        message = f"found {found}, expected the index of one of {len(prims)} existing prototypes"
+        diagnostics.error(path, "protoIndices", f"{message}; those instances are not drawn")
+    speeds = (instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr())
+    # Velocities carry the instances of one base sample through the shutter, whatever follows it.
+    carried = any(attribute.HasAuthoredValue() for attribute in speeds)
+    if not carried and changes(instancer.GetProtoIndicesAttr(), context):
+        message = "changes within the shutter and no velocities apply; drew the frame's instances"
+        diagnostics.warning(path, "protoIndices", message)
+    return np.where(exists & _mask(instancer, len(indices), context), indices, _NOT_DRAWN)
+
+
+def _mask(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> np.ndarray:
+    """bool[count]: neither invisible nor inactive at the frame."""
+    mask = np.array(instancer.ComputeMaskAtTime(context.code), bool)
+    if len(mask) not in (0, count):
+        found = f"found {len(mask)} ids, expected {count}, one an instance; nothing is masked"
+        context.diagnostics.warning(str(instancer.GetPath()), "ids", found)
+    return mask if len(mask) == count else np.ones(count, bool)
+
+
+def _is_sound(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> bool:
+    """Whether every array has one value an instance.
+
+    usd-core 26.11 reads behind the end of scales and orientations that are too short.
+    """
+    orientations = instancer.GetOrientationsfAttr()
+    if not _base_count(orientations, context):
+        orientations = instancer.GetOrientationsAttr()
+    sound = True
+    for attribute in (instancer.GetPositionsAttr(), instancer.GetScalesAttr(), orientations):
+        found = _base_count(attribute, context)
+        optional = attribute.GetName() != "positions"
+        if found != count and not (optional and found == 0):
+            message = f"found {found} values, expected {count}, one an instance; not drawn"
+            context.diagnostics.error(str(instancer.GetPath()), attribute.GetName(), message)
+            sound = False
+    return sound
+
+
+def _base_count(attribute: Usd.Attribute, context: FrameContext) -> int:
+    """The length of an array at the sample at or before the frame, which is where USD starts from."""
+    frame = context.shutter.frame
+    around = () if frame is None else attribute.GetBracketingTimeSamples(frame)
+    value = attribute.Get(around[0]) if around else attribute.Get(context.code)
+    return 0 if value is None else len(value)
+
+
+def _every_instance(
+    instancer: UsdGeom.PointInstancer, count: int, caches: XformCaches, context: FrameContext
+) -> Motion:
+    """instancer_from_instance without the prototypes' own transforms."""
+    speeds = (instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr())
+    still = not context.shutter.moving or not (
+        any(attribute.HasAuthoredValue() for attribute in speeds)
+        or any(attribute.ValueMightBeTimeVarying() for attribute in moving_attributes(instancer))
+    )
+
+    def evaluate(time01: float) -> np.ndarray:
+        computed = instancer.ComputeInstanceTransformsAtTimes(
+            [context.shutter.time_code(time01)],
+            context.code,
+            UsdGeom.PointInstancer.ExcludeProtoXform,
+            UsdGeom.PointInstancer.IgnoreMask,
+        )
+        return np.array(computed[0])
+
+    return Motion(caches.grid, count, still, evaluate)
+
+
+def _selected(every: Motion, selected: np.ndarray, prototype: Usd.Prim, caches: XformCaches) -> Motion:
+    """Some of the instances, with their prototype's own transform inside."""
+    xformable = UsdGeom.Xformable(prototype)
+    moving = bool(xformable) and xformable.TransformMightBeTimeVarying() and caches.grid.shutter.moving
+
+    def evaluate(time01: float) -> np.ndarray:
+        own = np.array(caches.cache(time01).GetLocalTransformation(prototype)[0])
+        return own @ every.at_time(time01)[selected]
+
+    return Motion(caches.grid, len(selected), every.still and not moving, evaluate)
+
+
+def _display_color(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> np.ndarray | None:
+    """float32[count, 3] where displayColor varies over the instances. A constant one is inherited instead."""
+    primvar = read_primvar(instancer.GetPrim(), "displayColor", 3, context)
+    if primvar is None or primvar[0] == "constant":
+        return None
+    _, values, indices = primvar
+    indices = np.arange(len(values)) if indices is None else indices
+    if len(indices) != count or indices.min() < 0 or indices.max() >= len(values):
+        found = (
+            f"found {len(indices)} indices into {len(values)} values, expected one valid index an instance"
+        )
+        context.diagnostics.warning(str(instancer.GetPath()), "primvars:displayColor", f"{found}; ignored")
+        return None
+    return values[indices]
