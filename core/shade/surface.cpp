@@ -12,11 +12,12 @@ namespace {
 //
 // The tracer's triangle against ours, in the mesh's own space: 2 x 4 for the interpolation of the vertices,
 // whose last two operations the tracer may fuse (core/base/lerp.h); 2 x 6 for its test, which subtracts the
-// ray's origin (a difference up to twice as large), shears and scales; 2 for rounding the position and the
-// moved origin. In all 22.
+// ray's origin (a difference up to twice as large), shears and scales; 3 for rounding the position, the moved
+// origin, and that origin in an instance's space. In all 23.
 constexpr double kTriangleError = 32 * 0x1p-24;
-// A point's way through an instance's transform, relative to the sum of the sizes of its terms: 2 x 4 for the
-// interpolation of the matrix by either side, 6 for the products and sums. In all 14.
+// A point's way out of an instance, relative to the sum of the sizes of its terms: 2 x 4 for the
+// interpolation of the matrix on either side, 2 for rounding the position and the moved origin. In all 10.
+// The tracer inverts and applies the matrix in double precision, so that the way in adds nothing.
 constexpr double kTransformError = 16 * 0x1p-24;
 
 // A triangle at one time, in its mesh's space.
@@ -58,16 +59,10 @@ struct InstancePose {
   }
 };
 
-// The bound of the triangle itself carried to the world, that of the vertices' way out, and that of the next
-// ray's way in, which the inverse amplifies.
-Vec3d instanced_margin(const TrianglePose& triangle, const InstancePose& instance, const Vec3d& position) {
-  const Vec3d world_size = msbvh::abs(position) + instance.size.t;
-  Vec3d in_object = triangle.size * (kTriangleError + kTransformError);
-  if (instance.world_from_object.determinant() != 0.0) {
-    const Affine3d object_from_world = abs(inverse(instance.world_from_object));
-    in_object += object_from_world.vector(world_size) * kTransformError;
-  }
-  return instance.size.vector(in_object) + world_size * kTransformError;
+// The triangle's own bound carried to the world, and that of the way there.
+Vec3d instanced_margin(const TrianglePose& triangle, const InstancePose& instance) {
+  return instance.size.vector(triangle.size * (kTriangleError + kTransformError)) +
+         instance.size.t * kTransformError;
 }
 
 Vec3f surface_color(const Scene& scene, const HitSource& source, const Hit& hit, float time) {
@@ -109,9 +104,8 @@ SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& 
   SurfacePoint surface;
   if (source.instances) {
     const InstancePose instance(source, ray.time);
-    const Vec3d in_world = instance.world_from_object.point(in_object);
-    surface.position = Vec3f(in_world);
-    surface.self_hit_margin = Vec3f(instanced_margin(triangle, instance, in_world));
+    surface.position = Vec3f(instance.world_from_object.point(in_object));
+    surface.self_hit_margin = Vec3f(instanced_margin(triangle, instance));
     set_normals(source, hit, ray, instance.world_from_object, cross(edge1, edge2), surface);
   } else {
     surface.position = Vec3f(in_object);

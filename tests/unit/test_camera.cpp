@@ -1,0 +1,54 @@
+#include <doctest/doctest.h>
+
+#include "core/shade/camera.h"
+
+namespace msbvh {
+namespace {
+
+Camera still_camera(Projection projection) {
+  Camera camera;
+  camera.projection = projection;
+  camera.world_from_camera = {Affine3f{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {10, 20, 30}}};
+  camera.window = {{-2.0f, 2.0f, -1.0f, 3.0f}};
+  camera.near_clip = 0.5f;
+  camera.far_clip = 100.0f;
+  return camera;
+}
+
+TEST_CASE("a perspective ray starts at the eye and t counts along -z") {
+  const Camera camera = still_camera(Projection::kPerspective);
+  const Ray corner = camera_ray(camera, 0.0f, 0.0f, 0.0f);  // top left
+  CHECK(corner.org == Vec3f{10, 20, 30});
+  CHECK(corner.dir == Vec3f{-2, 3, -1});
+  CHECK(corner.tnear == 0.5f);
+  CHECK(corner.tfar == 100.0f);
+  CHECK(camera_ray(camera, 1.0f, 1.0f, 0.0f).dir == Vec3f{2, -1, -1});
+  CHECK(camera_ray(camera, 0.5f, 0.5f, 0.0f).dir == Vec3f{0, 1, -1});  // the window is off centre
+}
+
+TEST_CASE("orthographic rays are parallel and start on the window") {
+  const Camera camera = still_camera(Projection::kOrthographic);
+  const Ray ray = camera_ray(camera, 1.0f, 0.0f, 0.0f);
+  CHECK(ray.org == Vec3f{12, 23, 30});
+  CHECK(ray.dir == Vec3f{0, 0, -1});
+  CHECK(ray.tfar == 100.0f);
+}
+
+TEST_CASE("the camera and its window move by key") {
+  Camera camera = still_camera(Projection::kPerspective);
+  camera.segments = 2;
+  const Affine3f start = camera.world_from_camera[0];
+  Affine3f middle = start, end = start;
+  middle.t = {10, 24, 30};
+  end.t = {10, 24, 38};
+  camera.world_from_camera = {start, middle, end};
+  camera.window = {{-1, 1, -1, 1}, {-1, 1, -1, 1}, {-3, 3, -1, 1}};
+  CHECK(camera_ray(camera, 0.5f, 0.5f, 0.25f).org == Vec3f{10, 22, 30});
+  CHECK(camera_ray(camera, 0.5f, 0.5f, 0.75f).org == Vec3f{10, 24, 34});
+  CHECK(camera_ray(camera, 1.0f, 0.5f, 0.75f).dir == Vec3f{2, 0, -1});
+  CHECK(camera_position(camera, 1.0f) == Vec3f{10, 24, 38});
+  CHECK(camera_ray(camera, 0.5f, 0.5f, 0.75f).time == 0.75f);
+}
+
+}  // namespace
+}  // namespace msbvh

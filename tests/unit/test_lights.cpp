@@ -1,0 +1,163 @@
+// The mean over many samples of irradiance * cosine against the closed form, for a surface at the origin that
+// faces +z.
+#include <cmath>
+#include <doctest/doctest.h>
+
+#include "core/shade/lights.h"
+#include "core/shade/warp.h"
+
+namespace msbvh {
+namespace {
+
+constexpr int kSamples = 1 << 16;
+
+struct Estimate {
+  double mean, sigma;  // of the mean
+};
+
+// Independent scrambles of one point each, so that the samples are independent of one another.
+Estimate irradiance(const Light& light, const Camera& camera = {}, float time = 0.0f) {
+  double sum = 0, sum_of_squares = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    LightSample sample;
+    const Point2 random = Sampler(0, i, 0, 0).pair(Dimension::kLight, 0);
+    double value = 0;
+    if (sample_light(light, camera, {}, time, random, sample)) {
+      CHECK(length(sample.direction) == doctest::Approx(1.0).epsilon(1e-5));
+      value = sample.irradiance.x * std::max(0.0f, sample.direction.z);
+    }
+    sum += value;
+    sum_of_squares += value * value;
+  }
+  const double mean = sum / kSamples;
+  return {mean, std::sqrt(std::max(0.0, sum_of_squares / kSamples - mean * mean) / kSamples)};
+}
+
+// 4.5 standard deviations, and single precision's share.
+void check_estimate(const Estimate& found, double expected) {
+  CAPTURE(found.mean);
+  CAPTURE(expected);
+  CHECK(std::abs(found.mean - expected) <= 4.5 * found.sigma + 1e-5 * std::abs(expected));
+}
+
+// Looks down at the origin from `position`: the light's -z axis is the world's -z axis.
+Light light_at(LightKind kind, const Vec3f& position) {
+  Light light;
+  light.kind = kind;
+  light.radiance = {3.0f, 1.0f, 1.0f};
+  light.world_from_light = {Affine3f{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, position}};
+  return light;
+}
+
+TEST_CASE("distant: E = pi L sin^2(a), a the half angle") {
+  for (const float degrees : {0.53f, 20.0f, 120.0f, 180.0f}) {
+    Light light = light_at(LightKind::kDistant, {});
+    light.angle_degrees = degrees;
+    const double sine = std::sin(degrees * kPi / 360.0);
+    check_estimate(irradiance(light), 3.0 * kPi * sine * sine);
+  }
+}
+
+TEST_CASE("distant without an extent: its radiance is the irradiance, along its own axis") {
+  Light light = light_at(LightKind::kDistant, {5, 6, 7});
+  light.angle_degrees = 0.0f;
+  check_estimate(irradiance(light), 3.0);
+  light.world_from_light = {Affine3f{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}, {}}};  // shines along +y
+  LightSample sample;
+  REQUIRE(sample_light(light, {}, {}, 0.0f, {0.5f, 0.5f}, sample));
+  CHECK(sample.direction == Vec3f{0, -1, 0});
+  CHECK(std::isinf(sample.distance));
+}
+
+TEST_CASE("sphere: E = pi L r^2 / d^2 cos(theta) while it stands above the horizon") {
+  Light light = light_at(LightKind::kSphere, {0, 3, 4});
+  for (const float radius : {1e-3f, 0.5f, 3.9f}) {
+    light.radius = radius;
+    check_estimate(irradiance(light), 3.0 * kPi * radius * radius / 25.0 * (4.0 / 5.0));
+  }
+  light.world_from_light[0].x = {2, 0, 0};
+  light.world_from_light[0].y = {0, 2, 0};
+  light.world_from_light[0].z = {0, 0, 2};
+  light.radius = 0.5f;
+  check_estimate(irradiance(light), 3.0 * kPi / 25.0 * (4.0 / 5.0));
+}
+
+TEST_CASE("sphere: the sampled point lies on the sphere, on the near side") {
+  Light light = light_at(LightKind::kSphere, {1, 3, 4});
+  light.radius = 2.0f;
+  for (int i = 0; i < 1000; ++i) {
+    LightSample sample;
+    REQUIRE(sample_light(light, {}, {}, 0.0f, Sampler(0, i, 0, 0).pair(Dimension::kLight, 0), sample));
+    const Vec3f on_sphere = sample.direction * sample.distance - Vec3f{1, 3, 4};
+    CHECK(length(on_sphere) == doctest::Approx(2.0).epsilon(1e-4));
+    CHECK(dot(on_sphere, sample.direction) <= 1e-3f);
+  }
+}
+
+TEST_CASE("sphere: dark inside; a point light falls with the square of the distance") {
+  Light light = light_at(LightKind::kSphere, {0, 0, 1});
+  light.radius = 2.0f;
+  check_estimate(irradiance(light), 0.0);
+  light = light_at(LightKind::kSphere, {0, 0, 4});
+  light.radius = 0.0f;
+  check_estimate(irradiance(light), 3.0 / 16.0);
+}
+
+// Lambert's formula for a polygon: E = L / 2 * sum over its edges of angle times the edge plane's normal,
+// along +z.
+double lambert(const std::array<Vec3d, 4>& corner, double radiance) {
+  double sum = 0;
+  for (int i = 0; i < 4; ++i) {
+    const Vec3d a = normalize(corner[i]), b = normalize(corner[(i + 1) % 4]);
+    sum += std::acos(dot(a, b)) * normalize(cross(a, b)).z;
+  }
+  return std::abs(sum) * radiance / 2;
+}
+
+TEST_CASE("rect: Lambert's polygon formula; one-sided, also in a mirror") {
+  Light light = light_at(LightKind::kRect, {0.5f, 0, 2});
+  light.width = 3.0f;
+  light.height = 1.0f;
+  const double expected = lambert({{{-1, -0.5, 2}, {2, -0.5, 2}, {2, 0.5, 2}, {-1, 0.5, 2}}}, 3.0);
+  check_estimate(irradiance(light), expected);
+  light.world_from_light[0].x = {-1, 0, 0};  // a mirror in its plane: the same light
+  check_estimate(irradiance(light), expected);
+  light.world_from_light[0].z = {0, 0, -1};  // turned away
+  check_estimate(irradiance(light), 0.0);
+}
+
+TEST_CASE(
+    "camera: pi at normal incidence at any distance, from where the camera is at the time, without shadow") {
+  Camera camera;
+  camera.segments = 1;
+  camera.world_from_camera = {Affine3f{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 100}},
+                              Affine3f{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {200, 0, 100}}};
+  Light light;
+  light.kind = LightKind::kCamera;
+  check_estimate(irradiance(light, camera, 0.0f), kPi);
+  check_estimate(irradiance(light, camera, 0.5f), kPi * std::sqrt(0.5));
+  LightSample sample;
+  REQUIRE(sample_light(light, camera, {}, 0.0f, {0.5f, 0.5f}, sample));
+  CHECK_FALSE(sample.casts_shadow);
+}
+
+TEST_CASE("a moving light is where its track says") {
+  Light light = light_at(LightKind::kSphere, {0, 0, 1});
+  light.radius = 0.0f;
+  light.segments = 1;
+  light.world_from_light.push_back(Affine3f{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 3}});
+  check_estimate(irradiance(light, {}, 0.5f), 3.0 / 4.0);
+}
+
+TEST_CASE("domes are summed, the rest is sampled") {
+  Scene scene;
+  scene.lights = {light_at(LightKind::kDome, {}), light_at(LightKind::kRect, {}),
+                  light_at(LightKind::kDome, {})};
+  const LightSet lights(scene);
+  CHECK(lights.has_dome);
+  CHECK(lights.dome_radiance == Vec3f{6, 2, 2});
+  CHECK(lights.sampled.size() == 1);
+}
+
+}  // namespace
+}  // namespace msbvh

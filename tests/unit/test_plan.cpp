@@ -1,0 +1,150 @@
+#include <doctest/doctest.h>
+
+#include "core/plan/effect_plan.h"
+#include "core/scene/opacity.h"
+
+namespace msbvh {
+namespace {
+
+Mesh triangle(const std::string& name, std::uint32_t segments) {
+  Mesh mesh;
+  mesh.shape.name = name;
+  mesh.shape.segments = segments;
+  mesh.shape.vertex_count = 3;
+  for (std::uint32_t key = 0; key < key_count(segments); ++key) {
+    mesh.shape.positions.insert(mesh.shape.positions.end(), {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  }
+  mesh.shape.triangles = {{0, 1, 2}};
+  return mesh;
+}
+
+Scene still_scene() {
+  Scene scene;
+  scene.camera.world_from_camera.resize(1);
+  scene.camera.window.resize(1);
+  scene.meshes = {triangle("/still", 0)};
+  scene.world_meshes = {0};
+  return scene;
+}
+
+Light light(const std::string& name, LightKind kind) {
+  Light light;
+  light.name = name;
+  light.kind = kind;
+  return light;
+}
+
+void check_only(const Scene& scene, Effect effect, const std::string& prim, const std::string& why) {
+  const EffectPlan plan = plan_effects(scene, {.max_bounces = 0});
+  CHECK(plan.set == EffectSet{}.with(effect));
+  REQUIRE(plan.why.size() == 1);
+  CHECK(plan.why[0].effect == effect);
+  CHECK(plan.why[0].prim == prim);
+  CHECK(plan.why[0].why == why);
+}
+
+TEST_CASE("a still, opaque scene calls for nothing") {
+  CHECK(plan_effects(still_scene(), {.max_bounces = 0}).set == EffectSet{});
+}
+
+TEST_CASE("each effect comes with the first prim that asks for it") {
+  Scene scene = still_scene();
+  SUBCASE("deforming keys") {
+    scene.meshes.push_back(triangle("/moving", 4));
+    scene.meshes.push_back(triangle("/moving_too", 8));
+    scene.world_meshes = {0, 1, 2};
+    check_only(scene, Effect::kDeformingKeys, "/moving", "4 segments");
+  }
+  SUBCASE("instances") {
+    scene.prototypes = {{"/prototype", {0}}};
+    scene.instances = {{"/instancer", 0, 0, std::vector<Affine3f>(12), {}}};
+    check_only(scene, Effect::kInstances, "/instancer", "12 instances");
+  }
+  SUBCASE("camera motion") {
+    scene.camera.name = "/camera";
+    scene.camera.segments = 1;
+    check_only(scene, Effect::kCameraMotion, "/camera", "1 segment");
+  }
+  SUBCASE("opacity") {
+    scene.meshes[0].display_opacity.values = {0.25f};
+    check_only(scene, Effect::kOpacity, "/still", "opacity down to 0.25");
+  }
+  SUBCASE("area lights") {
+    scene.lights = {light("/point", LightKind::kSphere), light("/sphere", LightKind::kSphere)};
+    scene.lights[0].radius = 0.0f;
+    scene.lights[1].radius = 1.5f;
+    check_only(scene, Effect::kAreaLights, "/sphere", "radius 1.5");
+  }
+  SUBCASE("dome light") {
+    scene.lights = {light("/dome", LightKind::kDome)};
+    scene.lights[0].segments = 4;  // a constant dome looks the same from everywhere
+    check_only(scene, Effect::kDomeLight, "/dome", "constant dome");
+  }
+}
+
+TEST_CASE("indirect light is asked for by a setting") {
+  const EffectPlan plan = plan_effects(still_scene(), {.max_bounces = 2});
+  REQUIRE(plan.why.size() == 1);
+  CHECK(plan.why[0].effect == Effect::kIndirectLight);
+  CHECK(plan.why[0].prim.empty());
+  CHECK(plan.why[0].why == "up to 2 bounces");
+}
+
+TEST_CASE("reasons stand in the order of the effects, once each") {
+  Scene scene = still_scene();
+  scene.meshes.push_back(triangle("/moving", 2));
+  scene.prototypes = {{"/prototype", {1}}};
+  scene.instances = {{"/a", 0, 1, std::vector<Affine3f>(2), {}}, {"/b", 0, 4, std::vector<Affine3f>(5), {}}};
+  const EffectPlan plan = plan_effects(scene, {.max_bounces = 1});
+  REQUIRE(plan.why.size() == 4);
+  CHECK(plan.why[0].effect == Effect::kDeformingKeys);
+  CHECK(plan.why[1].effect == Effect::kInstances);
+  CHECK(plan.why[2].effect == Effect::kMovingInstances);
+  CHECK(plan.why[2].prim == "/a");
+  CHECK(plan.why[3].effect == Effect::kIndirectLight);
+}
+
+TEST_CASE("what nobody sees asks for nothing") {
+  Scene scene = still_scene();
+  scene.meshes.push_back(triangle("/unused", 8));
+  scene.prototypes = {{"/prototype", {1}}};
+  scene.instances = {{"/empty", 0, 2, {}, {}}};
+  CHECK(plan_effects(scene, {.max_bounces = 0}).set == EffectSet{});
+}
+
+TEST_CASE("opacity follows UsdPreviewSurface") {
+  Scene scene = still_scene();
+  Mesh& mesh = scene.meshes[0];
+  mesh.display_opacity.values = {0.25f};
+  mesh.material = 0;
+  scene.materials.resize(1);
+  Material& material = scene.materials[0];
+  SUBCASE("a material hides displayOpacity unless it reads it") {
+    CHECK(least_opacity(scene, mesh) == 1.0f);
+    material.opacity_from_display_opacity = true;
+    CHECK(least_opacity(scene, mesh) == 0.25f);
+    mesh.display_opacity.values.clear();
+    material.opacity = 0.5f;
+    CHECK(least_opacity(scene, mesh) == 0.5f);
+  }
+  SUBCASE("a threshold cuts out") {
+    material.opacity = 0.6f;
+    material.opacity_threshold = 0.5f;
+    CHECK(least_opacity(scene, mesh) == 1.0f);
+    material.opacity = 0.4f;
+    CHECK(least_opacity(scene, mesh) == 0.0f);
+  }
+  SUBCASE("values outside [0, 1] are clamped") {
+    CHECK(rendered_opacity(nullptr, 1.5f) == 1.0f);
+    CHECK(rendered_opacity(nullptr, -1.0f) == 0.0f);
+  }
+}
+
+TEST_CASE("every effect has a name") {
+  for (std::uint32_t bit = 0; bit < 9; ++bit) {
+    CHECK(std::string(effect_name(static_cast<Effect>(1u << bit))) != "unknown effect");
+  }
+}
+
+}  // namespace
+}  // namespace msbvh

@@ -1,0 +1,187 @@
+#include <cmath>
+#include <doctest/doctest.h>
+#include <limits>
+
+#include "core/base/error.h"
+#include "core/scene/scene.h"
+
+namespace msbvh {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+Scene valid_scene() {
+  Scene scene;
+  Mesh mesh;
+  mesh.shape.name = "/mesh";
+  mesh.shape.vertex_count = 4;
+  mesh.shape.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  mesh.shape.triangles = {{0, 1, 2}, {0, 2, 3}};
+  scene.meshes = {mesh};
+  scene.world_meshes = {0};
+  scene.prototypes = {{"/prototype", {0}}};
+  scene.instances = {{"/instances", 0, 1, std::vector<Affine3f>(6), {}}};
+  scene.materials.resize(1);
+  scene.materials[0].name = "/material";
+  scene.lights.resize(1);
+  scene.lights[0].name = "/light";
+  scene.lights[0].world_from_light.resize(1);
+  scene.camera.name = "/camera";
+  scene.camera.world_from_camera.resize(1);
+  scene.camera.window.resize(1);
+  return scene;
+}
+
+std::string complaint(const Scene& scene) {
+  try {
+    validate(scene);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST_CASE("a valid scene passes") { CHECK(complaint(valid_scene()) == ""); }
+
+TEST_CASE("primvars: each interpolation has its count, times the keys") {
+  Scene scene = valid_scene();
+  Primvar<Vec3f>& color = scene.meshes[0].display_color;
+  const auto accepts = [&](Interpolation interpolation, std::uint32_t segments, std::size_t count) {
+    color.interpolation = interpolation;
+    color.segments = segments;
+    color.values.assign(count, {});
+    return complaint(scene) == "";
+  };
+  CHECK(accepts(Interpolation::kConstant, 0, 1));
+  CHECK(accepts(Interpolation::kTriangle, 0, 2));
+  CHECK(accepts(Interpolation::kVertex, 0, 4));
+  CHECK(accepts(Interpolation::kFaceVarying, 0, 6));
+  CHECK(accepts(Interpolation::kVertex, 2, 12));
+  CHECK_FALSE(accepts(Interpolation::kVertex, 3, 16));
+  CHECK_FALSE(accepts(Interpolation::kVertex, 2, 8));
+  CHECK(complaint(scene) == "/mesh: displayColor: found 8 values; expected 3 keys x 4");
+}
+
+TEST_CASE("numbers must be finite") {
+  Scene scene = valid_scene();
+  SUBCASE("normals") {
+    scene.meshes[0].normals.values = {{0, kNan, 0}};
+    CHECK(complaint(scene) == "/mesh: normals: found NaN or infinity in element 0; expected finite values");
+  }
+  SUBCASE("instances") {
+    scene.instances[0].world_from_prototype[3].y.z = INFINITY;
+    CHECK(complaint(scene) ==
+          "/instances: worldFromPrototype: found NaN or infinity in element 3; expected finite values");
+  }
+  SUBCASE("material") {
+    scene.materials[0].opacity = kNan;
+    CHECK(complaint(scene) == "/material: opacity: found NaN or infinity; expected a finite number");
+  }
+  SUBCASE("light") {
+    scene.lights[0].radiance.x = kNan;
+    CHECK(complaint(scene) == "/light: radiance: found NaN or infinity; expected a finite colour");
+  }
+  SUBCASE("camera") {
+    scene.camera.window[0].top = kNan;
+    CHECK(complaint(scene) == "/camera: window: found NaN or infinity in element 0; expected finite values");
+  }
+}
+
+TEST_CASE("indices must be in range") {
+  Scene scene = valid_scene();
+  SUBCASE("material") {
+    scene.meshes[0].material = 1;
+    CHECK(complaint(scene) == "/mesh: material: found index 1; expected less than 1");
+  }
+  SUBCASE("world mesh") {
+    scene.world_meshes = {7};
+    CHECK(complaint(scene) == "scene: worldMeshes: found index 7; expected less than 1");
+  }
+  SUBCASE("prototype's mesh") {
+    scene.prototypes[0].meshes = {0, 2};
+    CHECK(complaint(scene) == "/prototype: meshes: found index 2; expected less than 1");
+  }
+  SUBCASE("instances' prototype") {
+    scene.instances[0].prototype = 5;
+    CHECK(complaint(scene) == "/instances: prototype: found index 5; expected less than 1");
+  }
+}
+
+TEST_CASE("instances: matrices come in whole tracks, colours one an instance") {
+  Scene scene = valid_scene();
+  SUBCASE("matrices") {
+    scene.instances[0].world_from_prototype.resize(7);
+    CHECK(complaint(scene) ==
+          "/instances: worldFromPrototype: found 7 matrices; expected a multiple of 2 keys");
+  }
+  SUBCASE("colours") {
+    scene.instances[0].display_color.resize(6);
+    CHECK(complaint(scene) == "/instances: displayColor: found 6 values; expected none or 3");
+  }
+}
+
+TEST_CASE("lights: tracks and sizes") {
+  Scene scene = valid_scene();
+  Light& light = scene.lights[0];
+  SUBCASE("track") {
+    light.segments = 4;
+    CHECK(complaint(scene) == "/light: worldFromLight: found 1 keys; expected 5");
+  }
+  SUBCASE("a dome needs no transform") {
+    light.kind = LightKind::kDome;
+    light.world_from_light.clear();
+    CHECK(complaint(scene) == "");
+  }
+  SUBCASE("angle") {
+    light.angle_degrees = -1.0f;
+    CHECK(complaint(scene) == "/light: angle: found -1.000000; expected 0 to 360 degrees");
+  }
+  SUBCASE("radius") {
+    light.kind = LightKind::kSphere;
+    light.radius = -1.0f;
+    CHECK(complaint(scene) == "/light: radius: found -1.000000; expected a finite number of at least 0");
+  }
+}
+
+TEST_CASE("camera: window, matrix and clipping range") {
+  Scene scene = valid_scene();
+  Camera& camera = scene.camera;
+  SUBCASE("keys") {
+    camera.segments = 1;
+    CHECK(complaint(scene) == "/camera: worldFromCamera: found 1 keys; expected 2");
+  }
+  SUBCASE("empty window") {
+    camera.window[0].right = camera.window[0].left;
+    CHECK(complaint(scene).find("/camera: window: found an empty window") == 0);
+  }
+  SUBCASE("a mirroring window is one") {
+    std::swap(camera.window[0].right, camera.window[0].left);
+    CHECK(complaint(scene) == "");
+  }
+  SUBCASE("singular matrix") {
+    camera.world_from_camera[0].x = {};
+    CHECK(complaint(scene) ==
+          "/camera: worldFromCamera: found a singular matrix; expected one that can be inverted");
+  }
+  SUBCASE("reversed clipping range") {
+    camera.near_clip = 10.0f;
+    camera.far_clip = 1.0f;
+    CHECK(complaint(scene).find("/camera: clippingRange: found 10.000000 to 1.000000") == 0);
+  }
+  SUBCASE("negative near distance: orthographic only") {
+    camera.near_clip = -1.0f;
+    CHECK(complaint(scene) != "");
+    camera.projection = Projection::kOrthographic;
+    CHECK(complaint(scene) == "");
+  }
+}
+
+TEST_CASE("a part without a name goes by its kind and index") {
+  Scene scene = valid_scene();
+  scene.lights[0].name.clear();
+  scene.lights[0].angle_degrees = kNan;
+  CHECK(complaint(scene).find("light 0: angle: found") == 0);
+}
+
+}  // namespace
+}  // namespace msbvh
