@@ -182,6 +182,7 @@ def test_a_warning_is_said_once_for_all_frames(msbvh: Run, scene: Path) -> None:
             "display 'CRT'",
         ),
         (("record", "scene.usda", "a.exr", "--motion-tolerance", "0"), "--motion-tolerance"),
+        (("record", "scene.usda", "a.exr", "--motion-tolerance", "nan"), "expected a finite number"),
         (("record", "scene.usda", "a.exr", "-r", "Storm"), "only msbvh renders here"),
         (("record", "scene.usda", "a.exr", "-rs", "/Render"), "--renderSettingsPrimPath is not supported"),
         (("record", "scene.usda", "a.exr", "-rp", "/Render"), "--renderPassPrimPath is not supported"),

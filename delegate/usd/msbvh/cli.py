@@ -57,7 +57,7 @@ def main(arguments: Sequence[str]) -> int:
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(message=software())
+@click.version_option(software(), message="%(version)s")
 def commands() -> None:
     """Motion-blurred frames from USD on the CPU."""
 

@@ -3,6 +3,7 @@ each costs."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -43,6 +44,13 @@ def _unsupported(hint: str) -> Callable[..., None]:
             raise click.UsageError(f"{param.opts[0]} is not supported yet{hint}", ctx)
 
     return refuse
+
+
+def _finite(ctx: click.Context, param: click.Parameter, value: float) -> float:
+    """Ranges let nan pass, because it compares as neither too small nor too large."""
+    if not math.isfinite(value):
+        raise click.BadParameter(f"found {value}, expected a finite number", ctx, param)
+    return value
 
 
 Decorator = Callable[..., Any]
@@ -115,6 +123,7 @@ SCENE: Sequence[Decorator] = (
     click.option(
         "--motion-tolerance",
         type=click.FloatRange(0.0, min_open=True),
+        callback=_finite,
         default=0.1,
         show_default=True,
         help="Pixels that a track may stray from the stage's own motion. Less: more keys, more memory.",
