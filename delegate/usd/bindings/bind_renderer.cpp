@@ -1,0 +1,164 @@
+// Renderer: long work without the GIL, and Python's signals and exceptions heeded while it runs.
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <future>
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+#include <optional>
+#include <tuple>
+
+#include "core/api/renderer.h"
+#include "core/base/error.h"
+#include "delegate/usd/bindings/bindings.h"
+
+namespace nb = nanobind;
+
+namespace msbvh::python {
+namespace {
+
+// How long Ctrl-C may go unheard during the build.
+constexpr std::chrono::milliseconds kSignalInterval{50};
+
+Builder builder_from(const std::string& name) {
+  if (name == "msbvh") return Builder::kMsbvh;
+  if (name == "mbvh") return Builder::kMbvh;
+  throw nb::value_error(("builder: found \"" + name + "\"; expected msbvh or mbvh").c_str());
+}
+
+// What `call`, or the handler of a signal that has arrived, raised; null if nothing. Needs the GIL.
+template <typename Call>
+std::exception_ptr exception_of(const Call& call) {
+  try {
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    call();
+    return nullptr;
+  } catch (...) {
+    return std::current_exception();
+  }
+}
+
+// Builds on another thread, because its cancelled() is asked from any thread and only the main one hears
+// signals.
+void commit(Renderer& renderer, std::shared_ptr<const Scene> scene, RenderSettings settings) {
+  std::atomic<bool> cancelled = false;
+  settings.build.cancelled = [&cancelled] { return cancelled.load(std::memory_order_relaxed); };
+  std::exception_ptr raised;
+  nb::gil_scoped_release release;
+  std::future<void> build =
+      std::async(std::launch::async, [&] { renderer.commit(std::move(scene), settings); });
+  while (build.wait_for(kSignalInterval) != std::future_status::ready) {
+    if (cancelled) continue;
+    nb::gil_scoped_acquire acquire;
+    raised = exception_of([] {});
+    if (raised) cancelled = true;
+  }
+  try {
+    build.get();
+  } catch (const Cancelled&) {
+    if (!raised) throw;
+  }
+  nb::gil_scoped_acquire acquire;
+  if (raised) std::rethrow_exception(raised);
+}
+
+using ImageArray = nb::ndarray<nb::numpy, float, nb::shape<-1, -1, 4>>;
+
+// Hands the pixels over to numpy without a copy.
+ImageArray to_array(Image image) {
+  auto* owned = new Image(std::move(image));
+  nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<Image*>(p); });
+  return ImageArray(owned->rgba.data(), {owned->height, owned->width, 4}, owner);
+}
+
+ImageArray render(Renderer& renderer, const nb::object& progress) {
+  std::exception_ptr raised;
+  const ProgressFunction report = [&](double done) {
+    nb::gil_scoped_acquire acquire;
+    raised = exception_of([&] {
+      if (!progress.is_none()) progress(done);
+    });
+    return !raised;
+  };
+  std::optional<Image> image;
+  try {
+    nb::gil_scoped_release release;
+    image = renderer.render(report);
+  } catch (const Cancelled&) {
+    if (!raised) throw;
+  }
+  if (raised) std::rethrow_exception(raised);
+  return to_array(std::move(*image));
+}
+
+std::vector<std::tuple<std::string, std::string, std::string>> plan(const Renderer& renderer) {
+  std::vector<std::tuple<std::string, std::string, std::string>> reasons;
+  for (const Reason& reason : renderer.plan().why) {
+    reasons.emplace_back(effect_name(reason.effect), reason.prim, reason.why);
+  }
+  return reasons;
+}
+
+nb::dict accel_statistics(const BvhStatistics& s) {
+  nb::dict result;
+  result["triangles"] = s.triangles;
+  result["instances"] = s.instances;
+  result["references"] = s.references;
+  result["nodes"] = s.nodes;
+  result["leaves"] = s.leaves;
+  result["node_bytes"] = s.node_bytes;
+  result["leaf_bytes"] = s.leaf_bytes;
+  result["vertex_bytes"] = s.vertex_bytes;
+  result["max_segments"] = s.max_segments;
+  result["depth"] = s.depth;
+  result["sah_cost"] = s.sah_cost;
+  result["build_seconds"] = s.build_seconds;
+  result["topology_seconds"] = s.topology_seconds;
+  result["bounds_seconds"] = s.bounds_seconds;
+  return result;
+}
+
+nb::dict statistics(const Renderer& renderer) {
+  const RenderStatistics& s = renderer.statistics();
+  nb::dict result;
+  result["build_seconds"] = s.build_seconds;
+  result["trace_seconds"] = s.trace_seconds;
+  result["rays"] = s.rays;
+  result["camera_rays"] = s.camera_rays;
+  result["trees"] = s.trees;
+  result["accel"] = accel_statistics(s.accel);
+  return result;
+}
+
+void init(Renderer* self, const SceneHandle& scene, std::uint32_t width, std::uint32_t height,
+          std::uint32_t spp, std::uint32_t seed, std::uint32_t max_bounces, std::uint32_t threads,
+          const std::string& builder) {
+  RenderSettings settings{width, height, spp, seed, max_bounces, threads, {}};
+  settings.build.builder = builder_from(builder);
+  new (self) Renderer();
+  try {
+    commit(*self, scene.scene, std::move(settings));
+  } catch (...) {
+    self->~Renderer();
+    throw;
+  }
+}
+
+}  // namespace
+
+void bind_renderer(nb::module_& m) {
+  const RenderSettings defaults;
+  nb::class_<Renderer>(m, "Renderer")
+      .def("__init__", &init, nb::arg("scene"), nb::kw_only(), nb::arg("width"), nb::arg("height"),
+           nb::arg("spp") = defaults.spp, nb::arg("seed") = defaults.seed,
+           nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
+           nb::arg("builder") = "msbvh")
+      .def("render", &render, nb::arg("progress") = nb::none())
+      .def_prop_ro("plan", &plan)
+      .def_prop_ro("statistics", &statistics);
+}
+
+}  // namespace msbvh::python

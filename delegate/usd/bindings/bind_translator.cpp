@@ -1,0 +1,261 @@
+// Translator: keyword arguments and numpy arrays to the structs of delegate/translate/inputs.h.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+#include <tuple>
+
+#include "delegate/translate/translator.h"
+#include "delegate/usd/bindings/arguments.h"
+#include "delegate/usd/bindings/bindings.h"
+
+namespace nb = nanobind;
+
+namespace msbvh::python {
+namespace {
+
+using namespace msbvh::translate;
+
+[[noreturn]] void bad_choice(const char* name, const std::string& found, const char* expected) {
+  throw nb::value_error((std::string(name) + ": found \"" + found + "\"; expected " + expected).c_str());
+}
+
+Projection projection_from(const std::string& name) {
+  if (name == "perspective") return Projection::kPerspective;
+  if (name == "orthographic") return Projection::kOrthographic;
+  bad_choice("projection", name, "perspective or orthographic");
+}
+
+Normals computed_normals_from(const std::string& name) {
+  if (name == "faceted") return Normals::kFaceted;
+  if (name == "smooth") return Normals::kSmooth;
+  bad_choice("computed_normals", name, "faceted or smooth");
+}
+
+LightKind light_kind_from(const std::string& name) {
+  if (name == "distant") return LightKind::kDistant;
+  if (name == "dome") return LightKind::kDome;
+  if (name == "sphere") return LightKind::kSphere;
+  if (name == "rect") return LightKind::kRect;
+  if (name == "camera") return LightKind::kCamera;
+  bad_choice("kind", name, "distant, dome, sphere, rect or camera");
+}
+
+Vec3f color_from(const std::tuple<float, float, float>& rgb) {
+  return {std::get<0>(rgb), std::get<1>(rgb), std::get<2>(rgb)};
+}
+
+TransformSamples transform_from(Arguments& arguments, const char* times, const char* matrices) {
+  const std::span<const double> times01 = arguments.times(times);
+  return {{times01.begin(), times01.end()}, arguments.matrices(matrices, times01.size())};
+}
+
+CameraInput camera_from(Arguments& arguments) {
+  CameraInput camera;
+  camera.path = arguments.value<std::string>("path", "a str");
+  camera.projection = projection_from(arguments.value<std::string>("projection", "a str"));
+  camera.near_clip = arguments.value<float>("near_clip", "a float");
+  camera.far_clip = arguments.value<float>("far_clip", "a float");
+  const TransformSamples transform = transform_from(arguments, "times01", "world_from_camera");
+  const AnyArray windows =
+      checked_array<float>(arguments.required("windows"), "windows", {transform.times01.size(), 4});
+  for (std::size_t i = 0; i < transform.times01.size(); ++i) {
+    const std::span<const float> w = elements<float>(windows).subspan(4 * i, 4);
+    camera.samples.push_back({transform.times01[i], transform.matrices[i], {w[0], w[1], w[2], w[3]}});
+  }
+  return camera;
+}
+
+TranslatorSettings settings_from(Arguments& arguments) {
+  TranslatorSettings settings;
+  settings.width = arguments.value<std::uint32_t>("width", "an int of at least 1");
+  settings.height = arguments.value<std::uint32_t>("height", "an int of at least 1");
+  if (!arguments.optional("motion_tolerance").is_none()) {
+    settings.motion_tolerance_pixels = arguments.value<double>("motion_tolerance", "a float");
+  }
+  if (!arguments.optional("max_segments").is_none()) {
+    settings.max_segments = arguments.value<std::uint32_t>("max_segments", "an int");
+  }
+  return settings;
+}
+
+// (interpolation, values, indices or None), or None.
+template <typename T>
+PrimvarInput<T> primvar_from(Arguments& arguments, const char* name) {
+  PrimvarInput<T> primvar;
+  const nb::object given = arguments.optional(name);
+  if (given.is_none()) return primvar;
+  if (!nb::isinstance<nb::tuple>(given) || nb::len(given) != 3 ||
+      !nb::try_cast(given[0], primvar.interpolation)) {
+    arguments.fail(name, given, "(interpolation, values, indices or None)");
+  }
+  primvar.values = arguments.floats<T>(given[1], std::string(name) + "[1]");
+  if (!nb::object(given[2]).is_none()) {
+    primvar.indices =
+        elements<int>(arguments.keep(checked_array<int>(given[2], std::string(name) + "[2]", {kAnySize})));
+  }
+  return primvar;
+}
+
+MeshInput mesh_from(Arguments& arguments) {
+  MeshInput mesh;
+  mesh.path = arguments.value<std::string>("path", "a str");
+  arguments.required("face_vertex_counts");
+  arguments.required("face_vertex_indices");
+  mesh.face_vertex_counts = arguments.ints("face_vertex_counts");
+  mesh.face_vertex_indices = arguments.ints("face_vertex_indices");
+  mesh.hole_indices = arguments.ints("hole_indices");
+  mesh.left_handed = arguments.value<bool>("left_handed", "a bool");
+  arguments.required("points");
+  mesh.points.samples = arguments.samples("points");
+  mesh.points.held = arguments.value<bool>("points_held", "a bool");
+  mesh.world_from_object = transform_from(arguments, "transform_times01", "transforms");
+  mesh.normals.samples = arguments.samples("normals");
+  mesh.normals.held = mesh.points.held;
+  mesh.normals_interpolation = arguments.value<std::string>("normals_interpolation", "a str");
+  mesh.normals_indices = arguments.ints("normals_indices");
+  mesh.computed_normals = computed_normals_from(arguments.value<std::string>("computed_normals", "a str"));
+  mesh.display_color = primvar_from<Vec3f>(arguments, "display_color");
+  mesh.display_opacity = primvar_from<float>(arguments, "display_opacity");
+  if (!arguments.optional("material").is_none()) {
+    mesh.material = arguments.value<std::uint32_t>("material", "an int or None");
+  }
+  arguments.expect_no_more();
+  return mesh;
+}
+
+void add_mesh(Translator& translator, const nb::kwargs& keywords) {
+  Arguments arguments(keywords, "add_mesh");
+  const MeshInput mesh = mesh_from(arguments);
+  nb::gil_scoped_release release;
+  translator.add_mesh(mesh);
+}
+
+void add_prototype_mesh(Translator& translator, std::uint32_t prototype, const nb::kwargs& keywords) {
+  Arguments arguments(keywords, "add_prototype_mesh");
+  const MeshInput mesh = mesh_from(arguments);
+  nb::gil_scoped_release release;
+  translator.add_prototype_mesh(prototype, mesh);
+}
+
+void add_instances(Translator& translator, const nb::kwargs& keywords) {
+  Arguments arguments(keywords, "add_instances");
+  InstancesInput input;
+  input.path = arguments.value<std::string>("path", "a str");
+  input.prototype = arguments.value<std::uint32_t>("prototype", "an int");
+  const std::span<const double> times01 = arguments.times("times01");
+  input.times01.assign(times01.begin(), times01.end());
+  input.matrices = elements<Matrix4d>(arguments.keep(
+      checked_array<double>(arguments.required("matrices"), "matrices", {times01.size(), kAnySize, 4, 4})));
+  const nb::object colors = arguments.optional("display_color");
+  if (!colors.is_none()) input.display_color = arguments.floats<Vec3f>(colors, "display_color");
+  arguments.expect_no_more();
+  nb::gil_scoped_release release;
+  translator.add_instances(input);
+}
+
+std::uint32_t add_material(Translator& translator, const nb::kwargs& keywords) {
+  using Rgb = std::tuple<float, float, float>;
+  Arguments arguments(keywords, "add_material");
+  Material material;
+  material.name = arguments.value<std::string>("name", "a str");
+  material.diffuse_color = color_from(arguments.value<Rgb>("diffuse_color", "(r, g, b)"));
+  material.diffuse_from_display_color = arguments.value<bool>("diffuse_from_display_color", "a bool");
+  material.emissive_color = color_from(arguments.value<Rgb>("emissive_color", "(r, g, b)"));
+  material.opacity = arguments.value<float>("opacity", "a float");
+  material.opacity_from_display_opacity = arguments.value<bool>("opacity_from_display_opacity", "a bool");
+  material.opacity_threshold = arguments.value<float>("opacity_threshold", "a float");
+  arguments.expect_no_more();
+  return translator.add_material(material);
+}
+
+void add_light(Translator& translator, const nb::kwargs& keywords) {
+  Arguments arguments(keywords, "add_light");
+  LightInput input;
+  Light& light = input.light;
+  light.name = arguments.value<std::string>("name", "a str");
+  light.kind = light_kind_from(arguments.value<std::string>("kind", "a str"));
+  light.radiance = color_from(arguments.value<std::tuple<float, float, float>>("radiance", "(r, g, b)"));
+  light.angle_degrees = arguments.value<float>("angle_degrees", "a float");
+  light.radius = arguments.value<float>("radius", "a float");
+  light.width = arguments.value<float>("width", "a float");
+  light.height = arguments.value<float>("height", "a float");
+  input.world_from_light = transform_from(arguments, "times01", "world_from_light");
+  arguments.expect_no_more();
+  translator.add_light(input);
+}
+
+double deviation(nb::handle times01, nb::handle matrices, const std::tuple<double, double, double>& lo,
+                 const std::tuple<double, double, double>& hi) {
+  const AnyArray times = checked_array<double>(times01, "times01", {kAnySize});
+  const std::span<const double> t = elements<double>(times);
+  const AnyArray maps = checked_array<double>(matrices, "matrices", {t.size(), 4, 4});
+  const std::span<const Matrix4d> m = elements<Matrix4d>(maps);
+  const auto corner = [](const auto& p) { return Vec3d{std::get<0>(p), std::get<1>(p), std::get<2>(p)}; };
+  return transform_deviation({{t.begin(), t.end()}, {m.begin(), m.end()}}, corner(lo), corner(hi));
+}
+
+nb::dict scene_statistics(const SceneHandle& handle) {
+  const Scene& scene = *handle.scene;
+  std::size_t triangles = 0, keys = 0, instances = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    triangles += mesh.shape.triangles.size();
+    keys += key_count(mesh.shape.segments);
+  }
+  for (const InstanceSet& set : scene.instances) {
+    instances += instance_count(set);
+    keys += set.world_from_prototype.size();
+  }
+  nb::dict result;
+  result["meshes"] = scene.meshes.size();
+  result["triangles"] = triangles;
+  result["keys"] = keys;
+  result["instances"] = instances;
+  result["lights"] = scene.lights.size();
+  return result;
+}
+
+void bind_reports(nb::module_& m) {
+  nb::class_<Diagnostic>(m, "Diagnostic")
+      .def_prop_ro("severity",
+                   [](const Diagnostic& d) { return d.severity == Severity::kError ? "error" : "warning"; })
+      .def_ro("path", &Diagnostic::path)
+      .def_ro("attribute", &Diagnostic::attribute)
+      .def_ro("message", &Diagnostic::message);
+  nb::class_<TrackReport>(m, "TrackReport")
+      .def_ro("path", &TrackReport::path)
+      .def_ro("segments", &TrackReport::segments)
+      .def_ro("moving_transform", &TrackReport::moving_transform)
+      .def_ro("error_pixels", &TrackReport::error_pixels);
+  nb::class_<SceneHandle>(m, "Scene").def("statistics", &scene_statistics);
+}
+
+}  // namespace
+
+void bind_translator(nb::module_& m) {
+  bind_reports(m);
+  nb::class_<Translator>(m, "Translator")
+      .def("__init__",
+           [](Translator* self, const nb::kwargs& keywords) {
+             Arguments arguments(keywords, "Translator");
+             const CameraInput camera = camera_from(arguments);
+             const TranslatorSettings settings = settings_from(arguments);
+             arguments.expect_no_more();
+             new (self) Translator(camera, settings);
+           })
+      .def("add_mesh", &add_mesh)
+      .def("begin_prototype", &Translator::begin_prototype, nb::arg("path"))
+      .def("add_prototype_mesh", &add_prototype_mesh, nb::arg("prototype"), nb::arg("mesh"))
+      .def("add_instances", &add_instances)
+      .def("add_material", &add_material)
+      .def("add_light", &add_light)
+      .def_prop_ro("empty", &Translator::empty)
+      .def_prop_ro("empty_meshes", &Translator::empty_meshes)
+      .def("diagnostics", &Translator::diagnostics, nb::rv_policy::copy)
+      .def("tracks", &Translator::tracks, nb::rv_policy::copy)
+      .def("finish", [](Translator& translator) { return SceneHandle{translator.finish()}; });
+  m.def("transform_deviation", &deviation, nb::arg("times01"), nb::arg("matrices"), nb::arg("lo"),
+        nb::arg("hi"));
+}
+
+}  // namespace msbvh::python

@@ -1,0 +1,19 @@
+// The parts that make up the extension module.
+#pragma once
+
+#include <memory>
+#include <nanobind/nanobind.h>
+
+#include "core/scene/scene.h"
+
+namespace msbvh::python {
+
+// A finished scene on its way from the translator to the renderer; opaque in Python.
+struct SceneHandle {
+  std::shared_ptr<const Scene> scene;
+};
+
+void bind_translator(nanobind::module_& m);
+void bind_renderer(nanobind::module_& m);
+
+}  // namespace msbvh::python

@@ -1,0 +1,29 @@
+// msbvh._core: what the Python package needs of the library, one to one. The typed contract is
+// msbvh/_core.pyi.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "core/base/error.h"
+#include "core/trace/tracer.h"
+#include "delegate/usd/bindings/bindings.h"
+
+namespace nb = nanobind;
+
+NB_MODULE(_core, m) {
+  m.doc() = "The C++ side of msbvh: translator, builder and renderer.";
+  m.attr("__version__") = MSBVH_VERSION;
+  nb::exception<msbvh::Error>(m, "Error");
+  msbvh::python::bind_translator(m);
+  msbvh::python::bind_renderer(m);
+  m.def(
+      "supported_instruction_sets",
+      [] {
+        std::vector<std::string> names;
+        for (const msbvh::InstructionSet set : msbvh::supported_instruction_sets()) {
+          names.emplace_back(msbvh::instruction_set_name(set));
+        }
+        return names;
+      },
+      "Those that the kernels are compiled for and this machine has; worst first.");
+}

@@ -1,0 +1,223 @@
+"""The C++ side of msbvh (delegate/usd/bindings): translator, builder and renderer.
+
+Arrays are C-contiguous, of the very element type, and borrowed for the call only: nothing is copied. An array that does
+not fit raises TypeError (element type) or ValueError (shape) naming the argument. Objects are for one thread at a time.
+
+Times are ``time01``: 0 is the shutter's opening, 1 its closing. Matrices follow USD's row-vector convention
+(p' = p M), in stage space. Colours are linear Rec.709.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Literal, TypeAlias, TypedDict, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+__version__: str
+
+F32: TypeAlias = NDArray[np.float32]
+F64: TypeAlias = NDArray[np.float64]
+I32: TypeAlias = NDArray[np.int32]
+Rgb: TypeAlias = tuple[float, float, float]
+Samples: TypeAlias = Sequence[tuple[float, F32]]
+"""(time01, float32[N, 3]) at increasing times."""
+
+class Error(Exception):
+    """The scene or a setting is wrong; one line with the prim, the attribute, what was found and is expected."""
+
+class Diagnostic:
+    """What a translation has to say about its input. ``warning``: rendered, but something was left out or approximated;
+    ``error``: the prim is not rendered."""
+
+    @property
+    def severity(self) -> Literal["warning", "error"]: ...
+    @property
+    def path(self) -> str: ...
+    @property
+    def attribute(self) -> str: ...
+    @property
+    def message(self) -> str: ...
+
+class TrackReport:
+    """How the motion of the camera, a mesh or a set of instances was kept."""
+
+    @property
+    def path(self) -> str: ...
+    @property
+    def segments(self) -> int:
+        """0 for a still track, else a power of two."""
+    @property
+    def moving_transform(self) -> bool:
+        """A still shape under moving keys, not one that is baked at each key."""
+    @property
+    def error_pixels(self) -> float:
+        """The largest deviation found from the samples."""
+
+class SceneStatistics(TypedDict):
+    meshes: int
+    triangles: int
+    keys: int
+    """Of meshes and instances, still ones counted as one."""
+    instances: int
+    lights: int
+
+class Scene:
+    """A finished frame, for Renderer."""
+
+    def statistics(self) -> SceneStatistics: ...
+
+class MeshArguments(TypedDict, total=False):
+    """Keywords of Translator.add_mesh. Those that may be None may be left out."""
+
+    path: str
+    face_vertex_counts: I32
+    face_vertex_indices: I32
+    hole_indices: I32 | None
+    left_handed: bool
+    points: Samples
+    points_held: bool
+    """Samples (of normals too) hold until the next instead of being interpolated."""
+    transform_times01: F64
+    transforms: F64
+    """[T, 4, 4]: stage from object space; prototype from object space for a prototype's mesh."""
+    normals: Samples | None
+    normals_interpolation: str
+    normals_indices: I32 | None
+    computed_normals: Literal["faceted", "smooth"]
+    """What to take where no normals are authored."""
+    display_color: tuple[str, F32, I32 | None] | None
+    """(interpolation, float32[K, 3], indices)."""
+    display_opacity: tuple[str, F32, I32 | None] | None
+    """(interpolation, float32[K], indices)."""
+    material: int | None
+    """From Translator.add_material."""
+
+class Translator:
+    """From what was read of a stage to a Scene: checks, triangulates, and fits the fewest keys that follow the
+    samples within ``motion_tolerance`` pixels. See delegate/translate/translator.h."""
+
+    def __init__(
+        self,
+        *,
+        path: str,
+        projection: Literal["perspective", "orthographic"],
+        times01: F64,
+        world_from_camera: F64,
+        windows: F32,
+        near_clip: float,
+        far_clip: float,
+        width: int,
+        height: int,
+        motion_tolerance: float = 0.1,
+        max_segments: int = 128,
+    ) -> None:
+        """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right, bottom, top;
+        at unit distance for a perspective camera, in scene units for an orthographic one).
+
+        Raises Error for a camera or settings that cannot be used.
+        """
+    def add_mesh(self, **mesh: Unpack[MeshArguments]) -> None:
+        """Into the world. Bad data leaves a Diagnostic and raises nothing."""
+    def begin_prototype(self, path: str) -> int: ...
+    def add_prototype_mesh(self, prototype: int, **mesh: Unpack[MeshArguments]) -> None: ...
+    def add_instances(
+        self, *, path: str, prototype: int, times01: F64, matrices: F64, display_color: F32 | None = None
+    ) -> None:
+        """``matrices`` [T, N, 4, 4]: stage from prototype space, of N instances at times01 [T]; ``display_color``
+        [N, 3]. After the prototype's meshes."""
+    def add_material(
+        self,
+        *,
+        name: str,
+        diffuse_color: Rgb,
+        diffuse_from_display_color: bool,
+        emissive_color: Rgb,
+        opacity: float,
+        opacity_from_display_opacity: bool,
+        opacity_threshold: float,
+    ) -> int: ...
+    def add_light(
+        self,
+        *,
+        name: str,
+        kind: Literal["distant", "dome", "sphere", "rect", "camera"],
+        radiance: Rgb,
+        angle_degrees: float,
+        radius: float,
+        width: float,
+        height: float,
+        times01: F64,
+        world_from_light: F64,
+    ) -> None: ...
+    @property
+    def empty(self) -> bool:
+        """Whether there is nothing that could be seen."""
+    @property
+    def empty_meshes(self) -> int:
+        """Meshes without a face to draw, which are no error."""
+    def diagnostics(self) -> list[Diagnostic]: ...
+    def tracks(self) -> list[TrackReport]:
+        """The camera's first."""
+    def finish(self) -> Scene:
+        """The translator is empty afterwards."""
+
+def transform_deviation(times01: F64, matrices: F64, lo: Rgb, hi: Rgb) -> float:
+    """Largest distance of an interior sample [T, 4, 4] from the interpolation of its neighbours, over the box (lo, hi),
+    in units of its largest extent. Below 1e-4 samples are dense enough to be interpolated linearly."""
+
+class AccelStatistics(TypedDict):
+    triangles: int
+    instances: int
+    references: int
+    nodes: int
+    leaves: int
+    node_bytes: int
+    leaf_bytes: int
+    vertex_bytes: int
+    max_segments: int
+    depth: int
+    sah_cost: float
+    build_seconds: float
+    topology_seconds: float
+    bounds_seconds: float
+
+class RenderStatistics(TypedDict):
+    build_seconds: float
+    trace_seconds: float
+    rays: int
+    camera_rays: int
+    trees: int
+    accel: AccelStatistics
+    """Sums over all trees; depth and max_segments are the largest of any."""
+
+class Renderer:
+    def __init__(
+        self,
+        scene: Scene,
+        *,
+        width: int,
+        height: int,
+        spp: int = 64,
+        seed: int = 0,
+        max_bounces: int = 2,
+        threads: int = 0,
+        builder: Literal["msbvh", "mbvh"] = "msbvh",
+    ) -> None:
+        """Validates, plans and builds, without the GIL; a signal's exception stops it. ``threads`` 0: all.
+
+        Raises Error for a scene or settings that are wrong.
+        """
+    def render(self, progress: Callable[[float], object] | None = None) -> F32:
+        """[height, width, 4]: top row first, linear, premultiplied; alpha is coverage.
+
+        Without the GIL. ``progress`` is called with the finished share about ten times a second on the calling thread;
+        its exception, or a signal's, stops within a tile and is raised here.
+        """
+    @property
+    def plan(self) -> list[tuple[str, str, str]]:
+        """(effect, prim, why)."""
+    @property
+    def statistics(self) -> RenderStatistics: ...
+
+def supported_instruction_sets() -> list[str]:
+    """Those that the kernels are compiled for and this machine has; worst first."""
