@@ -26,7 +26,7 @@ def read_primvar(
     try:
         values = array(value, np.float32, columns)
     except (TypeError, ValueError):
-        found = f"found {primvar.GetTypeName()}, expected {expected}; ignored"
+        found = f"found a {type(value).__name__}, expected {expected}; ignored"
         context.diagnostics.warning(str(prim.GetPath()), primvar.GetName(), found)
         return None
     if not len(values):

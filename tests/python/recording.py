@@ -1,0 +1,186 @@
+"""A stand-in for msbvh._core.Translator that keeps what the reader hands down, and evaluates it as the core
+does."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from msbvh.errors import Diagnostics
+from msbvh.reader import ReadSettings, read_frame
+from pxr import Gf, Usd, UsdGeom
+
+
+class Recording:
+    """Keeps copies; every call takes what the contract names and nothing else."""
+
+    empty = False
+
+    def __init__(self, **camera: Any) -> None:
+        self.camera = camera
+        self.meshes: dict[str, dict] = {}
+        self.prototypes: list[tuple[str, dict[str, dict]]] = []
+        self.instances: list[dict] = []
+        self.materials: list[dict] = []
+        self.lights: list[dict] = []
+
+    def add_mesh(self, **mesh: Any) -> None:
+        self.meshes[self._key(mesh, self.meshes)] = checked_mesh(mesh)
+
+    def begin_prototype(self, path: str) -> int:
+        self.prototypes.append((path, {}))
+        return len(self.prototypes) - 1
+
+    def add_prototype_mesh(self, prototype: int, **mesh: Any) -> None:
+        meshes = self.prototypes[prototype][1]
+        meshes[self._key(mesh, meshes)] = checked_mesh(mesh)
+
+    def add_instances(
+        self,
+        *,
+        path: str,
+        prototype: int,
+        times01: np.ndarray,
+        matrices: np.ndarray,
+        display_color: Any = None,
+    ) -> None:
+        assert (
+            matrices.dtype == np.float64 and matrices.shape[0] == len(times01) and matrices.flags.c_contiguous
+        )
+        assert display_color is None or display_color.shape == (matrices.shape[1], 3)
+        self.instances.append(
+            {
+                "path": path,
+                "prototype": prototype,
+                "times01": times01,
+                "matrices": matrices,
+                "color": display_color,
+            }
+        )
+
+    def add_material(self, **material: Any) -> int:
+        self.materials.append(material)
+        return len(self.materials) - 1
+
+    def add_light(self, **light: Any) -> None:
+        self.lights.append(light)
+
+    def diagnostics(self) -> list:
+        return []
+
+    def tracks(self) -> list:
+        return []
+
+    def finish(self) -> Recording:
+        return self
+
+    @staticmethod
+    def _key(mesh: dict, meshes: dict) -> str:
+        """The prim's path; with a number behind it for the further parts of a mesh with several materials."""
+        return mesh["path"] if mesh["path"] not in meshes else f"{mesh['path']}#{len(meshes)}"
+
+    def instance_points(self, time01: float) -> np.ndarray:
+        """Every point of every instance at a time, float64[N, 3], in no particular order."""
+        parts = [np.zeros((0, 3))]
+        for instances in self.instances:
+            matrices = interpolated(instances["times01"], instances["matrices"], time01)
+            for mesh in self.prototypes[instances["prototype"]][1].values():
+                parts.extend(transformed(points_at(mesh, time01), matrix) for matrix in matrices)
+        return np.concatenate(parts)
+
+
+MESH_KEYWORDS = {
+    "path", "face_vertex_counts", "face_vertex_indices", "hole_indices", "left_handed", "points", "points_held",
+    "transform_times01", "transforms", "normals", "normals_interpolation", "normals_indices", "computed_normals",
+    "display_color", "display_opacity", "material",
+}  # fmt: skip
+
+
+def checked_mesh(mesh: dict) -> dict:
+    """Holds a mesh against the contract's shapes and types."""
+    assert mesh.keys() == MESH_KEYWORDS
+    assert mesh["face_vertex_counts"].dtype == mesh["face_vertex_indices"].dtype == np.int32
+    times = [time for time, _ in mesh["points"]]
+    assert times == sorted(set(times)) and len(times) >= 1
+    assert all(points.dtype == np.float32 and points.shape[1:] == (3,) for _, points in mesh["points"])
+    assert mesh["transforms"].dtype == np.float64
+    assert mesh["transforms"].shape == (len(mesh["transform_times01"]), 4, 4)
+    assert (np.diff(mesh["transform_times01"]) > 0).all()
+    return mesh
+
+
+def interpolated(times01: Any, values: Any, time01: float, held: bool = False) -> np.ndarray:
+    """Linear between samples (`held`: each until the next), held outside: what the translator does."""
+    after = int(np.searchsorted(times01, time01, side="right"))
+    if after == 0 or after == len(times01) or held:
+        return np.asarray(values[max(after - 1, 0)], np.float64)
+    weight = (time01 - times01[after - 1]) / (times01[after] - times01[after - 1])
+    return (1 - weight) * np.asarray(values[after - 1], np.float64) + weight * np.asarray(
+        values[after], np.float64
+    )
+
+
+def transformed(points: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """Row vectors times a matrix."""
+    return points @ matrix[:3, :3] + matrix[3, :3]
+
+
+def points_at(mesh: dict, time01: float) -> np.ndarray:
+    """The points of a recorded mesh under its own transform: float64[N, 3]."""
+    times, values = zip(*mesh["points"], strict=True)
+    points = interpolated(times, values, time01, mesh["points_held"])
+    return transformed(points, interpolated(mesh["transform_times01"], mesh["transforms"], time01))
+
+
+def usd_points_at(prim: Usd.Prim, code: Usd.TimeCode, base: Usd.TimeCode) -> np.ndarray:
+    """The world-space points of a mesh by USD's own evaluation: float64[N, 3]."""
+    points = np.array(UsdGeom.PointBased(prim).ComputePointsAtTime(code, base), np.float64).reshape(-1, 3)
+    return transformed(points, np.array(UsdGeom.XformCache(code).GetLocalToWorldTransform(prim)))
+
+
+class Shot:
+    """A stage with a camera at (0, 0, 20), made in memory."""
+
+    def __init__(
+        self, shutter: tuple[float, float] = (-0.5, 0.5), time_codes_per_second: float = 24.0
+    ) -> None:
+        self.stage = Usd.Stage.CreateInMemory()
+        self.stage.SetTimeCodesPerSecond(time_codes_per_second)
+        self.camera = UsdGeom.Camera.Define(self.stage, "/Camera")
+        self.camera.AddTranslateOp().Set(Gf.Vec3d(0, 0, 20))
+        self.camera.CreateShutterOpenAttr(shutter[0])
+        self.camera.CreateShutterCloseAttr(shutter[1])
+
+    def mesh(self, path: str, points: Any = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0))) -> UsdGeom.Mesh:
+        """A square, or whatever `points` are, as one face; without subdivision."""
+        mesh = UsdGeom.Mesh.Define(self.stage, path)
+        mesh.CreateSubdivisionSchemeAttr("none")
+        mesh.CreateFaceVertexCountsAttr([len(points)])
+        mesh.CreateFaceVertexIndicesAttr(range(len(points)))
+        mesh.CreatePointsAttr([Gf.Vec3f(*point) for point in points])
+        return mesh
+
+    def read(self, frame: float | None = 10.0, **settings: Any) -> Any:
+        """What the reader makes of a frame; its scene is a Recording."""
+        return read_frame(self.stage, frame, ReadSettings(**settings), Diagnostics(), Recording)
+
+
+def messages(result: Any, severity: str | None = None) -> list[str]:
+    """The diagnostics as the user sees them."""
+    return [str(d) for d in result.diagnostics if severity in (None, d.severity)]
+
+
+DENSE_TIMES01 = [0.0, *np.sort(np.arange(1, 32) * 0.6180339887498949 % 1.0).tolist(), 1.0]
+"""33 times of the shutter that fall on no key but the ends."""
+
+
+def worst_deviation(result: Any, prim: Usd.Prim, mesh: dict | None = None) -> float:
+    """How far the handed-down points of a mesh in the world stray from USD's at 33 times, in stage units."""
+    shutter = result.camera.shutter
+    mesh = mesh or result.scene.meshes[str(prim.GetPath())]
+    return max(
+        np.abs(
+            points_at(mesh, time01) - usd_points_at(prim, shutter.time_code(time01), shutter.frame_code)
+        ).max(initial=0.0)
+        for time01 in DENSE_TIMES01
+    )

@@ -1,0 +1,272 @@
+"""What the reader hands down of a mesh beside its motion: topology, normals, primvars, materials, and what is
+left out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from msbvh.implicit import IMPLICIT_TYPES
+from pxr import Gf, Sdf, UsdGeom, UsdShade
+from recording import Shot, messages
+
+
+def signed_volume(mesh: dict) -> float:
+    """Of a closed mesh whose faces turn outward: positive."""
+    points = np.asarray(mesh["points"][0][1], np.float64)
+    volume, first = 0.0, 0
+    for count in mesh["face_vertex_counts"]:
+        face = points[mesh["face_vertex_indices"][first : first + count]]
+        volume += sum(np.dot(face[0], np.cross(face[i], face[i + 1])) for i in range(1, count - 1)) / 6
+        first += count
+    return volume
+
+
+@pytest.mark.parametrize("axis", ["X", "Y", "Z"])
+@pytest.mark.parametrize(
+    ("kind", "volume", "extent"),
+    [
+        ("Sphere", 4 / 3 * np.pi, (1, 1, 1)),
+        ("Cube", 8.0, (1, 1, 1)),
+        ("Cone", np.pi * 2 / 3, (1, 1, 1)),
+        ("Cylinder", np.pi * 2, (1, 1, 1)),
+        ("Cylinder_1", np.pi * 2 * (0.25 + 0.5 + 1) / 3, (1, 1, 1)),
+        ("Capsule", np.pi * 0.25 * 1 + np.pi / 6, (0.5, 0.5, 1)),
+    ],
+)
+def test_implicit_shapes_have_their_volume_size_and_orientation(kind, volume, extent, axis):
+    shot = Shot()
+    prim = shot.stage.DefinePrim("/Shape", kind)
+    if kind == "Cylinder_1":
+        prim.GetAttribute("radiusBottom").Set(1.0)
+        prim.GetAttribute("radiusTop").Set(0.5)
+    if prim.GetAttribute("axis"):
+        prim.GetAttribute("axis").Set(axis)
+    mesh = shot.read().scene.meshes["/Shape"]
+    assert signed_volume(mesh) == pytest.approx(volume, rel=0.01)
+    assert not mesh["left_handed"]
+    found = np.abs(mesh["points"][0][1]).max(axis=0)
+    shift = {"X": 1, "Y": 2, "Z": 0}[axis]
+    assert found == pytest.approx(np.roll(extent, shift), abs=1e-6)
+
+
+def test_implicit_shapes_agree_with_usds_extents():
+    shot = Shot()
+    for kind in IMPLICIT_TYPES:
+        prim = shot.stage.DefinePrim(f"/{kind}", kind)
+        for axis in ("X", "Y", "Z"):
+            if prim.GetAttribute("axis"):
+                prim.GetAttribute("axis").Set(axis)
+            for parameter, value in (("width", 3.0), ("length", 5.0), ("height", 7.0)):
+                if prim.GetAttribute(parameter):
+                    prim.GetAttribute(parameter).Set(value)
+            points = shot.read().scene.meshes[f"/{kind}"]["points"][0][1]
+            extent = np.array(UsdGeom.Boundable.ComputeExtentFromPlugins(UsdGeom.Boundable(prim), 10.0))
+            # Capsule_1 of USD bounds its caps by the larger radius: equal here, both are 0.5.
+            assert np.abs(points.min(axis=0) - extent[0]).max() < 1e-5, (kind, axis)
+            assert np.abs(points.max(axis=0) - extent[1]).max() < 1e-5, (kind, axis)
+
+
+def test_topology_orientation_and_holes_arrive_as_authored():
+    shot = Shot()
+    mesh = shot.mesh("/Mesh")
+    mesh.CreateOrientationAttr("leftHanded")
+    mesh.CreateHoleIndicesAttr([0])
+    recorded = shot.read().scene.meshes["/Mesh"]
+    assert recorded["left_handed"] and recorded["hole_indices"].tolist() == [0]
+    assert recorded["face_vertex_counts"].tolist() == [4]
+
+
+def test_vt_arrays_are_not_copied():
+    shot = Shot()
+    shot.mesh("/Mesh")
+    assert not shot.read().scene.meshes["/Mesh"]["points"][0][1].flags.owndata
+
+
+def test_subdivision_is_drawn_as_polygons_with_one_warning():
+    shot = Shot()
+    for index in range(3):
+        shot.mesh(f"/Mesh_{index}").CreateSubdivisionSchemeAttr("catmullClark")
+    result = shot.read()
+    assert {mesh["computed_normals"] for mesh in result.scene.meshes.values()} == {"smooth"}
+    (warning,) = messages(result, "warning")
+    assert warning.startswith("/Mesh_0.subdivisionScheme: 'catmullClark' is not supported yet")
+    assert warning.endswith("(and 2 more prims)")
+
+
+def test_authored_normals_and_the_primvar_before_them():
+    shot = Shot()
+    mesh = shot.mesh("/Mesh")
+    mesh.CreateNormalsAttr([(0, 0, 1)] * 4)
+    mesh.SetNormalsInterpolation("vertex")
+    recorded = shot.read().scene.meshes["/Mesh"]
+    assert recorded["normals_interpolation"] == "vertex" and len(recorded["normals"][0][1]) == 4
+    primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+        "normals", Sdf.ValueTypeNames.Normal3fArray, "faceVarying"
+    )
+    primvar.Set([(0, 1, 0), (1, 0, 0)])
+    primvar.SetIndices([0, 1, 1, 0])
+    recorded = shot.read().scene.meshes["/Mesh"]
+    assert recorded["normals_interpolation"] == "faceVarying"
+    assert recorded["normals_indices"].tolist() == [0, 1, 1, 0]
+
+
+@pytest.mark.parametrize("interpolation", ["constant", "uniform", "varying", "vertex", "faceVarying"])
+def test_primvars_of_every_interpolation_indexed_and_inherited(interpolation):
+    shot = Shot()
+    mesh = shot.mesh("/Parent/Mesh")
+    colour = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+        "displayColor", Sdf.ValueTypeNames.Color3fArray, interpolation
+    )
+    colour.Set([(1, 0, 0), (0, 1, 0)])
+    colour.SetIndices([1])
+    opacity = UsdGeom.PrimvarsAPI(shot.stage.GetPrimAtPath("/Parent"))
+    opacity.CreatePrimvar("displayOpacity", Sdf.ValueTypeNames.FloatArray, "constant").Set([0.5])
+    recorded = shot.read().scene.meshes["/Parent/Mesh"]
+    name, values, indices = recorded["display_color"]
+    assert (name, values.tolist(), indices.tolist()) == (interpolation, [[1, 0, 0], [0, 1, 0]], [1])
+    name, values, indices = recorded["display_opacity"]
+    assert (name, values.tolist(), indices) == ("constant", [0.5], None)
+
+
+def test_values_are_read_at_the_frame_not_at_default():
+    shot = Shot()
+    colour = shot.mesh("/Mesh").CreateDisplayColorAttr([(1, 0, 0)])
+    colour.Set([(0, 1, 0)], 10.0)
+    assert shot.read().scene.meshes["/Mesh"]["display_color"][1].tolist() == [[0, 1, 0]]
+
+
+def test_purposes_are_those_of_usdrecord():
+    shot = Shot()
+    for purpose in ("default", "render", "proxy", "guide"):
+        UsdGeom.Xform.Define(shot.stage, f"/{purpose}").CreatePurposeAttr(purpose)
+        shot.mesh(f"/{purpose}/Mesh")
+    shot.mesh("/render/Own").CreatePurposeAttr("proxy")
+    assert set(shot.read().scene.meshes) == {"/default/Mesh", "/proxy/Mesh", "/render/Own"}
+    assert set(shot.read(purposes=("render",)).scene.meshes) == {"/default/Mesh", "/render/Mesh"}
+
+
+def test_visibility_at_the_frame():
+    shot = Shot()
+    parent = UsdGeom.Xform.Define(shot.stage, "/Parent")
+    shot.mesh("/Parent/Mesh")
+    visibility = parent.CreateVisibilityAttr()
+    visibility.Set("invisible", 0.0)
+    visibility.Set("inherited", 10.0)
+    visibility.Set("invisible", 12.0)
+    assert "/Parent/Mesh" in shot.read(11.0).scene.meshes
+    assert shot.read(9.0).scene.meshes == {}
+
+
+def preview_material(shot: Shot, path: str = "/Material") -> UsdShade.Shader:
+    material = UsdShade.Material.Define(shot.stage, path)
+    shader = UsdShade.Shader.Define(shot.stage, f"{path}/Surface")
+    shader.CreateIdAttr("UsdPreviewSurface")
+    material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
+    return shader
+
+
+def bind(shot: Shot, prim, path: str = "/Material") -> None:
+    UsdShade.MaterialBindingAPI.Apply(prim).Bind(UsdShade.Material.Get(shot.stage, path))
+
+
+def test_constants_of_a_preview_surface_through_the_material_interface():
+    shot = Shot()
+    shader = preview_material(shot)
+    public = UsdShade.Material.Get(shot.stage, "/Material").CreateInput("tint", Sdf.ValueTypeNames.Color3f)
+    public.Set(Gf.Vec3f(0.25, 0.5, 0.75))
+    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(public)
+    shader.CreateInput("emissiveColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(1, 2, 3))
+    shader.CreateInput("opacity", Sdf.ValueTypeNames.Float).Set(0.5)
+    shader.CreateInput("opacityThreshold", Sdf.ValueTypeNames.Float).Set(0.25)
+    for name in ("/A", "/B"):
+        bind(shot, shot.mesh(name).GetPrim())
+    result = shot.read()
+    assert result.scene.materials == [
+        {
+            "name": "/Material",
+            "diffuse_color": (0.25, 0.5, 0.75),
+            "diffuse_from_display_color": False,
+            "emissive_color": (1, 2, 3),
+            "opacity": 0.5,
+            "opacity_from_display_opacity": False,
+            "opacity_threshold": 0.25,
+        }
+    ]
+    assert [mesh["material"] for mesh in result.scene.meshes.values()] == [0, 0]
+    assert not messages(result, "warning")
+
+
+def test_a_reader_of_display_color_is_drawn_and_a_texture_falls_back_with_a_warning():
+    shot = Shot()
+    shader = preview_material(shot)
+    reader = UsdShade.Shader.Define(shot.stage, "/Material/Reader")
+    reader.CreateIdAttr("UsdPrimvarReader_float3")
+    reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("displayColor")
+    diffuse = shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f)
+    diffuse.ConnectToSource(reader.CreateOutput("result", Sdf.ValueTypeNames.Float3))
+    texture = UsdShade.Shader.Define(shot.stage, "/Material/Texture")
+    texture.CreateIdAttr("UsdUVTexture")
+    texture.CreateInput("fallback", Sdf.ValueTypeNames.Float4).Set(Gf.Vec4f(0.5, 0.25, 0, 1))
+    emissive = shader.CreateInput("emissiveColor", Sdf.ValueTypeNames.Color3f)
+    emissive.ConnectToSource(texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3))
+    bind(shot, shot.mesh("/Mesh").GetPrim())
+    result = shot.read()
+    (material,) = result.scene.materials
+    assert material["diffuse_from_display_color"] and material["emissive_color"] == (0.5, 0.25, 0)
+    (warning,) = messages(result, "warning")
+    assert warning == (
+        "/Material/Surface.inputs:emissiveColor: connected to a UsdUVTexture, which is not evaluated yet; "
+        "drawn as (0.5, 0.25, 0)"
+    )
+
+
+def test_another_renderers_material_leaves_a_warning_and_display_color():
+    shot = Shot()
+    preview_material(shot).CreateIdAttr("SomeoneElses")
+    bind(shot, shot.mesh("/Mesh").GetPrim())
+    result = shot.read()
+    assert result.scene.meshes["/Mesh"]["material"] is None
+    assert any("found a surface shader 'SomeoneElses'" in message for message in messages(result, "warning"))
+
+
+def test_subsets_with_materials_of_their_own_split_a_mesh():
+    shot = Shot()
+    mesh = shot.mesh("/Mesh", [(x, y, 0) for y in range(2) for x in range(4)])
+    mesh.GetFaceVertexCountsAttr().Set([4, 4, 4])
+    mesh.GetFaceVertexIndicesAttr().Set([0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6])
+    for name, faces in (("One", [0]), ("Two", [2, 99])):
+        preview_material(shot, f"/{name}")
+        subset = UsdGeom.Subset.CreateGeomSubset(mesh, name, "face", faces, "materialBind")
+        bind(shot, subset.GetPrim(), f"/{name}")
+    result = shot.read()
+    shown = {
+        mesh["material"]: sorted({0, 1, 2} - set(mesh["hole_indices"].tolist()))
+        for mesh in result.scene.meshes.values()
+    }
+    assert shown == {0: [0], 1: [2], None: [1]}
+    assert messages(result, "warning") == ["/Mesh/Two.indices: found 1 indices outside 0 to 2; left out"]
+
+
+def test_what_is_not_supported_is_named_once_a_type():
+    shot = Shot()
+    for index in range(4):
+        shot.stage.DefinePrim(f"/Curve_{index}", "BasisCurves")
+    shot.stage.DefinePrim("/Cloud", "Points")
+    shot.stage.DefinePrim("/Smoke", "Volume")
+    shot.stage.DefinePrim("/Patch", "NurbsPatch")
+    shot.stage.DefinePrim("/Alien", "ProprietaryThing")
+    mesh = shot.mesh("/Skinned")
+    UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("skel:jointIndices", Sdf.ValueTypeNames.IntArray).Set([0])
+    warnings = messages(shot.read(), "warning")
+    assert (
+        "/Curve_0: prims of type BasisCurves are not supported yet; not drawn (and 3 more prims)" in warnings
+    )
+    for text in (
+        "/Cloud: prims of type Points",
+        "/Smoke: prims of type Volume",
+        "/Patch: prims of type NurbsPatch",
+    ):
+        assert any(warning.startswith(text) for warning in warnings)
+    assert "/Alien: prim type 'ProprietaryThing' is unknown; not drawn" in warnings
+    assert any("/Skinned.primvars:skel:jointIndices: skinning is not supported yet" in w for w in warnings)
+    assert len(warnings) == 6
