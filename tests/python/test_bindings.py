@@ -1,0 +1,277 @@
+"""msbvh._core on its own: arrays, errors, threads and signals. What is rendered is the business of other tests."""
+
+from __future__ import annotations
+
+import gc
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from msbvh import _core
+
+QUAD = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
+IDENTITY = np.eye(4)
+
+
+def translation(x: float, y: float, z: float) -> np.ndarray:
+    """[4, 4], row vectors."""
+    matrix = np.eye(4)
+    matrix[3, :3] = (x, y, z)
+    return matrix
+
+
+def translator(**changes: Any) -> _core.Translator:
+    """A camera 5 above the plane z = 0 that sees 10 x 10 units of it."""
+    camera: dict[str, Any] = {
+        "path": "/cam",
+        "projection": "perspective",
+        "times01": np.array([0.0]),
+        "world_from_camera": translation(0, 0, 5)[None],
+        "windows": np.array([[-1, 1, -1, 1]], np.float32),
+        "near_clip": 0.1,
+        "far_clip": 100.0,
+        "width": 64,
+        "height": 64,
+    }
+    return _core.Translator(**(camera | changes))
+
+
+def mesh(**changes: Any) -> dict[str, Any]:
+    """A still quad, 2 x 2 units in the plane z = 0."""
+    arguments: dict[str, Any] = {
+        "path": "/quad",
+        "face_vertex_counts": np.array([4], np.int32),
+        "face_vertex_indices": np.arange(4, dtype=np.int32),
+        "left_handed": False,
+        "points": [(0.0, QUAD)],
+        "points_held": False,
+        "transform_times01": np.array([0.0]),
+        "transforms": IDENTITY[None],
+        "normals_interpolation": "vertex",
+        "computed_normals": "faceted",
+    }
+    return arguments | changes
+
+
+def quad_scene() -> _core.Scene:
+    """The quad, white, under a white dome."""
+    builder = translator()
+    builder.add_mesh(**mesh(display_color=("constant", np.ones((1, 3), np.float32), None)))
+    builder.add_light(
+        name="/dome",
+        kind="dome",
+        radiance=(1.0, 1.0, 1.0),
+        angle_degrees=0.0,
+        radius=0.0,
+        width=0.0,
+        height=0.0,
+        times01=np.array([0.0]),
+        world_from_light=IDENTITY[None],
+    )
+    return builder.finish()
+
+
+def test_a_scene_is_translated_and_rendered() -> None:
+    builder = translator()
+    builder.add_mesh(
+        **mesh(transform_times01=np.array([0.0, 1.0]), transforms=np.stack([IDENTITY, translation(1, 0, 0)]))
+    )
+    prototype = builder.begin_prototype("/prototype")
+    builder.add_prototype_mesh(prototype, **mesh(path="/prototype/quad"))
+    builder.add_instances(
+        path="/instances", prototype=prototype, times01=np.array([0.0]), matrices=np.tile(IDENTITY, (1, 3, 1, 1))
+    )
+    assert not builder.empty
+    assert builder.diagnostics() == []
+    moving = next(track for track in builder.tracks() if track.path == "/quad")
+    assert (moving.segments, moving.moving_transform) == (1, True)
+    scene = builder.finish()
+    assert builder.empty
+    assert scene.statistics() == {"meshes": 2, "triangles": 4, "keys": 2 + 2 + 3, "instances": 4, "lights": 0}
+
+    renderer = _core.Renderer(scene, width=32, height=16, spp=4)
+    image = renderer.render()
+    assert (image.shape, image.dtype) == ((16, 32, 4), np.float32)
+    assert ("moving instances", "/quad", "1 segment") in renderer.plan
+    assert renderer.statistics["camera_rays"] == 32 * 16 * 4
+    assert renderer.statistics["accel"]["triangles"] == 4
+
+
+def test_alpha_is_the_quad_and_the_picture_outlives_its_renderer() -> None:
+    image = _core.Renderer(quad_scene(), width=50, height=50, spp=16).render()
+    gc.collect()
+    assert image[..., 3].mean() == pytest.approx(2 * 2 / (10 * 10), abs=1e-3)
+    assert image[25, 25, 3] == 1.0
+    assert image[5, 5].tolist() == [1.0, 1.0, 1.0, 0.0]  # the dome behind it, seen but not covered
+
+
+def test_motion_moves_the_picture() -> None:
+    """The quad crosses its own width: a ramp from 0 to 1 and back, of the quad's area."""
+    builder = translator()
+    builder.add_mesh(**mesh(points=[(0.0, QUAD - np.float32([1, 0, 0])), (1.0, QUAD + np.float32([1, 0, 0]))]))
+    image = _core.Renderer(builder.finish(), width=40, height=40, spp=256).render()
+    row = image[20, :, 3]
+    assert row.sum() == pytest.approx(8.0, rel=0.01)  # 2 units at 4 pixels a unit
+    centres = (np.arange(40) + 0.5) / 4 - 5
+    assert row == pytest.approx(np.clip(1 - np.abs(centres) / 2, 0, 1), abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("changes", "error", "message"),
+    [
+        ({"points": [(0.0, QUAD.astype(np.float64))]}, TypeError, r"points\[0\]\[1\]: found float64 .*float32"),
+        ({"points": [(0.0, QUAD[:, :2].copy())]}, ValueError, r"points\[0\]\[1\]: found .*\(4, 2\)"),
+        ({"points": [(0.0, np.asfortranarray(QUAD))]}, ValueError, "strides"),
+        ({"points": QUAD}, TypeError, "points: found"),
+        ({"face_vertex_counts": [4]}, TypeError, "face_vertex_counts: found list"),
+        ({"face_vertex_counts": np.array([4])}, TypeError, "face_vertex_counts: found int64"),
+        ({"transforms": IDENTITY}, ValueError, r"transforms: found .*\(4, 4\).*\[1, 4, 4\]"),
+        ({"display_color": ("constant", np.zeros(3, np.float32), None)}, ValueError, r"display_color\[1\]"),
+        ({"display_opacity": np.zeros(1, np.float32)}, TypeError, "display_opacity: found"),
+        ({"computed_normals": "round"}, ValueError, 'computed_normals: found "round"; expected faceted'),
+        ({"left_handed": "no"}, TypeError, "left_handed: found str; expected a bool"),
+        ({"material": -1}, TypeError, "material: found int"),
+        ({"colour": 1}, TypeError, "no keyword argument colour"),
+    ],
+)
+def test_an_argument_that_does_not_fit_is_named(
+    changes: dict[str, Any], error: type[Exception], message: str
+) -> None:
+    builder = translator()
+    with pytest.raises(error, match=message):
+        builder.add_mesh(**mesh(**changes))
+    assert builder.empty
+
+
+def test_a_missing_argument_is_named() -> None:
+    arguments = mesh()
+    del arguments["points"]
+    with pytest.raises(TypeError, match=r"add_mesh\(\) misses the keyword argument points"):
+        translator().add_mesh(**arguments)
+
+
+def test_bad_data_is_a_diagnostic_and_bad_settings_an_error() -> None:
+    builder = translator()
+    builder.add_mesh(**mesh(face_vertex_counts=np.array([5], np.int32)))
+    (diagnostic,) = builder.diagnostics()
+    assert (diagnostic.severity, diagnostic.path) == ("error", "/quad")
+    assert diagnostic.attribute == "faceVertexCounts"
+    assert "add up to 5" in diagnostic.message
+    with pytest.raises(_core.Error, match="/cam: clippingRange"):
+        translator(near_clip=0.0)
+    with pytest.raises(_core.Error, match="width: found 0"):
+        _core.Renderer(quad_scene(), width=0, height=8)
+    with pytest.raises(ValueError, match='builder: found "bvh"'):
+        _core.Renderer(quad_scene(), width=8, height=8, builder="bvh")
+
+
+def test_empty_meshes_are_counted() -> None:
+    builder = translator()
+    nothing = np.zeros(0, np.int32)
+    builder.add_mesh(**mesh(face_vertex_counts=nothing, face_vertex_indices=nothing, points=[]))
+    assert (builder.empty_meshes, builder.diagnostics(), builder.empty) == (1, [], True)
+
+
+def test_arrays_are_neither_copied_nor_kept() -> None:
+    points = np.tile(QUAD, (250_000, 1))
+    points.flags.writeable = False  # as Vt arrays are
+    references = sys.getrefcount(points)
+    builder = translator()
+    builder.add_mesh(**mesh(points=[(0.0, points)]))
+    assert builder.diagnostics() == []
+    assert sys.getrefcount(points) == references
+
+
+def test_progress_is_called_on_the_calling_thread_while_others_run() -> None:
+    calls: list[tuple[float, int]] = []
+    ticks = 0
+    finished = threading.Event()
+
+    def count() -> None:
+        nonlocal ticks
+        while not finished.wait(0.001):
+            ticks += 1
+
+    other = threading.Thread(target=count)
+    other.start()
+    renderer = _core.Renderer(quad_scene(), width=256, height=256, spp=128, threads=1)
+    renderer.render(lambda done: calls.append((done, threading.get_ident())))
+    finished.set()
+    other.join()
+    assert ticks > 10  # the GIL was free
+    assert {thread for _, thread in calls} == {threading.get_ident()}
+    assert [done for done, _ in calls] == sorted(done for done, _ in calls)
+    assert 0.0 <= calls[0][0] <= calls[-1][0] <= 1.0
+
+
+def test_an_exception_in_progress_stops_the_render() -> None:
+    renderer = _core.Renderer(quad_scene(), width=1024, height=1024, spp=4096)
+    start = time.monotonic()
+
+    def stop(done: float) -> None:
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        renderer.render(stop)
+    assert time.monotonic() - start < 10  # the whole would take minutes
+
+
+INTERRUPTED = """
+import os, signal, sys, threading
+sys.path.insert(0, {tests!r})
+from test_bindings import _core, large_scene, quad_scene
+work = {{
+    "render": lambda: _core.Renderer(quad_scene(), width=2048, height=2048, spp=4096).render,
+    "build": lambda: (lambda scene: lambda: _core.Renderer(scene, width=8, height=8))(large_scene()),
+}}[{work!r}]()
+threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()
+try:
+    work()
+except KeyboardInterrupt:
+    sys.exit(42)
+"""
+
+
+def large_scene() -> _core.Scene:
+    """A million triangles that deform, which take seconds to build."""
+    count = 500_000
+    rng = np.random.default_rng(1)
+    quads = (QUAD * np.float32(0.01) + rng.uniform(-5, 5, (count, 1, 3)).astype(np.float32)).reshape(-1, 3)
+    builder = translator()
+    builder.add_mesh(
+        **mesh(
+            face_vertex_counts=np.full(count, 4, np.int32),
+            face_vertex_indices=np.arange(4 * count, dtype=np.int32),
+            points=[(0.0, quads), (1.0, quads + np.float32(0.1))],
+        )
+    )
+    return builder.finish()
+
+
+@pytest.mark.parametrize("work", ["render", "build"])
+def test_ctrl_c_stops_long_work(work: str) -> None:
+    code = INTERRUPTED.format(tests=str(Path(__file__).parent), work=work)
+    start = time.monotonic()
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 42, done.stderr
+    assert time.monotonic() - start < 60
+
+
+def test_transform_deviation() -> None:
+    times = np.array([0.0, 0.5, 1.0])
+    straight = np.stack([translation(x, 0, 0) for x in (0, 1, 2)])
+    assert _core.transform_deviation(times, straight, (-1, -1, -1), (1, 1, 1)) == 0.0
+    straight[1, 3, 0] = 1.5
+    assert _core.transform_deviation(times, straight, (-1, -1, -1), (1, 1, 1)) == pytest.approx(0.25)
+
+
+def test_instruction_sets() -> None:
+    names = _core.supported_instruction_sets()
+    assert names
+    assert set(names) <= {"sse4", "avx2", "avx3"}

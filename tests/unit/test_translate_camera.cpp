@@ -1,0 +1,190 @@
+// The camera's track and its checks, and lights.
+#include <cmath>
+#include <doctest/doctest.h>
+#include <limits>
+
+#include "core/base/error.h"
+#include "core/motion/affine_track.h"
+#include "core/scene/scene.h"
+#include "delegate/translate/translator.h"
+#include "tests/unit/translate_inputs.h"
+
+using namespace msbvh;
+using namespace msbvh::translate;
+using namespace msbvh::translate::testing;
+
+namespace {
+
+CameraInput moving_camera(const Motion& motion, const std::vector<double>& times01) {
+  CameraInput camera = camera_at({});
+  camera.samples.clear();
+  for (const double time01 : times01)
+    camera.samples.push_back({time01, row_vector_matrix(motion(time01)), {}});
+  return camera;
+}
+
+Camera fitted(const CameraInput& input) { return Translator(input, settings_of()).finish()->camera; }
+
+// One line that names the camera and `found`.
+void check_throws(const CameraInput& camera, const TranslatorSettings& settings, const std::string& found) {
+  try {
+    Translator translator(camera, settings);
+    FAIL("accepted");
+  } catch (const Error& error) {
+    const std::string what = error.what();
+    INFO(what);
+    CHECK(what.find(found) != std::string::npos);
+    CHECK(what.find("expected") != std::string::npos);
+    CHECK(what.find('\n') == std::string::npos);
+  }
+}
+
+LightInput light_of(LightKind kind, const TransformSamples& transform) {
+  LightInput input;
+  input.light.name = "/light";
+  input.light.kind = kind;
+  input.world_from_light = transform;
+  return input;
+}
+
+}  // namespace
+
+TEST_SUITE("translate: camera") {
+  TEST_CASE("a camera that stands still has one key at the frame's origin, however often it is sampled") {
+    const Camera camera = fitted(moving_camera(
+        [](double) {
+          return translation({5, 6, 1e7});
+        },
+        uniform_times(16)));
+    CHECK(camera.segments == 0);
+    CHECK(camera.world_from_camera.at(0) == Affine3f{});
+  }
+
+  TEST_CASE("the origin is the camera at the shutter's centre") {
+    const Camera camera = fitted(moving_camera(
+        [](double u) {
+          return translation({1e7 + 2 * u, 0, 0});
+        },
+        {0.0, 1.0}));
+    CHECK(camera.segments == 1);
+    CHECK(camera.world_from_camera.at(0).t == Vec3f{-1, 0, 0});
+    CHECK(camera.world_from_camera.at(1).t == Vec3f{1, 0, 0});
+  }
+
+  TEST_CASE("a rolling camera is followed within a tenth of the tolerance") {
+    const auto roll = [](double u) { return rotation(20 * u); };
+    const Camera camera = fitted(moving_camera(roll, uniform_times(128)));
+    CHECK(camera.segments >= 4);
+    CHECK(camera.segments <= 64);
+    double worst = 0.0;
+    for (int i = 0; i <= 128; ++i) {  // the front-end's own samples
+      const double u = i / 128.0;
+      const Affine3d found(evaluate(camera.world_from_camera, camera.segments, float(u)));
+      // The image's corner, at infinity.
+      const Vec3d seen = inverse(found).vector(roll(u).vector({1, 1, -1}));
+      worst = std::max(worst, 500 * length(seen * (-1 / seen.z) - Vec3d{1, 1, -1}));
+    }
+    CHECK(worst <= 0.01 + 1e-4);  // single-precision matrices: 500 pixels * 2^-23
+  }
+
+  TEST_CASE("a zoom moves the window alone") {
+    CameraInput input = camera_at({});
+    input.samples.push_back(input.samples[0]);
+    input.samples[1].time01 = 1.0;
+    input.samples[1].window = {-2, 2, -2, 2};
+    const Camera camera = fitted(input);
+    CHECK(camera.segments == 1);
+    CHECK(camera.window.at(1).left == -2.0f);
+  }
+
+  TEST_CASE("cameras and settings that cannot be used throw one line") {
+    CameraInput camera = camera_at({});
+    TranslatorSettings settings = settings_of();
+    SUBCASE("no samples") {
+      camera.samples.clear();
+      check_throws(camera, settings, "/camera: shutter: no samples");
+    }
+    SUBCASE("singular") {
+      camera.samples[0].world_from_camera[0] = 0.0;
+      check_throws(camera, settings, "/camera: xformOpOrder");
+    }
+    SUBCASE("NaN") {
+      camera.samples[0].world_from_camera[13] = std::numeric_limits<double>::quiet_NaN();
+      check_throws(camera, settings, "/camera: xformOpOrder");
+    }
+    SUBCASE("no aperture") {
+      camera.samples[0].window.right = -1.0f;
+      check_throws(camera, settings, "/camera: horizontalAperture");
+    }
+    SUBCASE("near behind far") {
+      camera.near_clip = 10;
+      camera.far_clip = 1;
+      check_throws(camera, settings, "/camera: clippingRange: found 10 to 1");
+    }
+    SUBCASE("a perspective camera that sees its own eye") {
+      camera.near_clip = 0;
+      check_throws(camera, settings, "/camera: clippingRange");
+    }
+    SUBCASE("no pixels") {
+      settings.width = 0;
+      check_throws(camera, settings, "image size: found 0 x");
+    }
+    SUBCASE("no tolerance") {
+      settings.motion_tolerance_pixels = std::numeric_limits<double>::quiet_NaN();
+      check_throws(camera, settings, "motion tolerance");
+    }
+    SUBCASE("segments that are no power of two") {
+      settings.max_segments = 100;
+      check_throws(camera, settings, "max_segments: found 100");
+    }
+  }
+}
+
+TEST_SUITE("translate: lights") {
+  TEST_CASE("lights move with the fewest keys; the direction of a distant one does not depend on its place") {
+    Translator translator(camera_at({}), settings_of());
+    const auto slide = [](double u) { return translation({1e9 * u, 0, -5}); };
+    translator.add_light(light_of(LightKind::kDistant, sampled(slide, {0.0, 1.0})));
+    translator.add_light(light_of(LightKind::kSphere, sampled(
+                                                          [](double u) {
+                                                            return translation({u, 0, -5});
+                                                          },
+                                                          {0.0, 1.0})));
+    translator.add_light(
+        light_of(LightKind::kDome, sampled([](double u) { return rotation(90 * u); }, uniform_times(64))));
+    CHECK(translator.diagnostics().empty());
+    const auto scene = translator.finish();
+    validate(*scene);
+    REQUIRE(scene->lights.size() == 3);
+    CHECK(scene->lights[0].segments == 0);
+    CHECK(scene->lights[1].segments == 1);
+    CHECK(scene->lights[1].world_from_light[1].t == Vec3f{1, 0, -5});
+    CHECK(scene->lights[2].segments >= 16);
+  }
+
+  TEST_CASE("lights that cannot be used are left out with an error") {
+    Translator translator(camera_at({}), settings_of());
+    LightInput dark = light_of(LightKind::kSphere, still());
+    dark.light.radius = -1;
+    translator.add_light(dark);
+    LightInput blazing = light_of(LightKind::kDome, still());
+    blazing.light.radiance.x = std::numeric_limits<float>::infinity();
+    translator.add_light(blazing);
+    translator.add_light(light_of(LightKind::kRect, {}));
+    CHECK(count(translator, Severity::kError, "inputs:radius") == 1);
+    CHECK(count(translator, Severity::kError, "inputs:intensity") == 1);
+    CHECK(count(translator, Severity::kError, "xformOpOrder") == 1);
+    CHECK(translator.finish()->lights.empty());
+  }
+
+  TEST_CASE("a material that is not finite becomes the default one and keeps its index") {
+    Translator translator(camera_at({}), settings_of());
+    Material broken;
+    broken.name = "/broken";
+    broken.opacity = std::numeric_limits<float>::quiet_NaN();
+    CHECK(translator.add_material(broken) == 0);
+    CHECK(translator.add_material({}) == 1);
+    CHECK(count(translator, Severity::kWarning, "inputs") == 1);
+    validate(*translator.finish());
+  }
+}
