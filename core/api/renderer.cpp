@@ -60,6 +60,11 @@ void add_meshes(const Scene& scene, const std::vector<std::uint32_t>& meshes, Ac
   for (const std::uint32_t mesh : meshes) accel.add_mesh(scene.meshes[mesh].shape);
 }
 
+// The builder asks only now and then, which for thousands of small trees is never.
+void stop_if_cancelled(const BuildSettings& settings) {
+  if (settings.cancelled && settings.cancelled()) throw Cancelled();
+}
+
 // One tree a prototype that has instances, null for the others.
 std::vector<std::shared_ptr<const Accel>> build_prototypes(const Scene& scene,
                                                            const BuildSettings& settings) {
@@ -69,6 +74,7 @@ std::vector<std::shared_ptr<const Accel>> build_prototypes(const Scene& scene,
   }
   parallel_for(accels.size(), [&](std::size_t i) {
     if (!accels[i]) return;
+    stop_if_cancelled(settings);
     add_meshes(scene, scene.prototypes[i].meshes, *accels[i]);
     accels[i]->commit(settings);
   });
@@ -78,6 +84,7 @@ std::vector<std::shared_ptr<const Accel>> build_prototypes(const Scene& scene,
 // Meshes and instances in the order that SceneIndex counts on.
 Accel build_world(const Scene& scene, const std::vector<std::shared_ptr<const Accel>>& prototypes,
                   const BuildSettings& settings) {
+  stop_if_cancelled(settings);
   Accel world;
   add_meshes(scene, scene.world_meshes, world);
   for (const InstanceSet& set : scene.instances) {
@@ -152,7 +159,7 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   data->plan = plan_effects(*data->scene, {.max_bounces = settings.max_bounces});
   data->build();
   data->frame.emplace(FrameContext{SceneIndex(*data->scene), LightSet(*data->scene),
-                                   Tracer(data->world->bvh()), settings.max_bounces});
+                                   Tracer(data->world->bvh()), settings.max_bounces, settings.show_domes});
   data_ = std::move(data);
 }
 

@@ -26,6 +26,7 @@ struct FrameContext {
   LightSet lights;
   Tracer tracer;
   std::uint32_t max_bounces;  // 0: direct light only
+  bool show_domes;            // camera rays that meet nothing see the dome
 };
 
 struct PathResult {
@@ -44,7 +45,7 @@ class PathTracer {
     for (std::uint32_t depth = 0;; ++depth) {
       SurfacePoint surface;
       if (!find_surface(ray, depth, surface)) {
-        result.radiance += throughput * frame_.lights.dome_radiance;
+        if (depth > 0 || frame_.show_domes) result.radiance += throughput * frame_.lights.dome_radiance;
         return result;
       }
       if (depth == 0) result.alpha = 1.0f;

@@ -1,5 +1,7 @@
 #include "core/shade/surface.h"
 
+#include <algorithm>
+
 #include "core/motion/affine_track.h"
 #include "core/scene/opacity.h"
 #include "core/shade/primvar.h"
@@ -7,14 +9,16 @@
 namespace msbvh {
 namespace {
 
-// Error bounds count roundings of 2^-24, relative to the largest coordinate of the triangle's vertices at the
-// two keys around the time, and are rounded up to a power of two.
+// Error bounds count roundings of 2^-24 and are rounded up to a power of two.
 //
-// The tracer's triangle against ours, in the mesh's own space: 2 x 4 for the interpolation of the vertices,
-// whose last two operations the tracer may fuse (core/base/lerp.h); 2 x 6 for its test, which subtracts the
-// ray's origin (a difference up to twice as large), shears and scales; 3 for rounding the position, the moved
-// origin, and that origin in an instance's space. In all 23.
-constexpr double kTriangleError = 32 * 0x1p-24;
+// Relative to the largest coordinate, by axis, of the triangle's vertices at the two keys around the time:
+// 2 x 4 for their interpolation, whose last two operations the tracer may fuse (core/base/lerp.h); 3 for
+// rounding the position, the moved origin, and that origin in an instance's space. In all 11.
+constexpr double kVertexError = 16 * 0x1p-24;
+// Relative to the triangle's extent on any axis, since the test works on differences to the ray's origin and
+// its shear mixes the axes: 1 for the difference, 3 for the shear, 5 for the distance. In all 9. Never 0, so
+// that a ray does not start in the plane of a triangle that lies in a plane of coordinates.
+constexpr double kTestError = 16 * 0x1p-24;
 // A point's way out of an instance, relative to the sum of the sizes of its terms: 2 x 4 for the
 // interpolation of the matrix on either side, 2 for rounding the position and the moved origin. In all 10.
 // The tracer inverts and applies the matrix in double precision, so that the way in adds nothing.
@@ -24,6 +28,14 @@ constexpr double kTransformError = 16 * 0x1p-24;
 struct TrianglePose {
   Vec3d vertex[3];
   Vec3d size;  // by axis, the largest coordinate at the keys around the time
+
+  // How far the tracer's triangle may be from this one.
+  Vec3d margin() const {
+    const Vec3d extent =
+        max(max(vertex[0], vertex[1]), vertex[2]) - min(min(vertex[0], vertex[1]), vertex[2]);
+    const double test = kTestError * std::max({extent.x, extent.y, extent.z});
+    return size * kVertexError + Vec3d{test, test, test};
+  }
 };
 
 TrianglePose pose_at(const TriangleMesh& shape, std::uint32_t triangle, float time) {
@@ -61,7 +73,7 @@ struct InstancePose {
 
 // The triangle's own bound carried to the world, and that of the way there.
 Vec3d instanced_margin(const TrianglePose& triangle, const InstancePose& instance) {
-  return instance.size.vector(triangle.size * (kTriangleError + kTransformError)) +
+  return instance.size.vector(triangle.margin() + triangle.size * kTransformError) +
          instance.size.t * kTransformError;
 }
 
@@ -109,7 +121,7 @@ SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& 
     set_normals(source, hit, ray, instance.world_from_object, cross(edge1, edge2), surface);
   } else {
     surface.position = Vec3f(in_object);
-    surface.self_hit_margin = Vec3f(triangle.size * kTriangleError);
+    surface.self_hit_margin = Vec3f(triangle.margin());
     set_normals(source, hit, ray, Affine3d{}, cross(edge1, edge2), surface);
   }
   const Material* material = material_of(scene, *source.mesh);

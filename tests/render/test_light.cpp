@@ -1,0 +1,165 @@
+// Radiance against closed forms.
+#include "tests/render/pictures.h"
+
+namespace msbvh {
+namespace {
+using namespace pictures;
+
+const RenderSettings kSmall{.width = 32, .height = 32, .spp = 16, .max_bounces = 0, .build = {}};
+
+Affine3f posed_cube(const Vec3f& place) { return {{8, 3, 2}, {-3, 7, 4}, {1, -4, 8}, place}; }
+
+// Furnace: nothing hides the dome from a convex body, so that each of its samples has the radiance albedo *
+// dome, and all others see the dome itself. No variance: one ray that hits its own surface shows.
+void check_furnace(const Scene& scene, const RenderSettings& settings) {
+  const Image image = render(scene, settings);
+  double coverage = 0;
+  for (std::uint32_t y = 0; y < image.height; ++y) {
+    for (std::uint32_t x = 0; x < image.width; ++x) {
+      const float alpha = channel(image, x, y, kAlpha);
+      coverage += alpha;
+      CHECK(channel(image, x, y, 0) == doctest::Approx(0.5 * 2.0 * alpha + 2.0 * (1 - alpha)).epsilon(1e-5));
+      CHECK(channel(image, x, y, 1) == doctest::Approx(0.25 * alpha + (1 - alpha)).epsilon(1e-5));
+    }
+  }
+  CHECK(coverage > 0.2 * image.width * image.height);
+  CHECK(coverage < 0.9 * image.width * image.height);
+}
+
+TEST_CASE("furnace: a convex body in a constant dome") {
+  Mesh body = cube();
+  body.display_color.values = {{0.5f, 0.25f, 0.1f}};
+  Scene scene;
+  scene.camera = pixel_camera(32, 32);
+  scene.lights = {dome({2, 1, 0})};
+  RenderSettings settings = kSmall;
+  SUBCASE("still") { add(scene, baked(body, {posed_cube({16, 16, 0})})); }
+  SUBCASE("moving vertices") {
+    add(scene, baked(body, {posed_cube({10, 16, 0}), posed_cube({16, 16, 0}), posed_cube({20, 20, 5})}));
+  }
+  SUBCASE("moving instance") {
+    add_instance(scene, body, {posed_cube({10, 16, 0}), posed_cube({22, 16, 0})});
+  }
+  SUBCASE("the bounce meets the dome") {
+    settings.max_bounces = 3;
+    add(scene, baked(body, {posed_cube({16, 16, 0})}));
+  }
+  SUBCASE("1e4 away") {
+    const Vec3f far{1e4f, -1e4f, 1e4f};
+    scene.camera.world_from_camera[0].t += far;
+    add_instance(scene, body, {posed_cube(far + Vec3f{10, 16, 0}), posed_cube(far + Vec3f{22, 16, 0})});
+  }
+  check_furnace(scene, settings);
+}
+
+TEST_CASE("furnace: in a closed, emitting room every bounce adds the albedo's next power") {
+  Scene scene;
+  scene.camera = pixel_camera(32, 32);
+  scene.camera.projection = Projection::kPerspective;
+  scene.camera.world_from_camera = {translation({0.1f, 0.2f, 0.3f})};
+  scene.camera.window = {{-1, 1, -1, 1}};
+  Mesh room = baked(cube(), {Affine3f{{8, 3, 2}, {-3, 7, 4}, {1, -4, 8}, {}}});
+  room.material = 0;
+  scene.materials.resize(1);
+  scene.materials[0].diffuse_color = {0.5f, 0.25f, 0.0f};
+  scene.materials[0].emissive_color = {1, 2, 3};
+  add(scene, room);
+  for (const std::uint32_t bounces : {0u, 1u, 4u}) {
+    RenderSettings settings = kSmall;
+    settings.max_bounces = bounces;
+    const Image image = render(scene, settings);
+    double red = 0, green = 0;
+    for (std::uint32_t i = 0; i <= bounces; ++i) {
+      red += std::pow(0.5, i);
+      green += 2 * std::pow(0.25, i);
+    }
+    for (std::uint32_t i = 0; i < 32 * 32; ++i) {
+      REQUIRE(image.rgba[4 * i] == doctest::Approx(red).epsilon(1e-5));
+      REQUIRE(image.rgba[4 * i + 1] == doctest::Approx(green).epsilon(1e-5));
+      REQUIRE(image.rgba[4 * i + 2] == 3.0f);
+      REQUIRE(image.rgba[4 * i + kAlpha] == 1.0f);
+    }
+  }
+}
+
+TEST_CASE("the camera light shows the albedo of what faces it, from either side of the surface") {
+  Scene scene;
+  scene.camera = pixel_camera(32, 32);
+  scene.camera.world_from_camera = {translation({0, 0, 1e6f})};
+  scene.camera.far_clip = 1e7f;
+  scene.lights = {camera_light()};
+  std::vector<Vec3f> corners = rectangle(-1, -1, 33, 33);
+  SUBCASE("front") {}
+  SUBCASE("back") { std::reverse(corners.begin(), corners.end()); }
+  add(scene, polygon({corners}));
+  scene.meshes[0].display_color.values = {{0.25f, 0.5f, 0.75f}};
+  const Image image = render(scene, kSmall);
+  CHECK(channel(image, 16, 16, 0) == doctest::Approx(0.25).epsilon(1e-5));
+  CHECK(channel(image, 16, 16, 1) == doctest::Approx(0.5).epsilon(1e-5));
+  CHECK(channel(image, 16, 16, 2) == doctest::Approx(0.75).epsilon(1e-5));
+}
+
+// A floor under a distant light without extent that comes from (1, 0, 1) / sqrt(2), and a blocker beside the
+// picture whose shadow falls on the part of the floor with x < 16 once it stands still, on a ramp when it
+// moves.
+Scene shadow_scene(const Mesh& blocker) {
+  Scene scene;
+  scene.camera = pixel_camera(32, 32);
+  Light sun;
+  sun.name = "/sun";
+  sun.angle_degrees = 0.0f;
+  const float h = std::sqrt(0.5f);
+  sun.world_from_light = {Affine3f{{h, 0, -h}, {0, 1, 0}, {h, 0, h}, {}}};
+  sun.radiance = {kPi, kPi, kPi};
+  scene.lights = {sun};
+  add(scene, polygon({rectangle(-100, -100, 200, 200)}));
+  scene.meshes[0].display_color.values = {{0.5f, 0.5f, 0.5f}};
+  add(scene, blocker);
+  return scene;
+}
+constexpr float kHeight = 50.0f;  // of the blocker; its shadow falls this far to the left of it
+
+TEST_CASE("a distant light and a shadow") {
+  const Image image =
+      render(shadow_scene(polygon({rectangle(40, -100, 16 + kHeight, 200, kHeight)})), kSmall);
+  CHECK(channel(image, 15, 16, 0) == 0.0f);
+  CHECK(channel(image, 16, 16, 0) == doctest::Approx(0.5 * std::sqrt(0.5)).epsilon(1e-5));
+}
+
+TEST_CASE("a moving shadow is cast at the time of the sample") {
+  constexpr float kOpen = 5.5f, kClose = 26.0f;
+  const Scene scene = shadow_scene(polygon({rectangle(40, -100, kOpen + kHeight, 200, kHeight),
+                                            rectangle(40, -100, kClose + kHeight, 200, kHeight)}));
+  RenderSettings settings = kSmall;
+  settings.spp = 64;
+  const Image image = render(scene, settings);
+  for (std::uint32_t x = 0; x < 32; ++x) {
+    Estimates column;
+    for (std::uint32_t y = 0; y < 32; ++y) column.add(channel(image, x, y, 0));
+    column.check((1 - swept(x, kOpen, kClose)) * 0.5 * std::sqrt(0.5), 1e-5);
+  }
+}
+
+TEST_CASE("a sphere light at the foot of its perpendicular") {
+  Scene scene;
+  scene.camera = pixel_camera(1, 1);
+  scene.camera.window = {{-0.01f, 0.01f, -0.01f, 0.01f}};
+  scene.camera.world_from_camera = {translation({0, 0, 1})};
+  Light light;
+  light.kind = LightKind::kSphere;
+  light.radius = 1.0f;
+  light.radiance = {4, 4, 4};
+  light.world_from_light = {translation({0, 0, 3})};
+  scene.lights = {light};
+  add(scene, polygon({rectangle(-9, -9, 9, 9)}));
+  scene.meshes[0].display_color.values = {{0.5f, 0.5f, 0.5f}};
+  RenderSettings settings{.width = 1, .height = 1, .spp = 256, .max_bounces = 0, .build = {}};
+  Estimates pixel;
+  for (settings.seed = 0; settings.seed < 32; ++settings.seed) {
+    pixel.add(render(scene, settings).rgba[0]);
+  }
+  pixel.check(0.5 * 4.0 / 9.0, 2e-5);  // albedo / pi * pi L r^2 / d^2; the pixel is 0.02 wide
+}
+
+}  // namespace
+}  // namespace msbvh
