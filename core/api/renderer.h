@@ -16,10 +16,11 @@ namespace msbvh {
 struct RenderSettings {
   std::uint32_t width = 960;
   std::uint32_t height = 540;
-  std::uint32_t spp = 64;          // samples a pixel; noise falls with its square root, time grows with it
-  std::uint32_t seed = 0;          // same seed, same bits, on any number of threads (one instruction set)
-  std::uint32_t max_bounces = 2;   // 0: direct light only
-  std::uint32_t threads = 0;       // 0: all
+  std::uint32_t spp = 64;         // samples a pixel; noise falls with its square root, time grows with it
+  std::uint32_t seed = 0;         // same seed, same bits, on any number of threads (one instruction set)
+  std::uint32_t max_bounces = 2;  // 0: direct light only
+  std::uint32_t threads = 0;      // 0: all
+  bool show_domes = true;         // false: domes light the scene, but lie not behind it
   BuildSettings build;
 };
 
@@ -29,15 +30,16 @@ struct Image {
 };
 
 struct RenderStatistics {
-  BvhStatistics accel;          // sums over all trees
-  std::uint64_t trees = 0;      // bottom-level trees and the world's
-  std::uint64_t rays = 0;       // camera, bounce and shadow rays
+  BvhStatistics accel;      // sums over all trees
+  std::uint64_t trees = 0;  // bottom-level trees and the world's
+  std::uint64_t rays = 0;   // camera, bounce and shadow rays
   std::uint64_t camera_rays = 0;
   double build_seconds = 0.0;
   double trace_seconds = 0.0;
 };
 
-// Called from the thread that called render(), several times a second: finished share in [0, 1]; false cancels.
+// Called from the thread that called render(), several times a second: finished share in [0, 1]; false
+// cancels.
 using ProgressFunction = std::function<bool(double)>;
 
 class Renderer {

@@ -93,6 +93,17 @@ def test_threads_and_builder_do_not_change_the_picture(
     assert np.array_equal(pixels_of(tmp_path / "a.exr"), pixels_of(tmp_path / "b.exr"))
 
 
+def test_domes_light_but_are_seen_only_on_demand(msbvh: Run, tmp_path: Path, scene: Path) -> None:
+    dome = '    def DomeLight "sky" { float inputs:intensity = 0.5 }\n}\n'
+    scene.write_text(MOVING_SQUARE.rstrip()[:-1] + dome)
+    assert msbvh("record", scene, "a.exr", *SMALL).returncode == 0
+    assert msbvh("record", scene, "b.exr", "--enableDomeLightVisibility", *SMALL).returncode == 0
+    without, shown = pixels_of(tmp_path / "a.exr"), pixels_of(tmp_path / "b.exr")
+    assert np.array_equal(without[..., 3], shown[..., 3])
+    assert np.array_equal(without[0, 0], [0, 0, 0, 0])
+    assert np.array_equal(shown[0, 0], [0.5, 0.5, 0.5, 0])
+
+
 def test_resolution_overrides_the_width(msbvh: Run, tmp_path: Path, scene: Path) -> None:
     done = msbvh("record", scene, "a.exr", "-w", 7, "--resolution", 40, 20, "--spp", 1)
     assert done.returncode == 0, done.stderr

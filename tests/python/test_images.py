@@ -135,6 +135,14 @@ def test_png_is_srgb_with_unassociated_alpha(tmp_path: Path) -> None:
     assert np.abs(stored[..., :3] - srgb(straight(rgba)))[covered].max() <= 0.5 / 255 + 1e-4
 
 
+def test_an_opaque_png_keeps_what_lies_behind(tmp_path: Path) -> None:
+    rgba = random_rgba() + np.float32([0.1, 0.2, 0.3, 0.0])
+    write_image(tmp_path / "a.png", rgba, metadata(), ImageSettings(opaque=True))
+    stored = read(tmp_path / "a.png", unassociated=True)
+    assert np.array_equal(stored[..., 3], np.ones_like(stored[..., 3]))
+    assert np.abs(stored[..., :3] - np.clip(srgb(rgba[..., :3]), 0, 1)).max() <= 0.5 / 255 + 1e-4
+
+
 def test_tiff_is_srgb_with_associated_alpha(tmp_path: Path) -> None:
     rgba = random_rgba()
     path = tmp_path / "a.tif"

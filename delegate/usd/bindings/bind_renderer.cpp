@@ -135,8 +135,8 @@ nb::dict statistics(const Renderer& renderer) {
 
 void init(Renderer* self, const SceneHandle& scene, std::uint32_t width, std::uint32_t height,
           std::uint32_t spp, std::uint32_t seed, std::uint32_t max_bounces, std::uint32_t threads,
-          const std::string& builder) {
-  RenderSettings settings{width, height, spp, seed, max_bounces, threads, {}};
+          bool show_domes, const std::string& builder) {
+  RenderSettings settings{width, height, spp, seed, max_bounces, threads, show_domes, {}};
   settings.build.builder = builder_from(builder);
   new (self) Renderer();
   try {
@@ -155,7 +155,7 @@ void bind_renderer(nb::module_& m) {
       .def("__init__", &init, nb::arg("scene"), nb::kw_only(), nb::arg("width"), nb::arg("height"),
            nb::arg("spp") = defaults.spp, nb::arg("seed") = defaults.seed,
            nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
-           nb::arg("builder") = "msbvh")
+           nb::arg("show_domes") = defaults.show_domes, nb::arg("builder") = "msbvh")
       .def("render", &render, nb::arg("progress") = nb::none())
       .def_prop_ro("plan", &plan)
       .def_prop_ro("statistics", &statistics);

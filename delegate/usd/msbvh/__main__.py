@@ -11,6 +11,9 @@ def main() -> int:
         from .cli import main as run
 
         return run(sys.argv[1:])
+    except ImportError as error:  # A broken installation, before cli can say so.
+        print(f"msbvh: error: the installation is incomplete (make setup mends it): {error}", file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         print("msbvh: error: interrupted", file=sys.stderr)
         return 130

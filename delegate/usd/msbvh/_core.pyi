@@ -201,6 +201,7 @@ class Renderer:
         seed: int = 0,
         max_bounces: int = 2,
         threads: int = 0,
+        show_domes: bool = True,
         builder: Literal["msbvh", "mbvh"] = "msbvh",
     ) -> None:
         """Validates, plans and builds, without the GIL; a signal's exception stops it. ``threads`` 0: all.

@@ -27,6 +27,8 @@ DONE, WRONG, USAGE, DEGRADED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes: done; the scene or the settings are wrong; usage; rendered, but --strict and something was
 missing or degraded; interrupted."""
 
+RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "builder")
+"""Options that are fields of RenderSettings."""
 RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")
 
 
@@ -81,10 +83,8 @@ def record_command(
     jobs = _record_jobs(outputs, frames, options["default_time"])
     settings = RecordSettings(
         read=_read_settings(options),
-        render=RenderSettings(
-            **{name: options[name] for name in ("spp", "seed", "max_bounces", "threads", "builder")}
-        ),
-        image=ImageSettings(_color_correction(options), options["exr_float"]),
+        render=RenderSettings(**{name: options[name] for name in RENDER_NAMES}),
+        image=ImageSettings(_color_correction(options), options["show_domes"], options["exr_float"]),
         mask=options["mask"],
         stats=stats,
     )

@@ -29,6 +29,8 @@ class ImageSettings:
     """How an image is stored."""
 
     color: ColorCorrection = ColorCorrection()
+    opaque: bool = False
+    """Something lies behind what alpha covers (a visible dome): display formats then get alpha 1."""
     exr_float: bool = False
     """EXR in 32-bit floats: twice the bytes of half; no rounding to 11 bits, no limit at HALF_MAX."""
 
@@ -71,7 +73,7 @@ def _encode(suffix: str, rgba: np.ndarray, settings: ImageSettings) -> tuple[np.
         spec.attribute("Compression", "jpeg:95")
     else:
         associated = suffix != ".png"
-        pixels = _display_rgba(rgba, settings.color, associated)
+        pixels = _display_rgba(rgba, settings, associated)
         spec = _spec(pixels, oiio.UINT16 if associated else oiio.UINT8)
         spec.attribute("oiio:UnassociatedAlpha", 0 if associated else 1)
     resolved = settings.color.resolve()
@@ -94,11 +96,11 @@ def _spec(pixels: np.ndarray, storage: oiio.BASETYPE) -> oiio.ImageSpec:
     return oiio.ImageSpec(width, height, channels, storage)
 
 
-def _display_rgba(rgba: np.ndarray, color: ColorCorrection, associated: bool) -> np.ndarray:
+def _display_rgba(rgba: np.ndarray, settings: ImageSettings, associated: bool) -> np.ndarray:
     """Display-referred float32[h, w, 4] of linear, premultiplied pixels; alpha is not corrected."""
-    alpha = rgba[..., 3:]
+    alpha = np.ones_like(rgba[..., 3:]) if settings.opaque else rgba[..., 3:]
     straight = np.divide(rgba[..., :3], alpha, out=np.array(rgba[..., :3]), where=alpha > 0.0)
-    display = color.apply(straight)
+    display = settings.color.apply(straight)
     return np.concatenate([display * alpha if associated else display, alpha], axis=-1)
 
 

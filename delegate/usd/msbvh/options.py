@@ -165,13 +165,6 @@ SCENE: Sequence[Decorator] = (
         metavar="PRIMPATH",
         help="Not supported yet.",
     ),
-    click.option(
-        "--enableDomeLightVisibility",
-        is_flag=True,
-        callback=_unsupported(""),
-        expose_value=False,
-        help="Not supported yet: dome lights light, but are not seen.",
-    ),
 )
 """What is read from the stage; shared by all commands."""
 
@@ -228,6 +221,12 @@ RENDER: Sequence[Decorator] = (
         default=2,
         show_default=True,
         help="Of indirect light; 0: direct light only.",
+    ),
+    click.option(
+        "--enableDomeLightVisibility",
+        "show_domes",
+        is_flag=True,
+        help="Dome lights are seen behind the scene; alpha is coverage all the same.",
     ),
     click.option("--threads", type=click.IntRange(0, 4096), default=0, show_default=True, help="0: all."),
     click.option(

@@ -32,6 +32,8 @@ class RenderSettings:
     max_bounces: int = 2
     threads: int = 0
     """0: all."""
+    show_domes: bool = False
+    """Whether dome lights are seen behind the scene (usdrecord's --enableDomeLightVisibility)."""
     builder: str = "msbvh"
 
 
