@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
-from .times import bracketing_times, sample_times
+from .times import FINEST_LEVEL, bracketing_times, sample_times
 from .transforms import Box
 
-ACCELERATION_LEVEL = 6
-"""Points under acceleration move on parabolas, sampled at 2^6 intervals: the chord strays from the arc by a /
-8 of the squared interval, 1/16384 of the way that the acceleration alone makes over the shutter."""
+CHORD_TOLERANCE = 2.5e-5
+"""How far points may stray from their parabolas between samples, relative to the mesh's extent: a twentieth
+of a pixel where the mesh fills a 2K image."""
 
 
 @dataclass
@@ -111,16 +112,20 @@ def velocities_apply(shape: UsdGeom.PointBased, context: FrameContext) -> bool:
 
 
 def _moved_by_velocities(shape: UsdGeom.PointBased, context: FrameContext) -> Samples:
-    """USD's own positions from the one base sample: two times where they move straight, else a fine grid."""
+    """USD's own positions from the one base sample: two times where they move straight, else an even grid."""
     straight = _computed_points(shape, [0.0, 0.5, 1.0], context)
     begin, middle, end = (points for _, points in straight)
     if np.array_equal(begin, end) and np.array_equal(begin, middle):
         return Samples(straight[:1])
     # USD computes in single precision: a straight line bends by the rounding of positions.
     rounding = 4 * np.finfo(np.float32).eps * max(np.abs(begin).max(), np.abs(end).max())
-    if np.abs(middle - (begin + end) / 2).max() <= rounding:
+    bend = np.linalg.norm(middle - (begin + end) / 2, axis=1).max()
+    if bend <= rounding:
         return Samples([straight[0], straight[2]])
-    even = np.linspace(0.0, 1.0, 2**ACCELERATION_LEVEL + 1).tolist()
+    # Under acceleration points move on parabolas; halving a chord's time quarters its distance from the arc.
+    chord = max(CHORD_TOLERANCE * np.ptp(middle, axis=0).max(), rounding)
+    level = min(max(math.ceil(math.log(bend / chord, 4)), 1), FINEST_LEVEL)
+    even = np.linspace(0.0, 1.0, 2**level + 1).tolist()
     return Samples(_computed_points(shape, even, context))
 
 

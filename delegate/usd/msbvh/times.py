@@ -99,6 +99,7 @@ class TimeGrid:
         too."""
         self.shutter = shutter
         self._authored: list[float] = []
+        self._levels: dict[int, list[float]] = {}
         if shutter.moving:
             inside = sorted({shutter.time01(time) for time in authored if shutter.interval.Contains(time)})
             jumps = [time - 1e-6 for time in inside if held and time > 1e-6]
@@ -109,10 +110,12 @@ class TimeGrid:
         """Increasing, from 0 to 1; [0] alone for a closed shutter. Levels nest."""
         if not self.shutter.moving:
             return [0.0]
-        even = np.linspace(0.0, 1.0, 2**level + 1)
-        # Authored times that differ from an even one by rounding alone would make intervals of no length.
-        distant = (time for time in self._authored if np.min(np.abs(even - time)) > 1e-9)
-        return sorted({*even.tolist(), *distant})
+        if level not in self._levels:
+            even = np.linspace(0.0, 1.0, 2**level + 1)
+            # Authored times that differ from an even one by rounding alone would make intervals of no length.
+            distant = (time for time in self._authored if np.min(np.abs(even - time)) > 1e-9)
+            self._levels[level] = sorted({*even.tolist(), *distant})
+        return self._levels[level]
 
 
 def is_held(stage: Usd.Stage) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -41,7 +42,7 @@ class Motion:
 
     def at_level(self, level: int) -> np.ndarray:
         """float64[T, count, 4, 4] for the T times of times01(level)."""
-        return np.stack([self.at_time(time) for time in self.times01(level)])
+        return np.array([self.at_time(time) for time in self.times01(level)])
 
     def inside(self, outer: Motion) -> Motion:
         """Each of these under each of `outer`: count = outer.count * self.count, the outer index first."""
@@ -78,9 +79,13 @@ class XformCaches:
         """How prims move in the space of `root`. `varying`: some transform between may change over time."""
 
         def evaluate(time01: float) -> np.ndarray:
-            return np.stack([self.matrix(time01, prim, root) for prim in prims])
+            return np.array([self.matrix(time01, prim, root) for prim in prims])
 
         return Motion(self.grid, len(prims), not (varying and self.grid.shutter.moving), evaluate)
+
+
+_CORNERS = np.array(list(product((0, 1), repeat=3)))
+"""Which end of a box each of its corners lies at, by axis."""
 
 
 @dataclass(frozen=True)
@@ -98,8 +103,12 @@ class Box:
     @staticmethod
     def around(points: np.ndarray) -> Box:
         """Of the finite points among float[N, 3]."""
-        points = points[np.isfinite(points).all(axis=1)]
-        return Box(points.min(axis=0), points.max(axis=0)) if len(points) else Box.empty()
+        if not len(points):
+            return Box.empty()
+        box = Box(points.min(axis=0), points.max(axis=0))
+        if np.isfinite(box.lo).all() and np.isfinite(box.hi).all():
+            return box
+        return Box.around(points[np.isfinite(points).all(axis=1)])
 
     def union(self, other: Box) -> Box:
         """Around both."""
@@ -107,11 +116,10 @@ class Box:
 
     def corners(self) -> np.ndarray:
         """float64[8, 4], homogeneous; the origin eight times for an empty box."""
-        ends = (
-            np.array([self.lo, self.hi], dtype=np.float64) if (self.lo <= self.hi).all() else np.zeros((2, 3))
-        )
-        grid = np.stack(np.meshgrid(*ends.T, indexing="ij"), axis=-1).reshape(8, 3)
-        return np.concatenate([grid, np.ones((8, 1))], axis=1)
+        ends = np.array([self.lo, self.hi]) if (self.lo <= self.hi).all() else np.zeros((2, 3))
+        corners = np.ones((8, 4))
+        corners[:, :3] = ends[_CORNERS, (0, 1, 2)]
+        return corners
 
 
 @dataclass(frozen=True)
