@@ -9,6 +9,9 @@ from pxr import Gf, Usd, UsdGeom
 from .errors import Diagnostics
 from .times import Shutter
 
+LARGEST_COORDINATE = 2.0**60
+"""What single precision can square and multiply; see core/geometry/triangle_mesh.h."""
+
 
 def framing_camera(
     stage: Usd.Stage, frame: float | None, purposes: list[str], diagnostics: Diagnostics
@@ -20,7 +23,8 @@ def framing_camera(
     """
     cache = UsdGeom.BBoxCache(Shutter(frame).frame_code, ["default", *purposes], useExtentsHint=True)
     bounds = cache.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
-    if bounds.IsEmpty() or not all(map(math.isfinite, (*bounds.min, *bounds.max))):
+    # Without points USD's bounds are the largest floats, not empty.
+    if bounds.IsEmpty() or not all(abs(x) < LARGEST_COORDINATE for x in (*bounds.min, *bounds.max)):
         diagnostics.warning(
             "", "", "no camera and no finite bounds to frame; a camera at (0, 0, 10) looks at the origin"
         )

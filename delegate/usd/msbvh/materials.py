@@ -44,7 +44,9 @@ class Materials:
         shader, _, _ = material.ComputeSurfaceSource()
         identifier = shader.GetShaderId() if shader else None
         if identifier != PREVIEW_SURFACE:
-            found = f"a surface shader '{identifier}'" if shader else "no surface shader that can be read"
+            found = "no surface shader that can be read"
+            if shader:
+                found = f"a surface shader {identifier or 'of no known type'}"
             message = f"found {found}, expected {PREVIEW_SURFACE}; displayColor shows instead"
             self._context.diagnostics.group(path, "outputs:surface", message)
             return None

@@ -25,7 +25,8 @@ def open_stage(path: str, diagnostics: Diagnostics, mask: Sequence[str] = ()) ->
         try:
             stage = Usd.Stage.OpenMasked(path, population) if mask else Usd.Stage.Open(path)
         except Tf.ErrorException as error:
-            raise SceneError(f"{path}: cannot be read as USD: {_reason(error)}") from None
+            reason = _reason(error).replace(f"{path}:", "line ", 1)
+            raise SceneError(f"{path}: cannot be read as USD: {reason}") from None
     if not stage.GetPseudoRoot().GetAllChildren():
         limits = f" under the mask {', '.join(mask)}" if mask else ""
         found = "; ".join(["found no prims" + limits, *map(str, diagnostics)])
@@ -71,6 +72,8 @@ def _record(commentary: str, diagnostics: Diagnostics) -> None:
 
 
 _TF_ERROR = re.compile(r"Error in '[^']*' at line \d+ in file \S+ : '(.*)'\s*$")
+_GRAMMAR_RULE = re.compile(r" matching pxrInternal.*?(?= at ')")
+"""The C++ type of the grammar rule that USD's text parser stopped in."""
 
 
 def _reason(error: Tf.ErrorException) -> str:
@@ -78,5 +81,5 @@ def _reason(error: Tf.ErrorException) -> str:
     for line in str(error).replace("\n'", "'").splitlines():
         found = _TF_ERROR.search(line)
         if found:
-            return " ".join(found[1].split())
+            return _GRAMMAR_RULE.sub("", " ".join(found[1].split()))
     return " ".join(str(error).split())
