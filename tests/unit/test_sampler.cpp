@@ -95,17 +95,19 @@ TEST_CASE("numbers lie in [0, 1), times in [0, 1]") {
 
 // Pairs of different names, depths or lights, drawn for the same sample, must not be correlated: across
 // pixels the mean of the product of two centred uniform numbers is 0 with the standard deviation 1/12 /
-// sqrt(n).
+// sqrt(n). A function, not a lambda: a lambda is constexpr by default, and compilers would evaluate it.
+template <typename First, typename Second>
+double correlation(First first, Second second) {
+  constexpr int kPixels = 1 << 18;
+  double sum = 0;
+  for (int i = 0; i < kPixels; ++i) {
+    const Sampler a(0, i % 512, i / 512, i % 16);
+    sum += (first(a) - 0.5) * (second(a) - 0.5);
+  }
+  return sum / kPixels * 12 * std::sqrt(double(kPixels));  // in standard deviations
+}
+
 TEST_CASE("names, depths, lights and pixels are independent") {
-  const auto correlation = [](auto first, auto second) {
-    constexpr int kPixels = 1 << 18;
-    double sum = 0;
-    for (int i = 0; i < kPixels; ++i) {
-      const Sampler a(0, i % 512, i / 512, i % 16);
-      sum += (first(a) - 0.5) * (second(a) - 0.5);
-    }
-    return sum / kPixels * 12 * std::sqrt(double(kPixels));  // in standard deviations
-  };
   const auto light = [](const Sampler& s) { return s.pair(Dimension::kLight, 0).x; };
   CHECK(std::abs(correlation(light, [](const Sampler& s) { return s.pair(Dimension::kLight, 0).y; })) < 4.5);
   CHECK(std::abs(correlation(light, [](const Sampler& s) { return s.pair(Dimension::kBounce, 0).x; })) < 4.5);
