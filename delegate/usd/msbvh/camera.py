@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdUtils
+from pxr import Gf, Usd, UsdGeom, UsdUtils
 
 from .conform import Window, conformed
 from .errors import Diagnostics, SceneError
@@ -113,7 +113,7 @@ def find_camera(stage: Usd.Stage, name: str | None, diagnostics: Diagnostics) ->
 def _named_camera(cameras: list[Usd.Prim], name: str) -> Usd.Prim:
     for prim in cameras:
         # As usdrecord has it, a relative path counts from the root.
-        if prim.GetName() == name or prim.GetPath() == Sdf.Path("/" + name.lstrip("/")):
+        if prim.GetName() == name or str(prim.GetPath()) == "/" + name.lstrip("/"):
             return prim
     known = ", ".join(str(prim.GetPath()) for prim in cameras[:8]) or "none"
     raise SceneError(f"camera: found no camera '{name}', expected one of the stage's cameras: {known}")
@@ -152,22 +152,21 @@ def _sampled(
     window, pixel_aspect = conformed(_window(at_frame), width / height, conform)
 
     times01 = grid.times01(FINEST_LEVEL)
-    cameras = [camera_at(shutter.time_code(time)) for time in times01]
-    if shutter.moving:
-        for camera in cameras:
-            _check_optics(path, camera)
-    matrices = np.stack([np.array(camera.transform) for camera in cameras])
+    cameras = [camera_at(shutter.time_code(time01)) for time01 in times01]
+    for camera in cameras:
+        _check_optics(path, camera)
+    matrices = np.array([np.array(camera.transform) for camera in cameras])
     windows = np.float32([conformed(_window(camera), width / height, conform)[0] for camera in cameras])
+    keep = len(times01)
     if (matrices == matrices[0]).all() and (windows == windows[0]).all():
-        times01, matrices, windows = times01[:1], matrices[:1], windows[:1]
-    orthographic = at_frame.projection == Gf.Camera.Orthographic
+        keep = 1
     return RenderCamera(
         path=path,
-        projection="orthographic" if orthographic else "perspective",
+        projection=at_frame.projection.displayName.lower(),
         shutter=shutter,
-        times01=np.array(times01),
-        world_from_camera=matrices,
-        windows=windows,
+        times01=np.array(times01[:keep]),
+        world_from_camera=matrices[:keep],
+        windows=windows[:keep],
         near_clip=at_frame.clippingRange.min,
         far_clip=at_frame.clippingRange.max,
         width=width,
