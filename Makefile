@@ -23,7 +23,7 @@ CXX_SOURCES := $(shell find CMakeLists.txt core delegate tests bench examples -n
   -o -name CMakeLists.txt -o -name '*.cmake.in')
 PYTHON_SOURCES := $(shell find delegate/usd/msbvh -name '*.py')
 SHOWCASE := testenv/showcase/showcase.usda
-SHOWCASE_OPTIONS := --spp 256 --imageWidth 960
+SHOWCASE_OPTIONS := --frames 6 --imageWidth 960 --spp 64
 
 help:  ## this list
 	@sed -n 's/^\([a-z]*\):.*## */make \1\t/p' Makefile | expand -t 16

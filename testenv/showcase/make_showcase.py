@@ -16,7 +16,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, Vt
 
 FRAMES = (1, 12)
 FPS = 24.0
-SHUTTER = (-0.25, 0.25)  # frames: a 180 degree shutter
+SHUTTER = (-0.375, 0.375)  # frames: a 270 degree shutter
 
 Array = np.ndarray
 
@@ -45,11 +45,11 @@ def add_camera(stage: Usd.Stage) -> None:
     camera = UsdGeom.Camera.Define(stage, "/showcase/camera")
     camera.CreateHorizontalApertureAttr(24.0)
     camera.CreateVerticalApertureAttr(13.5)
-    camera.CreateFocalLengthAttr(35.0)
+    camera.CreateFocalLengthAttr(29.0)
     camera.CreateClippingRangeAttr(Gf.Vec2f(0.1, 200.0))
     camera.CreateShutterOpenAttr(SHUTTER[0])
     camera.CreateShutterCloseAttr(SHUTTER[1])
-    view = Gf.Matrix4d().SetLookAt(Gf.Vec3d(0.0, 2.1, 10.2), Gf.Vec3d(0.05, 1.55, 0.0), Gf.Vec3d(0, 1, 0))
+    view = Gf.Matrix4d().SetLookAt(Gf.Vec3d(0.4, 2.6, 10.8), Gf.Vec3d(0.4, 1.95, 0.0), Gf.Vec3d(0, 1, 0))
     camera.AddTransformOp().Set(view.GetInverse())
 
 
@@ -57,12 +57,12 @@ def add_lights(stage: Usd.Stage) -> None:
     key = UsdLux.RectLight.Define(stage, "/showcase/lights/key")
     key.CreateWidthAttr(3.5)
     key.CreateHeightAttr(3.5)
-    key.CreateIntensityAttr(13.0)
+    key.CreateIntensityAttr(30.0)
     key.CreateColorAttr(Gf.Vec3f(1.0, 0.92, 0.8))
     view = Gf.Matrix4d().SetLookAt(Gf.Vec3d(-5.0, 7.0, 5.5), Gf.Vec3d(0.2, 1.0, 0.0), Gf.Vec3d(0, 1, 0))
     key.AddTransformOp().Set(view.GetInverse())
     sky = UsdLux.DomeLight.Define(stage, "/showcase/lights/sky")
-    sky.CreateIntensityAttr(0.42)
+    sky.CreateIntensityAttr(0.22)
     sky.CreateColorAttr(Gf.Vec3f(0.72, 0.84, 1.0))
 
 
@@ -76,7 +76,7 @@ def add_studio(stage: Usd.Stage) -> None:
         [np.tile(across, len(depth)), np.repeat(height, len(across)), np.repeat(depth, len(across))], axis=-1
     )
     row, column = np.divmod(np.arange((len(depth) - 1) * (len(across) - 1)), len(across) - 1)
-    light, dark, wall = np.array([(0.46, 0.45, 0.43), (0.27, 0.29, 0.31), (0.36, 0.37, 0.38)])
+    light, dark, wall = np.array([(0.5, 0.47, 0.43), (0.2, 0.22, 0.25), (0.1, 0.15, 0.2)])
     colors = np.where(((row // 2 + column // 2) % 2 == 0)[:, None], light, dark)
     # The checker fades out where the floor ends.
     fade = np.clip((row - 26) / 10.0, 0.0, 1.0)[:, None]
@@ -91,14 +91,14 @@ def add_studio(stage: Usd.Stage) -> None:
 
 
 def add_wheel(stage: Usd.Stage) -> None:
-    """Spokes of two colours, so that the eye can follow them; 30 degrees a frame."""
+    """Spokes of two colours, so that the eye can follow them; 24 degrees a frame."""
     base = UsdGeom.Xform.Define(stage, "/showcase/wheel")
-    base.AddTranslateOp().Set(Gf.Vec3d(-2.35, 1.62, -0.3))
+    base.AddTranslateOp().Set(Gf.Vec3d(-2.2, 1.62, -0.3))
     base.AddRotateYOp().Set(24.0)
     spin = UsdGeom.Xform.Define(stage, "/showcase/wheel/spin")
     rotation = spin.AddRotateZOp()
     for frame in (FRAMES[0] - 1, FRAMES[1] + 1):
-        rotation.Set(-30.0 * frame, frame)
+        rotation.Set(-24.0 * frame, frame)
 
     add_mesh(stage, "/showcase/wheel/spin/tyre", *torus(1.42, 0.13, 96, 20), (0.045, 0.05, 0.06))
     add_mesh(stage, "/showcase/wheel/spin/rim", *torus(1.27, 0.06, 96, 12), (0.75, 0.74, 0.7))
@@ -125,7 +125,7 @@ def add_throws(stage: Usd.Stage) -> None:
     colors = {
         "ball_teal": (0.03, 0.36, 0.4),
         "ball_orange": (0.85, 0.28, 0.03),
-        "ball_cream": (0.8, 0.74, 0.6),
+        "ball_yellow": (0.85, 0.62, 0.06),
     }
     for name, color in colors.items():
         add_mesh(stage, f"/showcase/throws/prototypes/{name}", *sphere(0.2, 40, 20), color)
@@ -134,7 +134,7 @@ def add_throws(stage: Usd.Stage) -> None:
     instancer.CreatePrototypesRel().SetTargets(
         [Sdf.Path(f"/showcase/throws/prototypes/{name}") for name in names]
     )
-    count = 9
+    count = 10
     instancer.CreateProtoIndicesAttr(Vt.IntArray([(0, 3, 1, 2)[i % 4] for i in range(count)]))
     tumble = np.array([(220.0 + 90 * i, 160.0 - 60 * i, 310.0) for i in range(count)])  # degrees a second
     instancer.CreateOrientationsAttr(Vt.QuathArray(count, Gf.Quath(1, 0, 0, 0)))
@@ -145,20 +145,20 @@ def add_throws(stage: Usd.Stage) -> None:
         instancer.CreateAccelerationsAttr(),
     )
     for frame in range(FRAMES[0] - 1, FRAMES[1] + 2):
-        seconds = frame / FPS + 0.16 * np.arange(count)
+        seconds = frame / FPS + 0.075 * np.arange(count)
         for attribute, values in zip(attributes, bouncing(seconds), strict=True):
             attribute.Set(vec3_array(values), frame)
 
 
 def bouncing(seconds: Array) -> tuple[Array, Array, Array]:
     """Positions, velocities and accelerations (a second) of a body that bounces along; float64[n, 3] each."""
-    gravity, hop, radius = 9.81, 0.62, 0.2  # m/s^2, s, m
+    gravity, hop, radius = 36.0, 0.5, 0.2  # m/s^2 (a heavy planet makes long streaks), s, m
     phase = np.mod(seconds, hop)
     lift = gravity * hop / 2
     zero = np.zeros_like(seconds)
-    run, drift = 2.9, 1.05  # m/s
+    run, drift = 5.6, 2.6  # m/s
     positions = np.stack(
-        [-1.75 + run * seconds, radius + lift * phase - gravity / 2 * phase**2, 3.1 - drift * seconds],
+        [-2.6 + run * seconds, radius + lift * phase - gravity / 2 * phase**2, 3.4 - drift * seconds],
         axis=-1,
     )
     velocities = np.stack([zero + run, lift - gravity * phase, zero - drift], axis=-1)
@@ -192,12 +192,12 @@ def add_flag(stage: Usd.Stage) -> None:
 
 def waving(u: Array, v: Array, seconds: float) -> Array:
     """Points of the flag; u runs away from the pole, v downwards, both in [0, 1]; float64[n, 3]."""
-    wave = 2 * np.pi * (1.35 * u + 0.18 * v - 3.2 * seconds)
-    gust = 2 * np.pi * (0.6 * u - 1.7 * seconds)
+    wave = 2 * np.pi * (1.35 * u + 0.18 * v - 4.4 * seconds)
+    gust = 2 * np.pi * (0.6 * u - 2.6 * seconds)
     reach = u**0.8
     x = 2.1 + 2.25 * u - 0.12 * reach * np.cos(gust) ** 2
-    y = 4.25 - 1.5 * v - 0.22 * u**1.5 + 0.14 * reach * np.sin(gust)
-    z = -1.6 + 0.3 * reach * np.sin(wave) + 0.5 * u
+    y = 4.25 - 1.5 * v - 0.22 * u**1.5 + 0.2 * reach * np.sin(gust)
+    z = -1.6 + 0.32 * reach * np.sin(wave) + 0.5 * u
     return np.stack([x, y, z], axis=-1).reshape(-1, 3)
 
 
