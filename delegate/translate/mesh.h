@@ -45,9 +45,8 @@ struct TranslatedMesh {
 std::optional<TranslatedMesh> translate_mesh(const MeshInput& input, MeshTarget& target, PrimLog& log);
 
 // Origin for coordinates that are large but close together: per axis 0, or the middle of the box where the
-// box lies at least its own size away from 0. The difference of two floats that far out is exact in single
-// precision (both are multiples of the smaller one's last place, and at most 2^24 of them apart), so that the
-// shift costs nothing.
+// box lies at least its own size away from 0. Two floats in such a box are within a factor of 2, so that
+// their difference is exact in single precision (Sterbenz's lemma): the shift costs nothing.
 Vec3d exact_origin(const Box3d& box);
 
 }  // namespace msbvh::translate

@@ -1,7 +1,8 @@
-"""msbvh._core on its own: arrays, errors, threads and signals. What is rendered is the business of other tests."""
+"""msbvh._core on its own: arrays, errors, threads and signals. Pictures are the business of other tests."""
 
 from __future__ import annotations
 
+import ast
 import gc
 import subprocess
 import sys
@@ -84,9 +85,8 @@ def test_a_scene_is_translated_and_rendered() -> None:
     )
     prototype = builder.begin_prototype("/prototype")
     builder.add_prototype_mesh(prototype, **mesh(path="/prototype/quad"))
-    builder.add_instances(
-        path="/instances", prototype=prototype, times01=np.array([0.0]), matrices=np.tile(IDENTITY, (1, 3, 1, 1))
-    )
+    matrices = np.tile(IDENTITY, (1, 3, 1, 1))
+    builder.add_instances(path="/instances", prototype=prototype, times01=np.array([0.0]), matrices=matrices)
     assert not builder.empty
     assert builder.diagnostics() == []
     moving = next(track for track in builder.tracks() if track.path == "/quad")
@@ -114,7 +114,8 @@ def test_alpha_is_the_quad_and_the_picture_outlives_its_renderer() -> None:
 def test_motion_moves_the_picture() -> None:
     """The quad crosses its own width: a ramp from 0 to 1 and back, of the quad's area."""
     builder = translator()
-    builder.add_mesh(**mesh(points=[(0.0, QUAD - np.float32([1, 0, 0])), (1.0, QUAD + np.float32([1, 0, 0]))]))
+    right = np.float32([1, 0, 0])
+    builder.add_mesh(**mesh(points=[(0.0, QUAD - right), (1.0, QUAD + right)]))
     image = _core.Renderer(builder.finish(), width=40, height=40, spp=256).render()
     row = image[20, :, 3]
     assert row.sum() == pytest.approx(8.0, rel=0.01)  # 2 units at 4 pixels a unit
@@ -125,7 +126,7 @@ def test_motion_moves_the_picture() -> None:
 @pytest.mark.parametrize(
     ("changes", "error", "message"),
     [
-        ({"points": [(0.0, QUAD.astype(np.float64))]}, TypeError, r"points\[0\]\[1\]: found float64 .*float32"),
+        ({"points": [(0.0, QUAD.astype(np.float64))]}, TypeError, r"points\[0\]\[1\]: found float64 .*32"),
         ({"points": [(0.0, QUAD[:, :2].copy())]}, ValueError, r"points\[0\]\[1\]: found .*\(4, 2\)"),
         ({"points": [(0.0, np.asfortranarray(QUAD))]}, ValueError, "strides"),
         ({"points": QUAD}, TypeError, "points: found"),
@@ -275,3 +276,16 @@ def test_instruction_sets() -> None:
     names = _core.supported_instruction_sets()
     assert names
     assert set(names) <= {"sse4", "avx2", "avx3"}
+
+
+def test_the_stub_names_what_there_is() -> None:
+    stub = ast.parse((Path(__file__).parents[2] / "delegate/usd/msbvh/_core.pyi").read_text())
+    typing_only = {"SceneStatistics", "AccelStatistics", "RenderStatistics", "MeshArguments"}
+    declared = [n for n in stub.body if isinstance(n, ast.ClassDef | ast.FunctionDef)]
+    names = {n.name for n in declared} - typing_only
+    assert names == {name for name in dir(_core) if not name.startswith("_")}
+    for node in declared:
+        if isinstance(node, ast.ClassDef) and node.name not in typing_only:
+            members = {n.name for n in node.body if isinstance(n, ast.FunctionDef)}
+            public = {name for name in vars(getattr(_core, node.name)) if not name.startswith("_")}
+            assert members - {"__init__"} == public, node.name

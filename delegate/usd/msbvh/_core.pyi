@@ -1,7 +1,8 @@
 """The C++ side of msbvh (delegate/usd/bindings): translator, builder and renderer.
 
-Arrays are C-contiguous, of the very element type, and borrowed for the call only: nothing is copied. An array that does
-not fit raises TypeError (element type) or ValueError (shape) naming the argument. Objects are for one thread at a time.
+Arrays are C-contiguous, of the very element type, and borrowed for the call only: nothing is copied. An array
+that does not fit raises TypeError (element type) or ValueError (shape) naming the argument. Objects are for
+one thread at a time.
 
 Times are ``time01``: 0 is the shutter's opening, 1 its closing. Matrices follow USD's row-vector convention
 (p' = p M), in stage space. Colours are linear Rec.709.
@@ -23,11 +24,11 @@ Samples: TypeAlias = Sequence[tuple[float, F32]]
 """(time01, float32[N, 3]) at increasing times."""
 
 class Error(Exception):
-    """The scene or a setting is wrong; one line with the prim, the attribute, what was found and is expected."""
+    """The scene or a setting is wrong; one line: the prim, the attribute, what was found and is expected."""
 
 class Diagnostic:
-    """What a translation has to say about its input. ``warning``: rendered, but something was left out or approximated;
-    ``error``: the prim is not rendered."""
+    """What a translation has to say about its input. ``warning``: rendered, but something was left out or
+    approximated; ``error``: the prim is not rendered."""
 
     @property
     def severity(self) -> Literal["warning", "error"]: ...
@@ -93,8 +94,8 @@ class MeshArguments(TypedDict, total=False):
     """From Translator.add_material."""
 
 class Translator:
-    """From what was read of a stage to a Scene: checks, triangulates, and fits the fewest keys that follow the
-    samples within ``motion_tolerance`` pixels. See delegate/translate/translator.h."""
+    """From what was read of a stage to a Scene: checks, triangulates, and fits the fewest keys that follow
+    the samples within ``motion_tolerance`` pixels. See delegate/translate/translator.h."""
 
     def __init__(
         self,
@@ -111,8 +112,8 @@ class Translator:
         motion_tolerance: float = 0.1,
         max_segments: int = 128,
     ) -> None:
-        """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right, bottom, top;
-        at unit distance for a perspective camera, in scene units for an orthographic one).
+        """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
+        bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one).
 
         Raises Error for a camera or settings that cannot be used.
         """
@@ -123,8 +124,8 @@ class Translator:
     def add_instances(
         self, *, path: str, prototype: int, times01: F64, matrices: F64, display_color: F32 | None = None
     ) -> None:
-        """``matrices`` [T, N, 4, 4]: stage from prototype space, of N instances at times01 [T]; ``display_color``
-        [N, 3]. After the prototype's meshes."""
+        """``matrices`` [T, N, 4, 4]: stage from prototype space, of N instances at times01 [T];
+        ``display_color`` [N, 3]. After the prototype's meshes."""
     def add_material(
         self,
         *,
@@ -162,8 +163,8 @@ class Translator:
         """The translator is empty afterwards."""
 
 def transform_deviation(times01: F64, matrices: F64, lo: Rgb, hi: Rgb) -> float:
-    """Largest distance of an interior sample [T, 4, 4] from the interpolation of its neighbours, over the box (lo, hi),
-    in units of its largest extent. Below 1e-4 samples are dense enough to be interpolated linearly."""
+    """Largest distance of an interior sample [T, 4, 4] from the interpolation of its neighbours, over the box
+    (lo, hi), in units of its largest extent. Below 1e-4, samples can be interpolated linearly."""
 
 class AccelStatistics(TypedDict):
     triangles: int
@@ -211,8 +212,8 @@ class Renderer:
     def render(self, progress: Callable[[float], object] | None = None) -> F32:
         """[height, width, 4]: top row first, linear, premultiplied; alpha is coverage.
 
-        Without the GIL. ``progress`` is called with the finished share about ten times a second on the calling thread;
-        its exception, or a signal's, stops within a tile and is raised here.
+        Without the GIL. ``progress`` is called with the finished share about ten times a second on the
+        calling thread; its exception, or a signal's, stops within a tile and is raised here.
         """
     @property
     def plan(self) -> list[tuple[str, str, str]]:
