@@ -48,9 +48,9 @@ $(STAMPS)/installed: $(STAMPS)/venv pyproject.toml $(CXX_SOURCES)
 	  --editable '.[test]'
 	@touch $@
 
-render: out/showcase.exr  ## the showcase scene, to out/showcase.exr and out/showcase.png
+render: out/showcase.exr out/showcase.png  ## the showcase scene, to out/showcase.exr and out/showcase.png
 
-out/showcase.exr: $(SHOWCASE) $(STAMPS)/installed $(PYTHON_SOURCES)
+out/showcase.exr out/showcase.png &: $(SHOWCASE) $(STAMPS)/installed $(PYTHON_SOURCES)
 	@mkdir -p out
 	@$(BIN)/msbvh record $(SHOWCASE) out/showcase.exr out/showcase.png $(SHOWCASE_OPTIONS)
 	@echo 'Look at out/showcase.png'
