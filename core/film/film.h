@@ -13,7 +13,7 @@ struct Tile {
   std::uint32_t x0, y0, x1, y1;
 };
 
-// Pixels along a tile's edge: a tile's rays of one sample share a time stratum (docs/design/sampling.md), its
+// Pixels along a tile's edge: a tile's rays of one sample share a time stratum (core/shade/sampler.h), its
 // sums stay in the first-level cache.
 inline constexpr std::uint32_t kTileSize = 16;
 

@@ -52,6 +52,22 @@ TEST_CASE("furnace: a convex body in a constant dome") {
   check_furnace(scene, settings);
 }
 
+TEST_CASE("domes that are not shown light the scene all the same") {
+  Scene scene;
+  scene.camera = pixel_camera(32, 32);
+  scene.lights = {dome({2, 1, 0})};
+  Mesh body = cube();
+  body.display_color.values = {{0.5f, 0.25f, 0.1f}};
+  add(scene, baked(body, {posed_cube({16, 16, 0})}));
+  RenderSettings settings = kSmall;
+  settings.show_domes = false;
+  SUBCASE("opaque") {}
+  SUBCASE("the bounce meets the dome") { settings.max_bounces = 1; }
+  const Image image = render(scene, settings);
+  CHECK(channel(image, 0, 0, 0) == 0.0f);
+  CHECK(channel(image, 16, 16, 0) == doctest::Approx(1.0).epsilon(1e-5));
+}
+
 TEST_CASE("furnace: in a closed, emitting room every bounce adds the albedo's next power") {
   Scene scene;
   scene.camera = pixel_camera(32, 32);

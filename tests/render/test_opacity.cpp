@@ -38,14 +38,18 @@ TEST_CASE("alpha is coverage times opacity while the edge moves") {
   check_columns(render(scene, kSettings), [](std::uint32_t x) { return 0.5 * swept(x, 1, 6); });
 }
 
-TEST_CASE("radiance is premultiplied, and the dome shines through") {
+TEST_CASE("radiance is premultiplied, and a dome shines through if it is shown") {
   Scene scene = layers({0.3f});
   scene.meshes[0].display_color.values = {{0.5f, 0.5f, 0.5f}};
   scene.lights = {dome({2, 0, 0})};
-  const Image image = render(scene, kSettings);
-  for (std::uint32_t i = 0; i < 8 * 64; ++i) {
-    const float alpha = image.rgba[4 * i + kAlpha];
-    CHECK(image.rgba[4 * i] == doctest::Approx(1.0 * alpha + 2.0 * (1 - alpha)).epsilon(1e-5));
+  RenderSettings settings = kSettings;
+  for (const bool show_domes : {true, false}) {
+    settings.show_domes = show_domes;
+    const Image image = render(scene, settings);
+    for (std::uint32_t i = 0; i < 8 * 64; ++i) {
+      const float alpha = image.rgba[4 * i + kAlpha], behind = show_domes ? 2.0f : 0.0f;
+      CHECK(image.rgba[4 * i] == doctest::Approx(1.0 * alpha + behind * (1 - alpha)).epsilon(1e-5));
+    }
   }
 }
 
