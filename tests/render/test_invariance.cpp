@@ -128,16 +128,5 @@ TEST_CASE("an effect elsewhere in the scene does not change the noise of the res
   CHECK(render(more, kSettings).rgba == before.rgba);
 }
 
-TEST_CASE("the spatial splits of MSBVH save node visits or triangle tests on long thin triangles") {
-  const Scene scene = moving_scene();
-  RenderSettings settings = kSettings;
-  Renderer spatial, object;
-  spatial.commit(std::make_shared<Scene>(scene), settings);
-  settings.build.builder = Builder::kMbvh;
-  object.commit(std::make_shared<Scene>(scene), settings);
-  CHECK(spatial.statistics().accel.references > object.statistics().accel.references);
-  CHECK(spatial.statistics().accel.sah_cost < object.statistics().accel.sah_cost);
-}
-
 }  // namespace
 }  // namespace msbvh
