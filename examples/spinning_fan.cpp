@@ -11,7 +11,7 @@ namespace {
 
 // Three blades in the xy plane, with keys at i / 2^k of the shutter.
 msbvh::TriangleMesh fan(std::uint32_t segments) {
-  constexpr double kThirdOfATurn = 2.0943951023931953;
+  constexpr double kThirdOfATurn = 2.0943951023931953, kTurn = 0.8;
   msbvh::TriangleMesh mesh;
   mesh.name = "fan";
   mesh.segments = segments;
@@ -20,7 +20,7 @@ msbvh::TriangleMesh fan(std::uint32_t segments) {
   for (std::uint32_t key = 0; key <= segments; ++key) {
     mesh.positions.push_back({0, 0, 0});
     for (int tip = 0; tip < 6; ++tip) {
-      const double turn = kThirdOfATurn * (tip / 2 + double(key) / segments) + (tip % 2 ? 0.3 : -0.3);
+      const double turn = kThirdOfATurn * (tip / 2) + kTurn * key / segments + (tip % 2 ? 0.3 : -0.3);
       mesh.positions.push_back({float(std::cos(turn)), float(std::sin(turn)), 0});
     }
   }

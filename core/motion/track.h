@@ -1,8 +1,8 @@
 // Time inside the shutter, and tracks over it.
 //
 // A ray's time u in [0, 1] spans the open shutter: u = 0 is shutter:open, u = 1 is shutter:close. A track has
-// `segments` = 0 (still, one key) or 2^k segments with keys at i / 2^k, k <= 7. Powers of two nest, so tracks of
-// different k live in one tree. Segments are half-open [i, i + 1) / 2^k; u = 1 belongs to the last one.
+// `segments` = 0 (still, one key) or 2^k segments with keys at i / 2^k, k <= 7. Powers of two nest, so tracks
+// of different k live in one tree. Segments are half-open [i, i + 1) / 2^k; u = 1 belongs to the last one.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +25,8 @@ struct SegmentTime {
   float w;
 };
 
-// Exact: u * 2^k and the difference to an integer below it are representable, so tracks of different k see the same
-// instant. u must lie in [0, 1].
+// Exact: u * 2^k and the difference to an integer below it are representable, so tracks of different k see
+// the same instant. u must lie in [0, 1].
 constexpr SegmentTime locate(float u, std::uint32_t segments) {
   if (segments == 0) return {0, 0.0f};
   const float scaled = u * static_cast<float>(segments);
