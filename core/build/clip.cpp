@@ -57,19 +57,6 @@ Box3f clipped_bounds(const std::array<Vec3d, 3>& triangle, Box3f box, int axis, 
   return polygon.count == 0 ? Box3f{} : intersect(round_outwards(bounds), box);
 }
 
-Box3f slab_bounds(const std::array<Vec3d, 3>& triangle, int axis, float lo, float hi) {
-  Box3d bounds;
-  for (int i = 0; i < 3; ++i) {
-    const Vec3d &a = triangle[i], &b = triangle[i == 2 ? 0 : i + 1];
-    if (a[axis] >= lo && a[axis] <= hi) bounds.grow(a);
-    for (const double plane : {double(lo), double(hi)}) {
-      const double da = a[axis] - plane, db = b[axis] - plane;
-      if ((da < 0.0 && db > 0.0) || (da > 0.0 && db < 0.0)) bounds.grow(lerp(a, b, da / (da - db)));
-    }
-  }
-  return bounds.empty() ? Box3f{} : round_outwards(bounds);
-}
-
 float round_down(double value) {
   const float f = static_cast<float>(value);
   return double(f) > value ? std::nextafterf(f, -std::numeric_limits<float>::infinity()) : f;

@@ -34,10 +34,6 @@ inline constexpr double kClipError = 0x1p-46;
 // of a plane: axis coordinate <= plane (below) or >= plane. Empty if nothing is.
 Box3f clipped_bounds(const std::array<Vec3d, 3>& triangle, Box3f box, int axis, float plane, bool below);
 
-// Conservative box of the part of the triangle with lo <= axis coordinate <= hi, cheaper than clipping. Used
-// to weigh candidates, never to place references.
-Box3f slab_bounds(const std::array<Vec3d, 3>& triangle, int axis, float lo, float hi);
-
 // The floats next to a double, below and above (or equal to) it.
 float round_down(double value);
 float round_up(double value);

@@ -49,11 +49,4 @@ std::uint32_t segments_of(const Primitives& primitives, const Reference& referen
                                  : primitives.meshes[reference.mesh()]->segments;
 }
 
-std::array<Vec3d, 3> centre_triangle(const Primitives& primitives, const Reference& reference) {
-  const TriangleMesh& mesh = *primitives.meshes[reference.mesh()];
-  const Triangle& t = mesh.triangles[reference.index];
-  return {Vec3d(mesh.position(t[0], kCentre)), Vec3d(mesh.position(t[1], kCentre)),
-          Vec3d(mesh.position(t[2], kCentre))};
-}
-
 }  // namespace msbvh

@@ -47,7 +47,14 @@ std::vector<Reference> make_references(const Primitives& primitives);
 // The number of segments of what the reference stands for.
 std::uint32_t segments_of(const Primitives& primitives, const Reference& reference);
 
-// The triangle at the shutter's centre, in double for clipping (each float is exact in it).
-std::array<Vec3d, 3> centre_triangle(const Primitives& primitives, const Reference& reference);
+// The triangle at the shutter's centre; in double for clipping (each float is exact in it).
+template <typename T>
+std::array<Vec3<T>, 3> centre_triangle(const Primitives& primitives, const Reference& reference) {
+  constexpr float kCentre = 0.5f;
+  const TriangleMesh& mesh = *primitives.meshes[reference.mesh()];
+  const Triangle& t = mesh.triangles[reference.index];
+  return {Vec3<T>(mesh.position(t[0], kCentre)), Vec3<T>(mesh.position(t[1], kCentre)),
+          Vec3<T>(mesh.position(t[2], kCentre))};
+}
 
 }  // namespace msbvh

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "core/base/lerp.h"
 #include "core/base/parallel.h"
 #include "core/build/clip.h"
 #include "core/build/object_split.h"
@@ -19,16 +20,46 @@ struct Bin {
 };
 
 // The planes between the bins of one axis; identical for counting and for dividing.
-struct Planes {
-  float lo, step;
-  float plane(int i) const { return lo + step * static_cast<float>(i); }
+class Planes {
+ public:
+  Planes(float lo, float hi)
+      : lo_(lo), step_((hi - lo) / static_cast<float>(kBins)), per_unit_(1.0f / step_) {}
+  float plane(int i) const { return lo_ + step_ * static_cast<float>(i); }
   int bin(float x) const {
-    int b = std::clamp(static_cast<int>((x - lo) / step), 0, kBins - 1);
+    int b = std::clamp(static_cast<int>((x - lo_) * per_unit_), 0, kBins - 1);
     while (b > 0 && x < plane(b)) --b;
     while (b < kBins - 1 && x >= plane(b + 1)) ++b;
     return b;
   }
+  // Planes closer than the coordinates' own spacing separate nothing.
+  bool distinct(float hi) const {
+    return plane(1) > lo_ && plane(kBins - 1) < hi && std::isfinite(per_unit_);
+  }
+
+ private:
+  float lo_, step_, per_unit_;
 };
+
+// Boxes of a triangle's parts between the planes, by walking its edges: a part's corners are vertices and
+// crossings of edges with planes. In single precision and not conservative, since it only weighs candidates.
+std::array<Box3f, kBins> parts_between(const std::array<Vec3f, 3>& triangle, int axis, const Planes& planes) {
+  std::array<Box3f, kBins> parts;
+  for (int i = 0; i < 3; ++i) {
+    Vec3f a = triangle[i], b = triangle[(i + 1) % 3];
+    if (a[axis] > b[axis]) std::swap(a, b);
+    const int first = planes.bin(a[axis]), last = planes.bin(b[axis]);
+    parts[first].grow(a);
+    parts[last].grow(b);
+    const float per_unit = 1.0f / (b[axis] - a[axis]);
+    for (int bin = first; bin < last; ++bin) {
+      Vec3f crossing = lerp(a, b, std::clamp((planes.plane(bin + 1) - a[axis]) * per_unit, 0.0f, 1.0f));
+      crossing[axis] = planes.plane(bin + 1);
+      parts[bin].grow(crossing);
+      parts[bin + 1].grow(crossing);
+    }
+  }
+  return parts;
+}
 
 struct AxisBins {
   std::array<Bin, kBins> bins;
@@ -45,9 +76,9 @@ struct AxisBins {
     ++bins[first].enter;
     ++bins[last].leave;
     if (first == last) return bins[first].box.grow(r.box);
-    const std::array<Vec3d, 3> triangle = centre_triangle(primitives, r);
+    const std::array<Box3f, kBins> parts = parts_between(centre_triangle<float>(primitives, r), axis, planes);
     for (int b = first; b <= last; ++b) {
-      const Box3f part = intersect(slab_bounds(triangle, axis, planes.plane(b), planes.plane(b + 1)), r.box);
+      const Box3f part = intersect(parts[b], r.box);
       if (!part.empty()) bins[b].box.grow(part);
     }
   }
@@ -96,7 +127,7 @@ void sweep(const AxisBins& axis_bins, int axis, const Planes& planes, SpatialSpl
 Reference part_of(const Primitives& primitives, const Reference& r, const SpatialSplit& split, bool below) {
   Reference part = r;
   part.owner |= Reference::kClippedFlag;
-  part.box = clipped_bounds(centre_triangle(primitives, r), r.box, split.axis, split.plane, below);
+  part.box = clipped_bounds(centre_triangle<double>(primitives, r), r.box, split.axis, split.plane, below);
   return part;
 }
 
@@ -106,9 +137,8 @@ SpatialSplit find_spatial_split(const Primitives& primitives, std::span<const Re
                                 const Box3f& box) {
   SpatialSplit best;
   for (int axis = 0; axis < 3; ++axis) {
-    const Planes planes{box.lo[axis], (box.hi[axis] - box.lo[axis]) / static_cast<float>(kBins)};
-    // Planes closer than the coordinates' own spacing separate nothing.
-    if (!(planes.plane(1) > planes.lo) || !(planes.plane(kBins - 1) < box.hi[axis])) continue;
+    const Planes planes(box.lo[axis], box.hi[axis]);
+    if (!planes.distinct(box.hi[axis])) continue;
     sweep(fill(primitives, references, axis, planes), axis, planes, best);
   }
   return best;

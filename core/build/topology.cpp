@@ -65,7 +65,7 @@ class TopologyBuilder {
     if (depth > kMaxSahDepth) return may_be_leaf(range) ? false : halve(range, left, right);
     const ObjectBinning binning(bounds.centres);
     const ObjectSplit object = find_object_split(references(range), binning);
-    const SpatialSplit spatial = wants_spatial_split(object, range)
+    const SpatialSplit spatial = wants_spatial_split(object, range, half_area(bounds.box))
                                      ? find_spatial_split(primitives_, references(range), bounds.box)
                                      : SpatialSplit{};
     const float area = half_area(bounds.box);
@@ -84,11 +84,13 @@ class TopologyBuilder {
            std::none_of(refs.begin(), refs.end(), [](const Reference& r) { return r.is_instance(); });
   }
 
-  // Stich et al. 2009, section 4.1: only where the object split's children overlap noticeably.
-  bool wants_spatial_split(const ObjectSplit& object, const Range& range) const {
+  // Only where the object split's children overlap noticeably.
+  bool wants_spatial_split(const ObjectSplit& object, const Range& range, float area) const {
     if (settings_.builder != Builder::kMsbvh || range.free_slots() == 0) return false;
     if (!std::isfinite(object.cost)) return true;
-    return half_area(intersect(object.left, object.right)) > settings_.spatial_split_overlap * root_area_;
+    const float overlap = half_area(intersect(object.left, object.right));
+    return overlap > settings_.spatial_split_root_overlap * root_area_ &&
+           overlap > settings_.spatial_split_node_overlap * area;
   }
 
   bool split_objects(Range range, const ObjectBinning& binning, const ObjectSplit& split, Range& left,

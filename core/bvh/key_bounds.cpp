@@ -23,7 +23,7 @@ class MovingFragment {
   MovingFragment(const Primitives& primitives, const Reference& reference)
       : mesh_(*primitives.meshes[reference.mesh()]),
         triangle_(mesh_.triangles[reference.index]),
-        polygon_(clip_to_box(centre_triangle(primitives, reference), reference.box)) {}
+        polygon_(clip_to_box(centre_triangle<double>(primitives, reference), reference.box)) {}
 
   Box3f at_key(std::uint32_t key) const {
     const std::array<Vec3d, 3> v = vertices(key);
