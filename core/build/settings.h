@@ -19,8 +19,7 @@ struct BuildSettings {
   // Spatial splits are tried where the object split's children overlap by more than this share of the root's
   // area (Stich et al. 2009, section 4.1) ...
   float spatial_split_root_overlap = 1e-5f;
-  // ... and by more than this share of their own node's. Less than that cannot pay for the search: lowering
-  // it to 0 leaves node visits as they are and makes the build several times slower (docs/design/build.md).
+  // ... and by more than this share of their own node's. Lower: a slower build for few references more.
   float spatial_split_node_overlap = 0.3f;
   std::uint32_t max_leaf_triangles = 8;
   // SAH: the cost of a triangle block (4 triangles) relative to that of a node (8 boxes).
