@@ -77,16 +77,25 @@ Vec3d instanced_margin(const TrianglePose& triangle, const InstancePose& instanc
          instance.size.t * kTransformError;
 }
 
-Vec3f surface_color(const Scene& scene, const HitSource& source, const Hit& hit, float time) {
-  const Mesh& mesh = *source.mesh;
-  const Material* material = material_of(scene, mesh);
-  const Vec3f fallback = material ? material->diffuse_color : Vec3f{0.18f, 0.18f, 0.18f};
-  if (material && !material->diffuse_from_display_color) return fallback;
+// The instance's, else the mesh's, else `fallback`.
+Vec3f display_color(const HitSource& source, const Hit& hit, float time, Vec3f fallback) {
   if (source.instances && !source.instances->display_color.empty()) {
     return source.instances->display_color[source.instance];
   }
+  const Mesh& mesh = *source.mesh;
   if (!mesh.display_color.authored()) return fallback;
   return interpolate(mesh.display_color, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time);
+}
+
+void set_colors(const Material* material, const HitSource& source, const Hit& hit, float time,
+                SurfacePoint& surface) {
+  const Material standard{.diffuse_from_display_color = true};
+  const Material& m = material ? *material : standard;
+  const auto color = [&](Vec3f constant, bool from_display_color) {
+    return from_display_color ? display_color(source, hit, time, constant) : constant;
+  };
+  surface.albedo = color(m.diffuse_color, m.diffuse_from_display_color);
+  surface.emission = color(m.emissive_color, m.emissive_from_display_color);
 }
 
 // Two-sided: the normals end up on the side that the ray came from, so that neither the winding nor a
@@ -124,9 +133,7 @@ SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& 
     surface.self_hit_margin = Vec3f(triangle.margin());
     set_normals(source, hit, ray, Affine3d{}, cross(edge1, edge2), surface);
   }
-  const Material* material = material_of(scene, *source.mesh);
-  surface.albedo = surface_color(scene, source, hit, ray.time);
-  surface.emission = material ? material->emissive_color : Vec3f{};
+  set_colors(material_of(scene, *source.mesh), source, hit, ray.time, surface);
   return surface;
 }
 

@@ -39,6 +39,14 @@ def test_an_invalid_layer_is_one_line_without_usds_source_locations(tmp_path, na
     assert "\n" not in text and ".cpp" not in text and "pxrInternal" not in text
 
 
+def test_a_syntax_error_says_the_line(tmp_path, monkeypatch):
+    (tmp_path / "syntax.usda").write_text('#usda 1.0\ndef "A" {\n')
+    monkeypatch.chdir(tmp_path)
+    for name in ("syntax.usda", tmp_path / "syntax.usda"):
+        with pytest.raises(SceneError, match=f"^{name}: cannot be read as USD: line 3:"):
+            opened(name)
+
+
 def test_a_directory_is_no_scene(tmp_path):
     with pytest.raises(SceneError):
         opened(tmp_path)

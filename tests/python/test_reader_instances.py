@@ -288,3 +288,26 @@ def test_a_prototype_that_instances_itself_is_an_error():
     instancer.GetPrototypesRel().SetTargets(["/Instancer"])
     result = shot.read()
     assert any("a prototype that instances itself" in message for message in messages(result, "error"))
+
+
+def test_an_opacity_for_each_instance_is_named():
+    shot = Shot()
+    opacity = UsdGeom.PrimvarsAPI(make_instancer(shot)).CreatePrimvar(
+        "displayOpacity", Sdf.ValueTypeNames.FloatArray, "vertex"
+    )
+    opacity.Set([1.0] * 5)
+    assert not messages(shot.read(), "warning")
+    opacity.Set([0.5] * 5)
+    (warning,) = messages(shot.read(), "warning")
+    assert warning.startswith(
+        "/Instancer.primvars:displayOpacity: an opacity for each instance is not supported"
+    )
+
+
+def test_velocities_that_do_not_fit_the_positions_are_named():
+    shot = Shot()
+    instancer = make_instancer(shot)
+    instancer.GetPositionsAttr().Set(instancer.GetPositionsAttr().Get(), 10.0)
+    instancer.CreateVelocitiesAttr().Set([(24, 0, 0)], 10.0)
+    warning = "/Instancer.velocities: not used: found 1 values, expected 5, as many as positions"
+    assert warning in messages(shot.read(), "warning")

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from pxr import Gf, UsdGeom, UsdLux
+from pxr import Gf, Sdf, UsdGeom, UsdLux
 from recording import Shot, messages
 
 
@@ -120,3 +120,43 @@ def test_what_a_light_has_beyond_what_is_lit_is_named():
     )
     assert "/Disk: lights of type DiskLight are not supported yet; left out" in warnings
     assert any(w.startswith("/Spot.inputs:shaping:cone:angle: not supported yet") for w in warnings)
+
+
+def test_light_linking_is_named():
+    shot = Shot()
+    UsdLux.SphereLight.Define(shot.stage, "/All")
+    for index, name in enumerate(("lightLink", "shadowLink")):
+        light = UsdLux.SphereLight.Define(shot.stage, f"/Light_{index}")
+        getattr(
+            UsdLux.LightAPI(light), f"Get{name[0].upper()}{name[1:]}CollectionAPI"
+        )().CreateExcludesRel().AddTarget("/Hero")
+    assert messages(shot.read(), "warning") == [
+        "/Light_0.collection:lightLink: light linking is not supported yet; the light reaches everything",
+        "/Light_1.collection:shadowLink: light linking is not supported yet; the light reaches everything",
+    ]
+
+
+def test_a_sphere_light_that_is_an_ellipsoid_is_named():
+    shot = Shot()
+    for path, scale in (("/Ball", (2, 2, 2)), ("/Egg", (1, 1, 2))):
+        light = UsdLux.SphereLight.Define(shot.stage, path)
+        light.AddRotateXYZOp().Set(Gf.Vec3f(10, 20, 30))
+        light.AddScaleOp().Set(Gf.Vec3f(*scale))
+    (warning,) = messages(shot.read(), "warning")
+    assert warning.startswith("/Egg.xformOpOrder: found a transform that shears or scales unevenly")
+
+
+def test_a_light_with_a_value_of_another_type_is_left_out():
+    shot = Shot()
+    UsdLux.SphereLight.Define(shot.stage, "/Light")
+    light = shot.stage.GetRootLayer().GetPrimAtPath("/Light")
+    Sdf.AttributeSpec(light, "inputs:radius", Sdf.ValueTypeNames.String).default = "wide"
+    result = shot.read(disable_camera_light=True)
+    assert messages(result) == ["/Light.inputs:radius: found 'wide', expected a number; left out"]
+    assert result.scene.lights == []
+
+
+def test_an_exposure_beyond_all_numbers_is_left_to_the_translators_check():
+    shot = Shot()
+    UsdLux.SphereLight.Define(shot.stage, "/Light").CreateExposureAttr(2000.0)
+    assert only_light(shot)["radiance"] == (math.inf,) * 3

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from msbvh.implicit import IMPLICIT_TYPES
-from pxr import Gf, Sdf, UsdGeom, UsdShade
+from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdShade
 from recording import Shot, messages
 
 
@@ -187,6 +187,7 @@ def test_constants_of_a_preview_surface_through_the_material_interface():
             "diffuse_color": (0.25, 0.5, 0.75),
             "diffuse_from_display_color": False,
             "emissive_color": (1, 2, 3),
+            "emissive_from_display_color": False,
             "opacity": 0.5,
             "opacity_from_display_opacity": False,
             "opacity_threshold": 0.25,
@@ -218,6 +219,74 @@ def test_a_reader_of_display_color_is_drawn_and_a_texture_falls_back_with_a_warn
         "/Material/Surface.inputs:emissiveColor: connected to a UsdUVTexture, which is not evaluated yet; "
         "drawn as (0.5, 0.25, 0)"
     )
+
+
+def test_emission_may_read_display_color():
+    shot = Shot()
+    shader = preview_material(shot)
+    reader = UsdShade.Shader.Define(shot.stage, "/Material/Reader")
+    reader.CreateIdAttr("UsdPrimvarReader_float3")
+    reader.CreateInput("varname", Sdf.ValueTypeNames.Token).Set("displayColor")
+    emissive = shader.CreateInput("emissiveColor", Sdf.ValueTypeNames.Color3f)
+    emissive.ConnectToSource(reader.CreateOutput("result", Sdf.ValueTypeNames.Float3))
+    bind(shot, shot.mesh("/Mesh").GetPrim())
+    result = shot.read()
+    (material,) = result.scene.materials
+    assert material["emissive_from_display_color"] and not material["diffuse_from_display_color"]
+    assert not messages(result, "warning")
+
+
+def test_what_a_preview_surface_has_beyond_diffuse_is_one_note_for_all_materials():
+    shot = Shot()
+    for path in ("/A", "/B"):
+        preview_material(shot, path).CreateInput("metallic", Sdf.ValueTypeNames.Float).Set(1.0)
+        bind(shot, shot.mesh(f"{path}_mesh").GetPrim(), path)
+    result = shot.read()
+    (note,) = [note for note in messages(result, "note") if "UsdPreviewSurface" in note]
+    assert note.startswith("/A/Surface: ") and note.endswith("(and 1 more prims)")
+    assert not messages(result, "warning")
+
+
+def test_normal_maps_and_displacement_are_named():
+    shot = Shot()
+    shader = preview_material(shot)
+    shader.CreateInput("displacement", Sdf.ValueTypeNames.Float).Set(0.5)
+    texture = UsdShade.Shader.Define(shot.stage, "/Material/Texture")
+    normal = shader.CreateInput("normal", Sdf.ValueTypeNames.Normal3f)
+    normal.ConnectToSource(texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3))
+    bind(shot, shot.mesh("/Mesh").GetPrim())
+    assert messages(shot.read(), "warning") == [
+        f"/Material/Surface.inputs:{name}: not supported yet; drawn without it"
+        for name in ("normal", "displacement")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "value", "expected"),
+    [
+        ("diffuseColor", Sdf.ValueTypeNames.Float, 0.5, "three numbers; drawn as (0.18, 0.18, 0.18)"),
+        ("diffuseColor", Sdf.ValueTypeNames.String, "red", "three numbers; drawn as (0.18, 0.18, 0.18)"),
+        ("opacity", Sdf.ValueTypeNames.Color3f, Gf.Vec3f(1), "a number; drawn as 1"),
+    ],
+)
+def test_an_input_of_the_wrong_type_is_named_and_its_default_drawn(name, kind, value, expected):
+    shot = Shot()
+    preview_material(shot).CreateInput(name, kind).Set(value)
+    bind(shot, shot.mesh("/Mesh").GetPrim())
+    message = f"/Material/Surface.inputs:{name}: found {value!r}, expected {expected}"
+    assert messages(shot.read(), "warning") == [message]
+
+
+def test_draw_modes_are_named_where_they_take_effect():
+    shot = Shot()
+    for path, apply in (("/Drawn", False), ("/Cards", True)):
+        model = UsdGeom.ModelAPI.Apply(UsdGeom.Xform.Define(shot.stage, path).GetPrim())
+        Usd.ModelAPI(model).SetKind(Kind.Tokens.group)
+        model.CreateModelDrawModeAttr("cards")
+        model.CreateModelApplyDrawModeAttr(apply)
+        shot.mesh(f"{path}/Mesh")
+    message = "/Cards.model:drawMode: draw mode 'cards' is not supported yet; drawn in full"
+    assert messages(shot.read(), "warning") == [message]
 
 
 def test_another_renderers_material_leaves_a_warning_and_display_color():

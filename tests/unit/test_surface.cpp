@@ -116,6 +116,11 @@ TEST_CASE("materials: their constants, and displayColor only where they read it"
   CHECK(surface(scene, kHit, kDown).emission == Vec3f{0, 0, 7});
   scene.materials[0].diffuse_from_display_color = true;
   CHECK(surface(scene, kHit, kDown).albedo == Vec3f{1, 0, 0});
+  CHECK(surface(scene, kHit, kDown).emission == Vec3f{0, 0, 7});
+  scene.materials[0].emissive_from_display_color = true;
+  CHECK(surface(scene, kHit, kDown).emission == Vec3f{1, 0, 0});
+  scene.meshes[0].display_color.values.clear();
+  CHECK(surface(scene, kHit, kDown).emission == Vec3f{0, 0, 7});
 }
 
 TEST_CASE("opacity is read at the point") {

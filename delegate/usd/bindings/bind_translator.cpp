@@ -162,6 +162,7 @@ std::uint32_t add_material(Translator& translator, const nb::kwargs& keywords) {
   material.diffuse_color = color_from(arguments.value<Rgb>("diffuse_color", "(r, g, b)"));
   material.diffuse_from_display_color = arguments.value<bool>("diffuse_from_display_color", "a bool");
   material.emissive_color = color_from(arguments.value<Rgb>("emissive_color", "(r, g, b)"));
+  material.emissive_from_display_color = arguments.value<bool>("emissive_from_display_color", "a bool");
   material.opacity = arguments.value<float>("opacity", "a float");
   material.opacity_from_display_opacity = arguments.value<bool>("opacity_from_display_opacity", "a bool");
   material.opacity_threshold = arguments.value<float>("opacity_threshold", "a float");

@@ -133,6 +133,7 @@ class Translator:
         diffuse_color: Rgb,
         diffuse_from_display_color: bool,
         emissive_color: Rgb,
+        emissive_from_display_color: bool,
         opacity: float,
         opacity_from_display_opacity: bool,
         opacity_threshold: float,

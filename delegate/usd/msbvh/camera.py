@@ -85,6 +85,10 @@ def read_camera(
     code = Shutter(frame).frame_code
     opening, closing = camera.GetShutterOpenAttr().Get(code), camera.GetShutterCloseAttr().Get(code)
     shutter = checked_shutter(frame, opening or 0.0, closing or 0.0, str(prim.GetPath()), diagnostics)
+    f_stop = camera.GetFStopAttr().Get(code) or 0.0
+    if f_stop > 0.0:
+        message = f"found {f_stop:g}; depth of field is not supported yet, everything is in focus"
+        diagnostics.warning(str(prim.GetPath()), "fStop", message)
     grid = TimeGrid(shutter, _authored_times(prim, shutter), is_held(stage))
     return _sampled(str(prim.GetPath()), shutter, grid, camera.GetCamera, image_size, conform)
 

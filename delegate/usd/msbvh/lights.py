@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
-from pxr import Usd, UsdLux
+from pxr import Sdf, Usd, UsdLux
 
 from .context import FrameContext
 from .transforms import Motion
@@ -38,13 +38,49 @@ def read_light(prim: Usd.Prim, world_from_light: np.ndarray, context: FrameConte
             path, "", f"lights of type {prim.GetTypeName() or 'none'} are not supported yet; left out"
         )
         return None
+    try:
+        light = _emitter(kind, prim, world_from_light, context.code)
+    except _NotANumber as error:
+        context.diagnostics.error(
+            path, error.attribute, f"found {error.found!r}, expected {error.expected}; left out"
+        )
+        return None
     _warn_of_the_rest(prim, context)
-    code = context.code
+    if kind == "sphere" and not _is_similarity(world_from_light):
+        message = "found a transform that shears or scales unevenly; lit as the sphere of equal volume"
+        context.diagnostics.group(path, "xformOpOrder", message)
+    return light
+
+
+class _NotANumber(Exception):
+    """An attribute holds a value of another type."""
+
+    def __init__(self, attribute: Usd.Attribute, found: object, expected: str) -> None:
+        self.attribute, self.found, self.expected = attribute.GetName(), found, expected
+
+
+def _number(attribute: Usd.Attribute, code: Usd.TimeCode) -> float:
+    value = attribute.Get(code)
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise _NotANumber(attribute, value, "a number") from None
+
+
+def _colour(attribute: Usd.Attribute, code: Usd.TimeCode) -> np.ndarray:
+    value = attribute.Get(code)
+    try:
+        return np.array(value, np.float64).reshape(3)
+    except (TypeError, ValueError):
+        raise _NotANumber(attribute, value, "three numbers") from None
+
+
+def _emitter(kind: str, prim: Usd.Prim, world_from_light: np.ndarray, code: Usd.TimeCode) -> dict:
     light = {"angle_degrees": 0.53, "radius": 0.5, "width": 1.0, "height": 1.0}
     for name in light:
         attribute = prim.GetAttribute("inputs:" + ("angle" if name == "angle_degrees" else name))
         if attribute:
-            light[name] = float(attribute.Get(code))
+            light[name] = _number(attribute, code)
     radiance = emission(UsdLux.LightAPI(prim), code)
     if UsdLux.LightAPI(prim).GetNormalizeAttr().Get(code):
         radiance = radiance / normalization(kind, light, world_from_light)
@@ -52,17 +88,19 @@ def read_light(prim: Usd.Prim, world_from_light: np.ndarray, context: FrameConte
         radiance = (
             radiance / 4.0
         )  # Radiant intensity: what a small normalised sphere, pi r^2 L / (4 pi r^2), tends to.
-    return {"name": path, "kind": kind, "radiance": tuple(radiance.tolist()), **light}
+    return {"name": str(prim.GetPath()), "kind": kind, "radiance": tuple(radiance.tolist()), **light}
 
 
 def emission(light: UsdLux.LightAPI, code: Usd.TimeCode) -> np.ndarray:
-    """intensity * 2^exposure * color, times the black body's colour where enabled: float64[3]."""
-    strength = light.GetIntensityAttr().Get(code) * math.exp2(light.GetExposureAttr().Get(code))
-    colour = np.array(light.GetColorAttr().Get(code), np.float64)
+    """intensity * 2^exposure * color, times the black body's colour where enabled: float64[3], infinite where
+    it is too large."""
+    with np.errstate(over="ignore", invalid="ignore"):  # The translator says what is not finite.
+        strength = _number(light.GetIntensityAttr(), code) * np.exp2(_number(light.GetExposureAttr(), code))
+        colour = strength * _colour(light.GetColorAttr(), code)
     if light.GetEnableColorTemperatureAttr().Get(code):
-        kelvin = light.GetColorTemperatureAttr().Get(code)
+        kelvin = _number(light.GetColorTemperatureAttr(), code)
         colour = colour * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin), np.float64)
-    return strength * colour
+    return colour
 
 
 def normalization(kind: str, light: dict[str, float], world_from_light: np.ndarray) -> float:
@@ -96,15 +134,39 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
     for name, neutral in (
         ("inputs:shaping:cone:angle", 90.0),
         ("inputs:shaping:focus", 0.0),
+        ("inputs:shaping:ies:file", Sdf.AssetPath()),
         ("inputs:diffuse", 1.0),
+        ("inputs:shadow:enable", True),
     ):
         attribute = prim.GetAttribute(name)
         if attribute and attribute.HasAuthoredValue() and attribute.Get(context.code) != neutral:
             context.diagnostics.group(path, name, "not supported yet; lit without it")
+    for name in ("lightLink", "shadowLink"):
+        if _is_restricted(Usd.CollectionAPI(prim, name)):
+            message = "light linking is not supported yet; the light reaches everything"
+            context.diagnostics.group(path, f"collection:{name}", message)
     if prim.GetRelationship("light:filters").GetTargets():
         context.diagnostics.group(
             path, "light:filters", "light filters are not supported yet; lit without them"
         )
+
+
+def _is_restricted(collection: Usd.CollectionAPI) -> bool:
+    """Whether a light's collection may leave out prims; by default it holds all."""
+    targets = (collection.GetIncludesRel(), collection.GetExcludesRel())
+    return (
+        any(relationship and relationship.GetTargets() for relationship in targets)
+        or collection.GetIncludeRootAttr().Get() is False
+        or collection.GetMembershipExpressionAttr().HasAuthoredValue()
+    )
+
+
+def _is_similarity(matrix: np.ndarray) -> bool:
+    """Whether float64[4, 4] keeps spheres round, but for what single precision rounds; not said of NaN."""
+    with np.errstate(invalid="ignore"):
+        gram = matrix[:3, :3] @ matrix[:3, :3].T
+        uneven = np.abs(gram - np.eye(3) * gram.trace() / 3).max()
+    return not uneven > 1e-5 * gram.trace()
 
 
 def add_lights(translator: Any, light: dict, motion: Motion, level: int) -> None:

@@ -5,18 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from pxr import Usd, UsdShade
+from pxr import Gf, Usd, UsdShade
 
 from .context import FrameContext
 
 PREVIEW_SURFACE = "UsdPreviewSurface"
+
+Number = float | tuple[float, float, float]
+"""What an input takes: a number or a colour."""
 
 
 @dataclass(frozen=True)
 class Input:
     """A shader input: its constant, and what drives it."""
 
-    value: Any
+    value: Number
     primvar: str = ""
     """Name of the primvar that a connected reader reads."""
 
@@ -50,19 +53,36 @@ class Materials:
             message = f"found {found}, expected {PREVIEW_SURFACE}; displayColor shows instead"
             self._context.diagnostics.group(path, "outputs:surface", message)
             return None
+        self._tell_of_the_rest(shader)
         diffuse = self._input(shader, "diffuseColor", (0.18, 0.18, 0.18))
+        emissive = self._input(shader, "emissiveColor", (0.0, 0.0, 0.0))
         opacity = self._input(shader, "opacity", 1.0)
         return self._translator.add_material(
             name=path,
-            diffuse_color=tuple(map(float, diffuse.value)),
+            diffuse_color=diffuse.value,
             diffuse_from_display_color=diffuse.primvar == "displayColor",
-            emissive_color=tuple(map(float, self._input(shader, "emissiveColor", (0.0, 0.0, 0.0)).value)),
-            opacity=float(opacity.value),
+            emissive_color=emissive.value,
+            emissive_from_display_color=emissive.primvar == "displayColor",
+            opacity=opacity.value,
             opacity_from_display_opacity=opacity.primvar == "displayOpacity",
-            opacity_threshold=float(self._input(shader, "opacityThreshold", 0.0).value),
+            opacity_threshold=self._input(shader, "opacityThreshold", 0.0).value,
         )
 
-    def _input(self, shader: UsdShade.Shader, name: str, default: Any) -> Input:
+    def _tell_of_the_rest(self, shader: UsdShade.Shader) -> None:
+        """Names what a diffuse surface does not show. Every UsdPreviewSurface has a specular part: one note
+        for all of them."""
+        path, diagnostics = str(shader.GetPath()), self._context.diagnostics
+        message = (
+            "UsdPreviewSurface is drawn as diffuse; specular, metallic and clearcoat are not supported yet"
+        )
+        diagnostics.group(path, "", message, "note")
+        for name, neutral in (("normal", Gf.Vec3f(0, 0, 1)), ("displacement", 0.0)):
+            unsupported = shader.GetInput(name)
+            sources = unsupported.GetValueProducingAttributes() if unsupported else ()
+            if sources and (_is_output(sources[0]) or sources[0].Get(self._context.code) != neutral):
+                diagnostics.group(path, unsupported.GetFullName(), "not supported yet; drawn without it")
+
+    def _input(self, shader: UsdShade.Shader, name: str, default: Number) -> Input:
         """An input's constant at the frame, followed through node graphs and material interfaces."""
         shader_input = shader.GetInput(name)
         if not shader_input:
@@ -71,32 +91,50 @@ class Materials:
         if not sources:
             return Input(default)
         source = sources[0]
-        if UsdShade.Utils.GetType(source.GetName()) != UsdShade.AttributeType.Output:
+        if not _is_output(source):
             value = source.Get(self._context.code)
-            return Input(default if value is None else value)
+            return Input(default if value is None else self._number(value, default, source))
         return self._connected(shader_input, UsdShade.Shader(source.GetPrim()), default)
 
-    def _connected(self, shader_input: UsdShade.Input, node: UsdShade.Shader, default: Any) -> Input:
+    def _connected(self, shader_input: UsdShade.Input, node: UsdShade.Shader, default: Number) -> Input:
         """An input that another node drives: readers of displayColor and displayOpacity are drawn, others
         fall back."""
         identifier = node.GetShaderId() or "node of no known type"
-        fallback = self._constant(node, "fallback", default)
+        fallback = self._fallback(node, default)
         if identifier.startswith("UsdPrimvarReader"):
             primvar = str(self._constant(node, "varname", ""))
             if (shader_input.GetBaseName(), primvar) in (
                 ("diffuseColor", "displayColor"),
+                ("emissiveColor", "displayColor"),
                 ("opacity", "displayOpacity"),
             ):
                 return Input(fallback, primvar)
             identifier = f"{identifier} of '{primvar}'"
-        if not isinstance(default, float):
-            fallback = tuple(fallback)[:3]
-        elif not isinstance(fallback, float):
-            fallback = fallback[3] if len(fallback) > 3 else default
         message = f"connected to a {identifier}, which is not evaluated yet; drawn as {_text(fallback)}"
         shader = str(shader_input.GetPrim().GetPath())
         self._context.diagnostics.group(shader, shader_input.GetFullName(), message)
         return Input(fallback)
+
+    def _fallback(self, node: UsdShade.Shader, default: Number) -> Number:
+        """What a node says is drawn in its place. Textures have four channels: three are a colour, the last an
+        opacity."""
+        value = self._constant(node, "fallback", default)
+        if isinstance(value, Gf.Vec4f):
+            value = value[3] if isinstance(default, float) else tuple(value)[:3]
+        return self._number(value, default, node.GetPrim().GetAttribute("inputs:fallback"))
+
+    def _number(self, value: Any, default: Number, source: Usd.Attribute) -> Number:
+        """A value as the kind of number that `default` is; `default`, with a warning, where it is none."""
+        try:
+            number = float(value) if isinstance(default, float) else tuple(map(float, value))
+        except (TypeError, ValueError):
+            number = ()
+        if isinstance(number, float) or len(number) == 3:
+            return number
+        expected = "a number" if isinstance(default, float) else "three numbers"
+        message = f"found {value!r}, expected {expected}; drawn as {_text(default)}"
+        self._context.diagnostics.warning(str(source.GetPrimPath()), source.GetName(), message)
+        return default
 
     def _constant(self, node: UsdShade.Shader, name: str, default: Any) -> Any:
         node_input = node.GetInput(name)
@@ -105,5 +143,10 @@ class Materials:
         return default if value is None else value
 
 
-def _text(value: Any) -> str:
+def _is_output(attribute: Usd.Attribute) -> bool:
+    """Whether a node computes the attribute, so that it holds no value itself."""
+    return UsdShade.Utils.GetType(attribute.GetName()) == UsdShade.AttributeType.Output
+
+
+def _text(value: Number) -> str:
     return f"{value:g}" if isinstance(value, float) else "(" + ", ".join(f"{part:g}" for part in value) + ")"

@@ -9,7 +9,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
-from .points import changes
+from .points import changes, rates_apply
 from .primvars import read_primvar
 from .transforms import Motion, XformCaches
 
@@ -58,6 +58,7 @@ def read_point_instancer(
     if not len(chosen) or not _is_sound(instancer, len(chosen), context):
         return
     colours = _display_color(instancer, len(chosen), context)
+    _warn_of_opacity(instancer, context)
     every = _every_instance(instancer, len(chosen), caches, context)
     for index, prim in enumerate(prims):
         selected = np.flatnonzero(chosen == index)
@@ -80,13 +81,28 @@ def _prototype_indices(
         found = ", ".join(map(str, np.unique(indices[~exists])[:8]))
         message = f"found {found}, expected the index of one of {len(prims)} existing prototypes"
         diagnostics.error(path, "protoIndices", f"{message}; those instances are not drawn")
-    speeds = (instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr())
     # Velocities carry the instances of one base sample through the shutter, whatever follows it.
-    carried = any(attribute.HasAuthoredValue() for attribute in speeds)
-    if not carried and changes(instancer.GetProtoIndicesAttr(), context):
+    if not _is_carried(instancer, context) and changes(instancer.GetProtoIndicesAttr(), context):
         message = "changes within the shutter and no velocities apply; drew the frame's instances"
         diagnostics.warning(path, "protoIndices", message)
     return np.where(exists & _mask(instancer, len(indices), context), indices, _NOT_DRAWN)
+
+
+def _is_carried(instancer: UsdGeom.PointInstancer, context: FrameContext) -> bool:
+    """Whether velocities or angular velocities apply. Says why not where they are authored."""
+    if not context.shutter.moving:
+        return False
+    pairs = (
+        (instancer.GetPositionsAttr(), instancer.GetVelocitiesAttr()),
+        (_orientations(instancer, context), instancer.GetAngularVelocitiesAttr()),
+    )
+    return any([rates_apply(values, rates, context) for values, rates in pairs])
+
+
+def _orientations(instancer: UsdGeom.PointInstancer, context: FrameContext) -> Usd.Attribute:
+    """Those in single precision count first, as USD has it."""
+    single = instancer.GetOrientationsfAttr()
+    return single if _base_count(single, context) else instancer.GetOrientationsAttr()
 
 
 def _mask(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> np.ndarray:
@@ -103,11 +119,9 @@ def _is_sound(instancer: UsdGeom.PointInstancer, count: int, context: FrameConte
 
     usd-core 26.11 reads behind the end of scales and orientations that are too short.
     """
-    orientations = instancer.GetOrientationsfAttr()
-    if not _base_count(orientations, context):
-        orientations = instancer.GetOrientationsAttr()
     sound = True
-    for attribute in (instancer.GetPositionsAttr(), instancer.GetScalesAttr(), orientations):
+    optional_arrays = (instancer.GetScalesAttr(), _orientations(instancer, context))
+    for attribute in (instancer.GetPositionsAttr(), *optional_arrays):
         found = _base_count(attribute, context)
         optional = attribute.GetName() != "positions"
         if found != count and not (optional and found == 0):
@@ -173,3 +187,10 @@ def _display_color(instancer: UsdGeom.PointInstancer, count: int, context: Frame
         context.diagnostics.warning(str(instancer.GetPath()), "primvars:displayColor", f"{found}; ignored")
         return None
     return values[indices]
+
+
+def _warn_of_opacity(instancer: UsdGeom.PointInstancer, context: FrameContext) -> None:
+    primvar = read_primvar(instancer.GetPrim(), "displayOpacity", None, context)
+    if primvar is not None and primvar[0] != "constant" and (primvar[1] != 1.0).any():
+        message = "an opacity for each instance is not supported yet; the prototypes' own is drawn"
+        context.diagnostics.group(str(instancer.GetPath()), "primvars:displayOpacity", message)

@@ -80,17 +80,21 @@ def sample_points(shape: UsdGeom.PointBased, topology_varies: bool, context: Fra
 
 
 def velocities_apply(shape: UsdGeom.PointBased, context: FrameContext) -> bool:
+    """Whether the points leave from one base sample by velocities."""
+    return rates_apply(shape.GetPointsAttr(), shape.GetVelocitiesAttr(), context)
+
+
+def rates_apply(points: Usd.Attribute, velocities: Usd.Attribute, context: FrameContext) -> bool:
     """USD's rule (UsdGeomPointBased::ComputePointsAtTimes): as many velocities as points at the sample at or
-    before the frame, and the samples around the frame align.
+    before the frame, and the samples around the frame align. Likewise positions and orientations of instancers.
 
     Says why not where velocities are authored.
     """
-    points, velocities = shape.GetPointsAttr(), shape.GetVelocitiesAttr()
     if not velocities.HasAuthoredValue():
         return False
     frame = context.shutter.frame
     count = len(array(velocities.Get(context.code), np.float32, 3))
-    path = str(shape.GetPath())
+    path, name = str(points.GetPrimPath()), points.GetName()
     if count == 0:
         return False
     around = points.GetBracketingTimeSamples(frame)
@@ -100,13 +104,13 @@ def velocities_apply(shape: UsdGeom.PointBased, context: FrameContext) -> bool:
         for time in (frame, frame + Usd.TimeCode.SafeStep())
     )
     if not around or not aligned:
-        message = "not used: the samples do not align with those of points (USD's rule)"
+        message = f"not used: the samples do not align with those of {name} (USD's rule)"
         context.diagnostics.warning(path, velocities.GetName(), message)
         return False
-    point_count = len(array(points.Get(around[0]), np.float32, 3))
-    count = len(array(velocities.Get(around[0]), np.float32, 3))
+    point_count = len(points.Get(around[0]) or ())
+    count = len(velocities.Get(around[0]) or ())
     if count != point_count:
-        message = f"not used: found {count} velocities, expected {point_count}, one a point"
+        message = f"not used: found {count} values, expected {point_count}, as many as {name}"
         context.diagnostics.warning(path, velocities.GetName(), message)
     return count == point_count
 

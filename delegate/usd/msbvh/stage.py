@@ -18,14 +18,15 @@ def open_stage(path: str, diagnostics: Diagnostics, mask: Sequence[str] = ()) ->
     payloads and sublayers that do not resolve leave a warning each. Raises SceneError for a missing or
     unreadable file, an invalid layer, a bad mask and a stage without prims.
     """
-    if not Ar.GetResolver().Resolve(path):
+    resolved = Ar.GetResolver().Resolve(path)
+    if not resolved:
         raise SceneError(f"{path}: no such file; expected a USD scene (usd, usda, usdc, usdz)")
     population = _population_mask(mask)
     with tf_messages(diagnostics):
         try:
             stage = Usd.Stage.OpenMasked(path, population) if mask else Usd.Stage.Open(path)
         except Tf.ErrorException as error:
-            reason = _reason(error).replace(f"{path}:", "line ", 1)
+            reason = _reason(error).replace(f"{resolved}:", "line ", 1)
             raise SceneError(f"{path}: cannot be read as USD: {reason}") from None
     if not stage.GetPseudoRoot().GetAllChildren():
         limits = f" under the mask {', '.join(mask)}" if mask else ""

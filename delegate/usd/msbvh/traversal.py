@@ -92,6 +92,7 @@ class Traversal:
             if here is None:
                 continue
             self._warn_of_reset(prim, group, is_root)
+            self._warn_of_draw_mode(prim)
             yield prim, here
             if (prim.IsInstance() and not is_root) or prim.IsA(UsdGeom.PointInstancer):
                 continue
@@ -166,6 +167,17 @@ class Traversal:
             if UsdGeom.Xformable(prim).GetResetXformStack():
                 message = "!resetXformStack! inside an instance is not supported; it moves with the instance"
                 self._context.diagnostics.group(str(prim.GetPath()), "xformOpOrder", message)
+
+    def _warn_of_draw_mode(self, prim: Usd.Prim) -> None:
+        """They take effect on models: on components, on others by model:applyDrawMode (UsdGeomModelAPI)."""
+        if not prim.IsModel():
+            return
+        model = UsdGeom.ModelAPI(prim)
+        mode = model.ComputeModelDrawMode()
+        applied = prim.IsComponent() or model.GetModelApplyDrawModeAttr().Get()
+        if applied and mode != UsdGeom.Tokens.default_:
+            message = f"draw mode '{mode}' is not supported yet; drawn in full"
+            self._context.diagnostics.group(str(prim.GetPath()), "model:drawMode", message)
 
     def _instanced(self, prim: Usd.Prim, state: _State) -> Hashable:
         """The group that a native instance shows; one for each set of looks that instances inherit."""
