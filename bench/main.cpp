@@ -13,6 +13,7 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -53,7 +54,8 @@ std::vector<Ray> random_rays(std::uint32_t seed) {
     return lo + (hi - lo) * (static_cast<float>(engine() >> 8) * 0x1p-24f);
   };
   const auto on_sphere = [&]() -> Vec3f {
-    const float z = in(-1.0f, 1.0f), phi = in(0.0f, 6.2831853f), r = std::sqrt(1.0f - z * z);
+    const float z = in(-1.0f, 1.0f), phi = in(0.0f, 2.0f * std::numbers::pi_v<float>),
+                r = std::sqrt(1.0f - z * z);
     return {r * std::cos(phi), r * std::sin(phi), z};
   };
   std::vector<Ray> rays(kRays);

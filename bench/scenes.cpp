@@ -3,6 +3,9 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace msbvh::bench {
 namespace {

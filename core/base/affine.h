@@ -40,6 +40,11 @@ constexpr Vec3<T> transform_normal(const Affine3<T>& a, const Vec3<T>& n) {
   return cross(a.y, a.z) * n.x + cross(a.z, a.x) * n.y + cross(a.x, a.y) * n.z;
 }
 
+template <typename T>
+bool is_finite(const Affine3<T>& a) {
+  return is_finite(a.x) && is_finite(a.y) && is_finite(a.z) && is_finite(a.t);
+}
+
 // Inverse by cofactors. The determinant of `a` must not be zero: callers reject singular maps first.
 template <typename T>
 constexpr Affine3<T> inverse(const Affine3<T>& a) {

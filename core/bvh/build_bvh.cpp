@@ -1,9 +1,10 @@
 #include "core/bvh/build_bvh.h"
 
 #include <algorithm>
-#include <chrono>
+#include <utility>
 
 #include "core/base/parallel.h"
+#include "core/base/stopwatch.h"
 #include "core/build/topology.h"
 #include "core/bvh/flatten.h"
 #include "core/bvh/instance_bounds.h"
@@ -12,15 +13,6 @@ namespace msbvh {
 namespace {
 
 constexpr std::size_t kInstancesPerTask = 1024;
-
-class Stopwatch {
- public:
-  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-};
 
 std::vector<InstanceBounds> bound_instances(const Bvh& bvh) {
   std::vector<InstanceBounds> bounds(bvh.instances.size());

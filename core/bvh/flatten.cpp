@@ -1,8 +1,12 @@
 #include "core/bvh/flatten.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <span>
+#include <string>
 #include <tuple>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
@@ -11,9 +15,9 @@
 namespace msbvh {
 namespace {
 
-constexpr std::size_t kParallelBytes = 1 << 18;  // subtrees smaller than this are written by one task
-constexpr std::uint32_t kParallelDepth =
-    3;  // and planned by one task from this depth on: 8^3 tasks are enough
+// Subtrees of fewer bytes are written by one task, and planned by one from this depth on (8^3 tasks).
+constexpr std::size_t kParallelBytes = 1 << 18;
+constexpr std::uint32_t kParallelDepth = 3;
 
 std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
 

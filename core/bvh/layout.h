@@ -1,11 +1,15 @@
 // The bytes of a tree, as traversal reads them. One arena holds nodes and leaves, children behind their
 // parent, depth first; positions in it are counted in units of 16 bytes.
 //
-//   node   | header 64 B | boxes at key 0, 192 B | ... | boxes at key 2^k, 192 B |        starts on a cache
-//   line leaf   | block | block | ... | last block | block  | header 48 B | data |
-//     data, gathered:  per key 9 x 16 B, x y z of three vertices of four triangles (few keys: one stream, no
-//     chasing) data, indexed:   3 x 16 B vertex indices into the meshes' own tracks (many keys: 24 B a
-//     triangle at any number) data, instance:  none; triangle[0] is the instance's id
+//   node  | header 64 B | boxes at key 0, 192 B | ... | boxes at key 2^k, 192 B |
+//   leaf  | block | block | ... | last block |
+//   block | header 48 B | data |
+//
+// Nodes start on a cache line. The data of a block:
+//
+//   gathered  at each key 9 x 16 B: x y z of three vertices of four triangles; one stream, for few keys
+//   indexed   3 x 16 B: vertex indices into the meshes' own tracks; 24 B a triangle, for many keys
+//   instance  none; triangle[0] is the instance's id
 //
 // A ray reads two keys of a node, whatever their number. Every node and block has as many keys as it needs,
 // no more.

@@ -1,8 +1,11 @@
 #include "core/bvh/verify.h"
 
+#include <algorithm>
 #include <map>
 #include <sstream>
+#include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.h"

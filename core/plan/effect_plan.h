@@ -1,5 +1,6 @@
-// What a scene calls for, and why. "Simulate only the effects that a scene calls for": whatever is not in the set costs
-// no instruction in the inner loop, no bytes in the nodes, and does not change the noise of the rest.
+// What a scene calls for, and why. "Simulate only the effects that a scene calls for": whatever is not in the
+// set costs no instruction in the inner loop, no bytes in the nodes, and does not change the noise of the
+// rest.
 #pragma once
 
 #include <cstdint>

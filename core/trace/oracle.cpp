@@ -1,5 +1,7 @@
 #include "core/trace/oracle.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <sstream>
@@ -186,17 +188,6 @@ std::optional<std::string> judge_occlusion(const Bvh& bvh, const Ray& ray, bool 
   if (occluded && !possible) return "occluded, but nothing lies on the ray";
   if (!occluded && clear) return "not occluded, but something lies on the ray";
   return std::nullopt;
-}
-
-std::optional<Hit> oracle_intersect(const Bvh& bvh, const Ray& ray) {
-  std::optional<Hit> best;
-  double best_t = ray.tfar;
-  visit_all(bvh, ray, [&](const Id& id, const Verdict& v) {
-    if (!v.hit || v.t < ray.tnear || v.t > best_t || (best && v.t == best_t)) return;
-    best_t = v.t;
-    best = Hit{float(v.t), float(v.u), float(v.v), id.triangle, id.mesh, id.instance};
-  });
-  return best;
 }
 
 }  // namespace msbvh

@@ -27,7 +27,4 @@ std::optional<std::string> judge_intersection(const Bvh& bvh, const Ray& ray, co
 // The same for an any-hit query.
 std::optional<std::string> judge_occlusion(const Bvh& bvh, const Ray& ray, bool occluded);
 
-// The closest clear hit, by brute force.
-std::optional<Hit> oracle_intersect(const Bvh& bvh, const Ray& ray);
-
 }  // namespace msbvh

@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <hwy/highway.h>
+#include <utility>
 
 #include "core/bvh/layout.h"
 #include "core/trace/ray.h"

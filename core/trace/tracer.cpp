@@ -1,5 +1,7 @@
 #include "core/trace/tracer.h"
 
+#include <string>
+
 #include "core/base/error.h"
 #include "core/bvh/bvh.h"
 #include "core/trace/kernels.h"

@@ -3,6 +3,9 @@
 
 #include <cstdint>
 #include <limits>
+#include <string>
+
+#include "delegate/translate/diagnostics.h"
 
 namespace msbvh::translate {
 
@@ -31,6 +34,14 @@ Fit fewest_segments(const FitSettings& settings, const ErrorFunction& error) {
     if (deviation <= settings.tolerance) return {segments, deviation};
   }
   return {settings.max_segments, error(settings.max_segments, std::numeric_limits<double>::infinity())};
+}
+
+// Warns where not even the last track was within the tolerance. `what` moves, with `remark` on why or none.
+inline void report_fit(const Fit& fit, double tolerance_pixels, const std::string& attribute,
+                       const char* what, const char* remark, PrimLog& log) {
+  if (fit.error <= tolerance_pixels) return;
+  log.warn(attribute, message(what, " deviates by ", fit.error, " pixels at ", fit.segments, " segments",
+                              remark, "; expected at most ", tolerance_pixels));
 }
 
 }  // namespace msbvh::translate

@@ -67,10 +67,7 @@ std::optional<Light> translate_light(const LightInput& input, const ScreenMeasur
   const TransformFitter fitter(
       transform.times01(), at_infinity ? ScreenMeasure::filled_by(box, width, height) : measure, settings);
   const Fit fit = fitter.fit(transform.maps(), corners_of(box));
-  if (fit.error > settings.tolerance) {
-    log.warn("xformOpOrder", message("the light's motion deviates by ", fit.error, " pixels at ",
-                                     fit.segments, " segments; expected at most ", settings.tolerance));
-  }
+  report_fit(fit, settings.tolerance, "xformOpOrder", "the light's motion", "", log);
   Light light = input.light;
   light.segments = fit.segments;
   light.world_from_light.resize(key_count(fit.segments));

@@ -35,14 +35,7 @@ bool check_range(const Box3d& box, PrimLog& log) {
   return log.reject(kPoints, message("a coordinate reaches ", found, "; expected at most 2^60 in size"));
 }
 
-void report_fit(const Fit& fit, const FitSettings& settings, bool jumps, const char* attribute,
-                PrimLog& log) {
-  if (fit.error <= settings.tolerance) return;
-  const std::string found =
-      message("the motion deviates by ", fit.error, " pixels at ", fit.segments, " segments");
-  log.warn(attribute, message(found, jumps ? " (held samples jump inside the shutter)" : "",
-                              "; expected at most ", settings.tolerance));
-}
+constexpr const char* kJumps = " (held samples jump inside the shutter)";
 
 TriangleMesh shape_of(const MovingArray& points, std::uint32_t segments, const Triangulation& topology,
                       const std::string& name) {
@@ -83,7 +76,7 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshInput& input, const 
   if (!check_range(box, log) || !check_range(bounds(box, world_from_mesh), log)) return std::nullopt;
   const TransformFitter fitter(world_from_mesh.times01(), *target.measure, target.settings);
   const Fit fit = fitter.fit(world_from_mesh.maps(), corners_of(box));
-  report_fit(fit, target.settings, false, kTransform, log);
+  report_fit(fit, target.settings.tolerance, kTransform, "the motion", "", log);
 
   TranslatedMesh result;
   result.mesh.shape = shape_of(still, 0, topology, input.path);
@@ -104,7 +97,7 @@ std::optional<TranslatedMesh> baked(const MeshInput& input, const ArrayTrack& po
   const Fit fit = fit_points(
       moving, target.measure ? *target.measure : ScreenMeasure::filled_by(box, target.width, target.height),
       target.settings);
-  report_fit(fit, target.settings, points.jumps(), kPoints, log);
+  report_fit(fit, target.settings.tolerance, kPoints, "the motion", points.jumps() ? kJumps : "", log);
 
   TranslatedMesh result;
   result.mesh.shape = shape_of(moving, fit.segments, topology, input.path);

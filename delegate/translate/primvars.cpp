@@ -1,7 +1,6 @@
 #include "delegate/translate/primvars.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 

@@ -4,16 +4,16 @@
 // by d it moves on the image plane by at most d / (r cos^2 a) (moved along the direction in which the
 // projection stretches). Inside the window a is at most the corner's, so that
 //
-//   pixels <= d * pixels_per_unit / max(near_clip, r),   pixels_per_unit = pixels per unit of the window /
-//   cos^2 a_corner.
+//   pixels <= d * pixels_per_unit / max(near_clip, r)
+//   pixels_per_unit = pixels per unit of the window / cos^2 a_corner
 //
 // The bound is first order in d / r, and holds for whatever is in the picture; things behind or beside the
 // camera, which only reflections, shadows and indirect light show, are measured as if they stood in front of
 // it. An orthographic camera has no distance in it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "core/base/affine.h"

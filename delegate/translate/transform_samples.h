@@ -2,7 +2,6 @@
 // samples.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -1,7 +1,7 @@
 // Polygons to triangles, and where each triangle came from.
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -12,8 +12,8 @@
 namespace msbvh::translate {
 
 struct Triangulation {
-  std::vector<Triangle>
-      triangles;  // vertex indices, counter-clockwise from outside whatever the orientation was
+  // Vertex indices, counter-clockwise from outside whatever the orientation was.
+  std::vector<Triangle> triangles;
   std::vector<std::uint32_t> faces;  // the face of each triangle
   std::vector<Triangle> corners;     // the face-vertices of each triangle: indices into faceVertexIndices
   std::size_t face_count = 0;        // of the input, for the sizes of primvars

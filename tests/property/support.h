@@ -2,8 +2,9 @@
 #pragma once
 
 #include <doctest/doctest.h>
-#include <memory>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "core/api/accel.h"
 #include "core/trace/oracle.h"

@@ -1,6 +1,6 @@
 // Every kernel equals the oracle ray by ray, and every tree holds its invariants: over shapes, motions, key
 // counts, offsets and builders.
-#include <cmath>
+#include <utility>
 
 #include "tests/property/support.h"
 

@@ -1,5 +1,6 @@
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <doctest/doctest.h>
 #include <set>
 #include <vector>

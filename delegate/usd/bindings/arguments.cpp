@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nanobind/stl/string.h>
 #include <type_traits>
+#include <utility>
 
 namespace nb = nanobind;
 

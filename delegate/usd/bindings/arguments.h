@@ -2,7 +2,6 @@
 // names the argument, what was found and what is expected.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <initializer_list>
 #include <nanobind/nanobind.h>

@@ -10,6 +10,7 @@
 #include <nanobind/stl/vector.h>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "core/api/renderer.h"
 #include "core/base/error.h"

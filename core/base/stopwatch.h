@@ -1,0 +1,18 @@
+// How long something has taken, for statistics.
+#pragma once
+
+#include <chrono>
+
+namespace msbvh {
+
+// Runs from its construction.
+class Stopwatch {
+ public:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+}  // namespace msbvh
