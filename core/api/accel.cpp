@@ -1,6 +1,9 @@
 #include "core/api/accel.h"
 
+#include <algorithm>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/bvh/build_bvh.h"
@@ -47,10 +50,8 @@ std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, std::uin
     throw Error("accelerator: " + std::to_string(world_from_object.size()) + " matrices for instances of " +
                 std::to_string(segments) + " segments; expected a multiple of the number of keys");
   }
-  for (const Affine3f& m : world_from_object) {
-    if (!is_finite(m.x) || !is_finite(m.y) || !is_finite(m.z) || !is_finite(m.t)) {
-      throw Error("accelerator: an instance's matrix has an element that is not finite");
-    }
+  if (!std::ranges::all_of(world_from_object, [](const Affine3f& m) { return is_finite(m); })) {
+    throw Error("accelerator: an instance's matrix has an element that is not finite; expected finite ones");
   }
   BvhInput& in = data_->input;
   const auto first = static_cast<std::uint32_t>(in.instances.size());

@@ -35,7 +35,7 @@ class Accel {
   // Both return ids, counted from 0 in the order of the calls, meshes and instances apart. Throw Error for
   // geometry that is not valid (see validated()), for a non-finite matrix, and after commit().
   std::uint32_t add_mesh(TriangleMesh mesh);
-  // Shares a mesh that has passed validated() already.
+  // Shares a mesh that has passed validate(), guard included, and does not look at it again.
   std::uint32_t add_mesh(std::shared_ptr<const TriangleMesh> mesh);
   // Instances of another, committed Accel that holds no instances itself (two levels). `world_from_object`
   // holds key_count(segments) maps for each instance, instance-major. Returns the id of the first one.

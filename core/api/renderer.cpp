@@ -3,22 +3,20 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "core/api/accel.h"
 #include "core/api/background.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/base/stopwatch.h"
 #include "core/film/render_tile.h"
 
 namespace msbvh {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 // Bounds of what one frame can hold; beyond them a number is a mistake.
 constexpr std::uint32_t kMaxResolution = 1u << 16;
@@ -56,8 +54,12 @@ void accumulate(const BvhStatistics& tree, BvhStatistics& sum) {
   sum.bounds_seconds += tree.bounds_seconds;
 }
 
-void add_meshes(const Scene& scene, const std::vector<std::uint32_t>& meshes, Accel& accel) {
-  for (const std::uint32_t mesh : meshes) accel.add_mesh(scene.meshes[mesh].shape);
+// Trees read the scene's own positions, and keep the scene alive for it. It has passed validate().
+void share_meshes(const std::shared_ptr<const Scene>& scene, const std::vector<std::uint32_t>& meshes,
+                  Accel& accel) {
+  for (const std::uint32_t mesh : meshes) {
+    accel.add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->meshes[mesh].shape));
+  }
 }
 
 // The builder asks only now and then, which for thousands of small trees is never.
@@ -66,28 +68,29 @@ void stop_if_cancelled(const BuildSettings& settings) {
 }
 
 // One tree a prototype that has instances, null for the others.
-std::vector<std::shared_ptr<const Accel>> build_prototypes(const Scene& scene,
+std::vector<std::shared_ptr<const Accel>> build_prototypes(const std::shared_ptr<const Scene>& scene,
                                                            const BuildSettings& settings) {
-  std::vector<std::shared_ptr<Accel>> accels(scene.prototypes.size());
-  for (const InstanceSet& set : scene.instances) {
+  std::vector<std::shared_ptr<Accel>> accels(scene->prototypes.size());
+  for (const InstanceSet& set : scene->instances) {
     if (instance_count(set) > 0 && !accels[set.prototype]) accels[set.prototype] = std::make_shared<Accel>();
   }
   parallel_for(accels.size(), [&](std::size_t i) {
     if (!accels[i]) return;
     stop_if_cancelled(settings);
-    add_meshes(scene, scene.prototypes[i].meshes, *accels[i]);
+    share_meshes(scene, scene->prototypes[i].meshes, *accels[i]);
     accels[i]->commit(settings);
   });
   return {accels.begin(), accels.end()};
 }
 
 // Meshes and instances in the order that SceneIndex counts on.
-Accel build_world(const Scene& scene, const std::vector<std::shared_ptr<const Accel>>& prototypes,
+Accel build_world(const std::shared_ptr<const Scene>& scene,
+                  const std::vector<std::shared_ptr<const Accel>>& prototypes,
                   const BuildSettings& settings) {
   stop_if_cancelled(settings);
   Accel world;
-  add_meshes(scene, scene.world_meshes, world);
-  for (const InstanceSet& set : scene.instances) {
+  share_meshes(scene, scene->world_meshes, world);
+  for (const InstanceSet& set : scene->instances) {
     if (instance_count(set) == 0) continue;
     world.add_instances(prototypes[set.prototype], set.segments, set.world_from_prototype);
   }
@@ -114,12 +117,12 @@ struct Renderer::Data {
 };
 
 void Renderer::Data::build() {
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   Arena(settings.threads).execute([&] {
-    prototypes = build_prototypes(*scene, settings.build);
-    world = build_world(*scene, prototypes, settings.build);
+    prototypes = build_prototypes(scene, settings.build);
+    world = build_world(scene, prototypes, settings.build);
   });
-  statistics.build_seconds = seconds_since(start);
+  statistics.build_seconds = watch.seconds();
   for (const std::shared_ptr<const Accel>& prototype : prototypes) {
     if (!prototype) continue;
     accumulate(prototype->statistics(), statistics.accel);
@@ -135,14 +138,14 @@ void Renderer::Data::render_tiles(float* rgba, std::atomic<std::size_t>& finishe
   const TileJob job{*frame, settings.width, settings.height, settings.spp, settings.seed, cancelled};
   const RenderTile render_tile = choose_render_tile(plan.set);
   std::atomic<std::uint64_t> rays = 0;
-  const Clock::time_point start = Clock::now();
+  const Stopwatch watch;
   Arena(settings.threads).execute([&] {
     parallel_for(grid.count(), [&](std::size_t i) {
       rays += render_tile(job, grid.tile(i), rgba);
       ++finished_tiles;
     });
   });
-  statistics.trace_seconds = seconds_since(start);
+  statistics.trace_seconds = watch.seconds();
   statistics.rays = rays;
   statistics.camera_rays = std::uint64_t(settings.width) * settings.height * settings.spp;
 }
@@ -164,15 +167,15 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
 }
 
 Image Renderer::render(const ProgressFunction& progress) {
-  if (!data_) throw Error("renderer: render() before commit()");
-  const RenderSettings& settings = data_->settings;
+  Data& data = committed();
+  const RenderSettings& settings = data.settings;
   Image image{settings.width, settings.height, {}};
   image.rgba.resize(std::size_t(4) * settings.width * settings.height);
   const double tiles = static_cast<double>(TileGrid(settings.width, settings.height).count());
   std::atomic<std::size_t> finished_tiles = 0;
   std::atomic<bool> cancelled = false;
 
-  Background work([&] { data_->render_tiles(image.rgba.data(), finished_tiles, cancelled); });
+  Background work([&] { data.render_tiles(image.rgba.data(), finished_tiles, cancelled); });
   try {
     while (!work.finished_within(kProgressInterval)) {
       if (progress && !progress(static_cast<double>(finished_tiles) / tiles)) throw Cancelled();
@@ -186,7 +189,12 @@ Image Renderer::render(const ProgressFunction& progress) {
   return image;
 }
 
-const EffectPlan& Renderer::plan() const { return data_->plan; }
-const RenderStatistics& Renderer::statistics() const { return data_->statistics; }
+Renderer::Data& Renderer::committed() const {
+  if (!data_) throw Error("renderer: used before commit()");
+  return *data_;
+}
+
+const EffectPlan& Renderer::plan() const { return committed().plan; }
+const RenderStatistics& Renderer::statistics() const { return committed().statistics; }
 
 }  // namespace msbvh

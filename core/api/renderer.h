@@ -49,7 +49,7 @@ class Renderer {
 
   // Validates, plans and builds. Throws Error; Cancelled if settings.build.cancelled says so.
   void commit(std::shared_ptr<const Scene> scene, const RenderSettings& settings);
-  // Throws Cancelled within a tile of the progress function's false.
+  // All the others throw Error before commit(). Cancelled: within a tile of the progress function's false.
   Image render(const ProgressFunction& progress = {});
 
   const EffectPlan& plan() const;
@@ -57,6 +57,8 @@ class Renderer {
 
  private:
   struct Data;
+  Data& committed() const;
+
   std::unique_ptr<Data> data_;
 };
 

@@ -1,6 +1,8 @@
 #include "core/geometry/triangle_mesh.h"
 
 #include <cmath>
+#include <cstddef>
+#include <string>
 
 #include "core/base/error.h"
 
@@ -11,8 +13,21 @@ namespace {
   throw Error((mesh.name.empty() ? std::string("mesh") : mesh.name) + ": " + what);
 }
 
-void check_positions(const TriangleMesh& mesh, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
+void check_segments(const TriangleMesh& mesh) {
+  if (is_valid_segment_count(mesh.segments)) return;
+  fail(mesh, "segments: found " + std::to_string(mesh.segments) + "; expected 0 or a power of two up to " +
+                 std::to_string(kMaxSegments));
+}
+
+void check_size(const TriangleMesh& mesh) {
+  if (mesh.positions.size() == mesh.position_count() + TriangleMesh::kGuard) return;
+  fail(mesh, "positions: found " + std::to_string(mesh.positions.size()) + "; expected " +
+                 std::to_string(key_count(mesh.segments)) + " keys x " + std::to_string(mesh.vertex_count) +
+                 " vertices, and a guard of " + std::to_string(TriangleMesh::kGuard));
+}
+
+void check_positions(const TriangleMesh& mesh) {
+  for (std::size_t i = 0; i < mesh.position_count(); ++i) {
     const Vec3f& p = mesh.positions[i];
     for (int axis = 0; axis < 3; ++axis) {
       if (std::abs(p[axis]) <= kMaxCoordinate) continue;  // false for NaN too
@@ -23,29 +38,30 @@ void check_positions(const TriangleMesh& mesh, std::size_t count) {
   }
 }
 
-}  // namespace
-
-TriangleMesh validated(TriangleMesh mesh) {
-  if (!is_valid_segment_count(mesh.segments)) {
-    fail(mesh,
-         "segments: found " + std::to_string(mesh.segments) + "; expected 0 or a power of two up to 128");
-  }
-  const std::size_t count = std::size_t(key_count(mesh.segments)) * mesh.vertex_count;
-  if (mesh.positions.size() != count && mesh.positions.size() != count + TriangleMesh::kGuard) {
-    fail(mesh, "positions: found " + std::to_string(mesh.positions.size()) + "; expected " +
-                   std::to_string(key_count(mesh.segments)) + " keys x " + std::to_string(mesh.vertex_count) +
-                   " vertices");
-  }
-  if (count > 0) check_positions(mesh, count);
-  mesh.positions.resize(count + TriangleMesh::kGuard);
+void check_triangles(const TriangleMesh& mesh) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     for (const std::uint32_t v : mesh.triangles[i]) {
-      if (v >= mesh.vertex_count) {
-        fail(mesh, "triangles: triangle " + std::to_string(i) + " uses vertex " + std::to_string(v) +
-                       "; expected less than " + std::to_string(mesh.vertex_count));
-      }
+      if (v < mesh.vertex_count) continue;
+      fail(mesh, "triangles: triangle " + std::to_string(i) + " uses vertex " + std::to_string(v) +
+                     "; expected less than " + std::to_string(mesh.vertex_count));
     }
   }
+}
+
+}  // namespace
+
+void validate(const TriangleMesh& mesh) {
+  check_segments(mesh);
+  check_size(mesh);
+  check_positions(mesh);
+  check_triangles(mesh);
+}
+
+TriangleMesh validated(TriangleMesh mesh) {
+  if (mesh.positions.size() == mesh.position_count()) {
+    mesh.positions.resize(mesh.positions.size() + TriangleMesh::kGuard);
+  }
+  validate(mesh);
   return mesh;
 }
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -20,13 +20,15 @@ struct TriangleMesh {
   std::string name;            // in messages: the prim's path
   std::uint32_t segments = 0;  // 0 still, else 2^k; see core/motion/track.h
   std::uint32_t vertex_count = 0;
-  std::vector<Vec3f>
-      positions;  // [key_count(segments)][vertex_count], key-major, then kGuard unused elements
+  // [key_count(segments)][vertex_count], key-major, then kGuard unused elements.
+  std::vector<Vec3f> positions;
   std::vector<Triangle> triangles;  // vertex indices
 
   // Elements behind the last vertex, so that a 16-byte load of any position stays inside the array.
   static constexpr std::size_t kGuard = 1;
 
+  // Of all keys, without the guard.
+  std::size_t position_count() const { return std::size_t(key_count(segments)) * vertex_count; }
   const Vec3f* key_positions(std::uint32_t key) const {
     return positions.data() + std::size_t(key) * vertex_count;
   }
@@ -37,10 +39,11 @@ struct TriangleMesh {
   }
 };
 
-// The one gate through which geometry enters. Checks the segment count, the size of `positions` (with or
-// without the guard, which it appends), that every coordinate is finite and at most kMaxCoordinate in size,
-// and that every index is in range. Throws Error naming the mesh, the array, what was found and what is
-// expected.
+// The one gate through which geometry enters. Checks the segment count, that `positions` holds every key and
+// the guard, that every coordinate is finite and at most kMaxCoordinate in size, and that every index is in
+// range. Throws Error naming the mesh, the array, what was found and what is expected.
+void validate(const TriangleMesh& mesh);
+// The mesh with the guard, which is appended where it is missing, validated.
 TriangleMesh validated(TriangleMesh mesh);
 
 // Squares and products of coordinates must not overflow in single precision (the triangle test multiplies two

@@ -18,10 +18,8 @@ void expect(bool holds, const std::string& part, const std::string& attribute, c
   if (!holds) throw Error(part + ": " + attribute + ": found " + found + "; expected " + expected);
 }
 
+using msbvh::is_finite;
 bool is_finite(float x) { return std::isfinite(x); }
-bool is_finite(const Affine3f& a) {
-  return msbvh::is_finite(a.x) && msbvh::is_finite(a.y) && msbvh::is_finite(a.z) && msbvh::is_finite(a.t);
-}
 bool is_finite(const ScreenWindow& w) {
   return is_finite(w.left) && is_finite(w.right) && is_finite(w.bottom) && is_finite(w.top);
 }
@@ -67,6 +65,7 @@ void check_primvar(const Primvar<T>& primvar, const TriangleMesh& shape, const s
 }
 
 void check_mesh(const Mesh& mesh, const Scene& scene, const std::string& part) {
+  validate(mesh.shape);
   check_primvar(mesh.normals, mesh.shape, part, "normals");
   check_primvar(mesh.display_color, mesh.shape, part, "displayColor");
   check_primvar(mesh.display_opacity, mesh.shape, part, "displayOpacity");

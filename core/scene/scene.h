@@ -6,7 +6,6 @@
 // working space (Rec.709 primaries); radiance without a photometric unit.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -41,7 +40,7 @@ struct Primvar {
 std::size_t value_count(Interpolation interpolation, const TriangleMesh& shape);
 
 struct Mesh {
-  TriangleMesh shape;
+  TriangleMesh shape;      // with its guard: accelerators share it as it stands
   Primvar<Vec3f> normals;  // shading normals, need not be unit length; not authored: the triangle's own
   Primvar<Vec3f> display_color;
   Primvar<float> display_opacity;
@@ -131,9 +130,9 @@ struct Scene {
   Camera camera;
 };
 
-// The gate of the parts that are not triangles: primvar sizes, indices, track lengths, finite matrices, light
-// and camera parameters. Appends nothing, changes nothing; throws Error naming the part, found and expected.
-// Meshes pass core/geometry's validated() as well.
+// The gate of the whole scene: the meshes (core/geometry's gate), primvar sizes, indices, track lengths,
+// finite matrices, light and camera parameters. Changes nothing; throws Error naming the part, found and
+// expected.
 void validate(const Scene& scene);
 
 }  // namespace msbvh

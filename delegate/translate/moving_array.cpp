@@ -5,6 +5,7 @@
 
 #include "core/base/lerp.h"
 #include "core/base/parallel.h"
+#include "core/geometry/triangle_mesh.h"
 #include "core/motion/track.h"
 #include "delegate/translate/box_corners.h"
 #include "delegate/translate/time_samples.h"
@@ -98,9 +99,9 @@ Fit fit_array(const MovingArray& array, const ScreenMeasure& measure, const FitS
 }
 
 template <typename Instant>
-std::vector<Vec3f> array_keys(const MovingArray& array, std::uint32_t segments) {
+std::vector<Vec3f> array_keys(const MovingArray& array, std::uint32_t segments, std::size_t guard) {
   const std::size_t count = array.size();
-  std::vector<Vec3f> keys(count * key_count(segments));
+  std::vector<Vec3f> keys(count * key_count(segments) + guard);
   for (std::uint32_t key = 0; key < key_count(segments); ++key) {
     const Instant instant = instant_at<Instant>(array, key_time(key, segments));
     Vec3f* out = keys.data() + count * key;
@@ -138,11 +139,11 @@ Fit fit_normals(const MovingArray& normals, const FitSettings& settings) {
 }
 
 std::vector<Vec3f> point_keys(const MovingArray& points, std::uint32_t segments) {
-  return array_keys<PointInstant>(points, segments);
+  return array_keys<PointInstant>(points, segments, TriangleMesh::kGuard);
 }
 
 std::vector<Vec3f> normal_keys(const MovingArray& normals, std::uint32_t segments) {
-  return array_keys<NormalInstant>(normals, segments);
+  return array_keys<NormalInstant>(normals, segments, 0);
 }
 
 }  // namespace msbvh::translate

@@ -32,9 +32,9 @@ Fit fit_points(const MovingArray& points, const ScreenMeasure& measure, const Fi
 // Error as the distance between unit vectors: radians, while small.
 Fit fit_normals(const MovingArray& normals, const FitSettings& settings);
 
-// [key_count(segments)][size], key-major.
+// [key_count(segments)][size], key-major, and the guard of TriangleMesh::positions.
 std::vector<Vec3f> point_keys(const MovingArray& points, std::uint32_t segments);
-// Unit length, or zero where the stage's normal is.
+// The same without a guard. Unit length, or zero where the stage's normal is.
 std::vector<Vec3f> normal_keys(const MovingArray& normals, std::uint32_t segments);
 
 }  // namespace msbvh::translate

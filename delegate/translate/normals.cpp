@@ -40,7 +40,7 @@ Primvar<Vec3f> smooth_normals(const TriangleMesh& mesh) {
   Primvar<Vec3f> normals;
   normals.interpolation = Interpolation::kVertex;
   normals.segments = mesh.segments;
-  normals.values.resize(std::size_t(key_count(mesh.segments)) * mesh.vertex_count);
+  normals.values.resize(mesh.position_count());
   parallel_for(key_count(mesh.segments), [&](std::size_t key) {
     add_smooth_normals(mesh, std::uint32_t(key), normals.values.data() + key * mesh.vertex_count);
   });

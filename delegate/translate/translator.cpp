@@ -1,6 +1,7 @@
 #include "delegate/translate/translator.h"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/base/box.h"
@@ -37,7 +38,7 @@ struct PrototypeState {
 
 Box3d box_of(const TriangleMesh& shape) {
   Box3d box;
-  for (const Vec3f& p : shape.positions) box.grow(Vec3d(p));
+  for (std::size_t i = 0; i < shape.position_count(); ++i) box.grow(Vec3d(shape.positions[i]));
   return box;
 }
 
@@ -118,12 +119,9 @@ Translator::Translator(const CameraInput& camera, const TranslatorSettings& sett
   TrackReport track;
   data_->scene.camera = fit_camera(camera, data_->origin, settings, track);
   data_->tracks.push_back(track);
-  if (track.error_pixels > settings.motion_tolerance_pixels) {
-    PrimLog(data_->diagnostics, camera.path)
-        .warn("xformOpOrder",
-              message("the camera's motion deviates by ", track.error_pixels, " pixels at ", track.segments,
-                      " segments; expected at most ", settings.motion_tolerance_pixels));
-  }
+  PrimLog log(data_->diagnostics, camera.path);
+  report_fit({track.segments, track.error_pixels}, settings.motion_tolerance_pixels, "xformOpOrder",
+             "the camera's motion", "", log);
 }
 
 Translator::~Translator() = default;

@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "core/api/renderer.h"
@@ -77,17 +78,19 @@ inline Mesh baked(Mesh mesh, const std::vector<Affine3f>& keys) {
   return mesh;
 }
 
-inline void add(Scene& scene, Mesh mesh) {
-  scene.world_meshes.push_back(static_cast<std::uint32_t>(scene.meshes.size()));
+// Returns its index.
+inline std::uint32_t add_mesh(Scene& scene, Mesh mesh) {
+  mesh.shape = validated(std::move(mesh.shape));
   scene.meshes.push_back(std::move(mesh));
+  return static_cast<std::uint32_t>(scene.meshes.size() - 1);
 }
+
+inline void add(Scene& scene, Mesh mesh) { scene.world_meshes.push_back(add_mesh(scene, std::move(mesh))); }
 
 // The mesh as the one instance of a prototype of its own.
 inline void add_instance(Scene& scene, Mesh mesh, const std::vector<Affine3f>& keys) {
-  const auto index = static_cast<std::uint32_t>(scene.meshes.size());
   const auto prototype = static_cast<std::uint32_t>(scene.prototypes.size());
-  scene.meshes.push_back(std::move(mesh));
-  scene.prototypes.push_back({"/prototype", {index}});
+  scene.prototypes.push_back({"/prototype", {add_mesh(scene, std::move(mesh))}});
   scene.instances.push_back({"/instance", prototype, static_cast<std::uint32_t>(keys.size()) - 1, keys, {}});
 }
 

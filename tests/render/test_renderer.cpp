@@ -1,4 +1,5 @@
 // The renderer as its callers see it: progress, cancellation, errors, figures.
+#include <chrono>
 #include <thread>
 
 #include "core/base/error.h"
@@ -122,6 +123,8 @@ TEST_CASE("settings out of range and broken scenes are errors in one line") {
   broken.meshes[0].display_color.values.resize(3);
   CHECK(complaint(broken, {}) == "/polygon: displayColor: found 3 values; expected 1 keys x 1");
   CHECK_THROWS_AS(Renderer().render(), Error);
+  CHECK_THROWS_AS(Renderer().plan(), Error);
+  CHECK_THROWS_AS(Renderer().statistics(), Error);
 }
 
 }  // namespace

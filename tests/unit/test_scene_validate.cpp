@@ -1,6 +1,9 @@
 #include <cmath>
 #include <doctest/doctest.h>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/scene/scene.h"
@@ -17,6 +20,7 @@ Scene valid_scene() {
   mesh.shape.vertex_count = 4;
   mesh.shape.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   mesh.shape.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.shape = validated(std::move(mesh.shape));
   scene.meshes = {mesh};
   scene.world_meshes = {0};
   scene.prototypes = {{"/prototype", {0}}};
@@ -60,6 +64,35 @@ TEST_CASE("primvars: each interpolation has its count, times the keys") {
   CHECK_FALSE(accepts(Interpolation::kVertex, 3, 16));
   CHECK_FALSE(accepts(Interpolation::kVertex, 2, 8));
   CHECK(complaint(scene) == "/mesh: displayColor: found 8 values; expected 3 keys x 4");
+}
+
+// Trees share the meshes as they stand, so that nobody can append the guard later on.
+TEST_CASE("meshes: through the geometry's own gate, with their guard") {
+  Scene scene = valid_scene();
+  TriangleMesh& shape = scene.meshes[0].shape;
+  SUBCASE("segments") {
+    shape.segments = 3;
+    CHECK(complaint(scene) == "/mesh: segments: found 3; expected 0 or a power of two up to 128");
+  }
+  SUBCASE("no guard") {
+    shape.positions.pop_back();
+    CHECK(complaint(scene) == "/mesh: positions: found 4; expected 1 keys x 4 vertices, and a guard of 1");
+    CHECK(validated(shape).positions.size() == 5);
+  }
+  SUBCASE("keys missing") {
+    shape.segments = 2;
+    CHECK(complaint(scene) == "/mesh: positions: found 5; expected 3 keys x 4 vertices, and a guard of 1");
+  }
+  SUBCASE("coordinates") {
+    shape.positions[2].y = kNan;
+    CHECK(complaint(scene) ==
+          "/mesh: positions: vertex 2 at key 0 has the coordinate nan; expected a finite number of at most "
+          "2^60 in size");
+  }
+  SUBCASE("indices") {
+    shape.triangles[1][0] = 4;
+    CHECK(complaint(scene) == "/mesh: triangles: triangle 1 uses vertex 4; expected less than 4");
+  }
 }
 
 TEST_CASE("numbers must be finite") {
