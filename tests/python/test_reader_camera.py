@@ -132,7 +132,9 @@ def test_without_a_camera_one_is_made_that_frames_everything(up):
     UsdGeom.SetStageUpAxis(shot.stage, up)
     UsdGeom.Sphere.Define(shot.stage, "/Ball").CreateRadiusAttr(0.01)
     result = shot.read()
-    assert messages(result, "note") == ["no camera on the stage; made one that frames everything"]
+    assert messages(result, "note") == [
+        "no camera on the stage; made one in front of everything, as usdrecord does"
+    ]
     camera = result.camera
     # usdrecord's distance: half the face's diagonal over the tangent of half the view, and half the depth.
     distance = math.hypot(0.02, 0.02) / 2 / (20.955 / 2 / 50) + 0.01

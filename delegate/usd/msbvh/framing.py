@@ -29,7 +29,7 @@ def framing_camera(
             "", "", "no camera and no finite bounds to frame; a camera at (0, 0, 10) looks at the origin"
         )
         return Gf.Camera(Gf.Matrix4d().SetTranslate(Gf.Vec3d(0, 0, 10)))
-    diagnostics.note("", "", "no camera on the stage; made one that frames everything")
+    diagnostics.note("", "", "no camera on the stage; made one in front of everything, as usdrecord does")
     y_up = UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.y
     size, centre = bounds.GetSize(), bounds.GetMidpoint()
     up, depth = (size[1], size[2]) if y_up else (size[2], size[1])
