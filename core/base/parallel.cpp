@@ -6,10 +6,56 @@
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
+#ifdef MSBVH_SANITIZE_THREAD
+#include <sanitizer/tsan_interface.h>
+#endif
+
 namespace msbvh {
+namespace {
+
+// What ThreadSanitizer cannot see, since neither TBB nor this file is built for it (CMakeLists.txt): a task
+// comes after the call that starts it, and the call's return after all of its tasks. Tasks are not ordered
+// among themselves, so that races between them are found. Nothing in other builds.
+class CallOrder {
+ public:
+  CallOrder() { happens_before(started_); }
+  ~CallOrder() { happens_after(finished_); }
+  CallOrder(const CallOrder&) = delete;
+  CallOrder& operator=(const CallOrder&) = delete;
+
+  // Lives as long as one task of the call.
+  class Task {
+   public:
+    explicit Task(CallOrder& call) : call_(call) { happens_after(call_.started_); }
+    ~Task() { happens_before(call_.finished_); }
+    Task(const Task&) = delete;
+    Task& operator=(const Task&) = delete;
+
+   private:
+    CallOrder& call_;
+  };
+
+ private:
+  struct Event {};
+#ifdef MSBVH_SANITIZE_THREAD
+  static void happens_before(Event& event) { __tsan_release(&event); }
+  static void happens_after(Event& event) { __tsan_acquire(&event); }
+#else
+  static void happens_before(Event&) {}
+  static void happens_after(Event&) {}
+#endif
+
+  Event started_, finished_;
+};
+
+}  // namespace
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
-  tbb::parallel_for(std::size_t(0), count, body);
+  CallOrder call;
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
+    const CallOrder::Task task(call);
+    body(i);
+  });
 }
 
 void parallel_for_ranges(std::size_t count, std::size_t grain,
@@ -21,7 +67,14 @@ void parallel_for_ranges(std::size_t count, std::size_t grain,
 }
 
 void parallel_invoke(const std::function<void()>& a, const std::function<void()>& b) {
-  tbb::parallel_invoke(a, b);
+  CallOrder call;
+  const auto task_of = [&call](const std::function<void()>& work) {
+    return [&call, &work] {
+      const CallOrder::Task task(call);
+      work();
+    };
+  };
+  tbb::parallel_invoke(task_of(a), task_of(b));
 }
 
 struct Arena::Data {
@@ -33,7 +86,13 @@ Arena::Arena(unsigned threads)
           new Data{tbb::task_arena(threads == 0 ? tbb::task_arena::automatic : static_cast<int>(threads))}) {}
 Arena::~Arena() = default;
 
-void Arena::execute(const std::function<void()>& work) { data_->arena.execute(work); }
+void Arena::execute(const std::function<void()>& work) {
+  CallOrder call;
+  data_->arena.execute([&] {
+    const CallOrder::Task task(call);
+    work();
+  });
+}
 
 unsigned Arena::threads() const { return static_cast<unsigned>(data_->arena.max_concurrency()); }
 
