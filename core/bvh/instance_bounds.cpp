@@ -1,6 +1,5 @@
 #include "core/bvh/instance_bounds.h"
 
-
 #include "core/base/lerp.h"
 #include "core/build/clip.h"
 #include "core/motion/track.h"
