@@ -194,6 +194,14 @@ Renderer::Data& Renderer::committed() const {
   return *data_;
 }
 
+void Renderer::verify() const {
+  const Data& data = committed();
+  for (const std::shared_ptr<const Accel>& prototype : data.prototypes) {
+    if (prototype) prototype->verify();
+  }
+  data.world->verify();
+}
+
 const EffectPlan& Renderer::plan() const { return committed().plan; }
 const RenderStatistics& Renderer::statistics() const { return committed().statistics; }
 

@@ -52,6 +52,9 @@ class Renderer {
   // All the others throw Error before commit(). Cancelled: within a tile of the progress function's false.
   Image render(const ProgressFunction& progress = {});
 
+  // Proves the invariants of every tree, as Accel::verify(). For tests: takes seconds on large scenes.
+  void verify() const;
+
   const EffectPlan& plan() const;
   const RenderStatistics& statistics() const;
 

@@ -92,7 +92,7 @@ struct VertexIndices {
 static_assert(sizeof(NodeHeader) == 64 && sizeof(NodeBounds) == 192);
 static_assert(sizeof(BlockHeader) == 48 && sizeof(GatheredKey) == 144 && sizeof(VertexIndices) == 48);
 
-// Up to this level blocks are gathered; gathering pays at 2 keys and loses at 9 (docs/design/layout.md).
+// Up to this level blocks are gathered; gathering pays at 2 keys and loses at 9 (docs/design/build.md).
 inline constexpr std::uint32_t kMaxGatheredLevel = 1;
 
 constexpr BlockKind triangle_block_kind(std::uint32_t level) {

@@ -158,6 +158,7 @@ void bind_renderer(nb::module_& m) {
            nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
            nb::arg("show_domes") = defaults.show_domes, nb::arg("builder") = "msbvh")
       .def("render", &render, nb::arg("progress") = nb::none())
+      .def("verify", &Renderer::verify, nb::call_guard<nb::gil_scoped_release>())
       .def_prop_ro("plan", &plan)
       .def_prop_ro("statistics", &statistics);
 }

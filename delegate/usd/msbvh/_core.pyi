@@ -216,6 +216,11 @@ class Renderer:
         Without the GIL. ``progress`` is called with the finished share about ten times a second on the
         calling thread; its exception, or a signal's, stops within a tile and is raised here.
         """
+    def verify(self) -> None:
+        """Proves the invariants of every tree that was built; raises Error naming the node that breaks one.
+
+        Without the GIL. For tests: takes seconds on large scenes.
+        """
     @property
     def plan(self) -> list[tuple[str, str, str]]:
         """(effect, prim, why)."""

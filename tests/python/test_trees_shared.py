@@ -1,0 +1,35 @@
+"""The invariants of the acceleration structure, proved on every tree of scenes that nobody here wrote."""
+
+from __future__ import annotations
+
+import pytest
+from msbvh import _core
+from msbvh.errors import Diagnostics
+from msbvh.reader import ReadSettings, read_frame
+from msbvh.stage import open_stage
+from shared_scenes import SharedScene, shared_scenes
+
+SCENES = shared_scenes(
+    "motion_deform",
+    "transform_motion",
+    "instancing_motion",
+    "varying_topology",
+    "velocity_accel",
+    "skinned",
+    "subdiv",
+    "heavy",
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("builder", ["msbvh", "mbvh"])
+@pytest.mark.parametrize("shared", SCENES or [None], ids=str)
+def test_invariants(shared: SharedScene | None, builder: str) -> None:
+    if shared is None:
+        pytest.skip("../shared/scenes is not on this machine")
+    stage = open_stage(str(shared.path), Diagnostics())
+    frame = float(shared.frame) if shared.frame else stage.GetStartTimeCode()
+    result = read_frame(stage, frame, ReadSettings(), Diagnostics())
+    renderer = _core.Renderer(result.scene, width=64, height=64, builder=builder)
+    renderer.verify()
+    assert renderer.statistics["trees"] > 0
