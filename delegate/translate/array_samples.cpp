@@ -7,16 +7,16 @@ namespace {
 
 bool check_values(const ArraySample& sample, std::size_t count, const std::string& attribute, PrimLog& log) {
   if (sample.values.size() != count) {
-    return log.reject(
-        attribute, message("found ", sample.values.size(), " values at time ", sample.time01, "; expected ",
-                           count, " as in the first sample (topology must not change)"));
+    return log.reject(attribute,
+                      message("found ", sample.values.size(), " values ", at_shutter_time(sample.time01),
+                              "; expected ", count, " as in the first sample (topology must not change)"));
   }
   const auto bad =
       std::find_if(sample.values.begin(), sample.values.end(), [](Vec3f v) { return !is_finite(v); });
   if (bad == sample.values.end()) return true;
   return log.reject(
-      attribute, message("value ", bad - sample.values.begin(), " at time ", sample.time01, " is (", bad->x,
-                         ", ", bad->y, ", ", bad->z, "); expected finite numbers"));
+      attribute, message("value ", bad - sample.values.begin(), " ", at_shutter_time(sample.time01), " is (",
+                         bad->x, ", ", bad->y, ", ", bad->z, "); expected finite numbers"));
 }
 
 }  // namespace

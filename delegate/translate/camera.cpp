@@ -132,14 +132,14 @@ double track_error(const CameraMotion& motion, const CameraInput& camera, const 
 }
 
 [[noreturn]] void fail(const CameraInput& camera, const std::string& attribute, const std::string& what) {
-  throw Error(message(camera.path, ": ", attribute, ": ", what));
+  throw Error(message(camera.path, ".", attribute, ": ", what));
 }
 
 void check_sample(const CameraInput& camera, const CameraSample& sample) {
   const Affine3d map = affine_from(sample.world_from_camera);
   if (!is_representable(map) || is_singular(map)) {
     fail(camera, "xformOpOrder",
-         message("the matrix at time ", sample.time01,
+         message("the matrix ", at_shutter_time(sample.time01),
                  " is singular, not finite or too large; expected an invertible one"));
   }
   const ScreenWindow& w = sample.window;
@@ -147,8 +147,8 @@ void check_sample(const CameraInput& camera, const CameraSample& sample) {
       std::isfinite(w.left) && std::isfinite(w.right) && std::isfinite(w.bottom) && std::isfinite(w.top);
   if (!finite || w.left == w.right || w.bottom == w.top) {
     fail(camera, "horizontalAperture",
-         message("the window at time ", sample.time01, " is ", w.left, " to ", w.right, " by ", w.bottom,
-                 " to ", w.top, "; expected finite sides of a size that is not zero"));
+         message("the window ", at_shutter_time(sample.time01), " is ", w.left, " to ", w.right, " by ",
+                 w.bottom, " to ", w.top, "; expected finite sides of a size that is not zero"));
   }
 }
 
@@ -182,7 +182,7 @@ Camera fit_camera(const CameraInput& input, const Vec3d& origin, const Translato
       fewest_segments({tolerance, settings.max_segments}, [&](std::uint32_t segments, double limit) {
         return track_error(motion, input, settings, segments, limit);
       });
-  track = {input.path, fit.segments, true, fit.error};
+  track = {input.path, fit.segments, fit.segments > 0, fit.error};
 
   Camera camera;
   camera.name = input.path;

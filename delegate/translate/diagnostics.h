@@ -31,6 +31,11 @@ std::string message(const Parts&... parts) {
   return out.str();
 }
 
+// A sample's time for a person who knows the stage and not our clock.
+inline std::string at_shutter_time(double time01) {
+  return message("at shutter time ", time01, " (0 is the opening, 1 the closing)");
+}
+
 // The messages about one prim, or about a part of it that it can be rendered without.
 class PrimLog {
  public:

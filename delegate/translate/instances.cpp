@@ -86,8 +86,8 @@ void report_left_out(const std::vector<Verdict>& verdicts, Fate fate, const char
   const auto count = std::ranges::count_if(verdicts, is_such);
   if (count == 0) return;
   const auto first = std::ranges::find_if(verdicts, is_such) - verdicts.begin();
-  log.warn(kMatrices, message(count, " of ", verdicts.size(), " instances (the first is ", first, ") ", found,
-                              "; expected ", expected, "; they are left out"));
+  log.warn(kMatrices, message(count, " of ", verdicts.size(), " instances placed together (number ", first,
+                              " is the first) ", found, "; expected ", expected, "; they are left out"));
 }
 
 TrackReport report_track(const std::vector<Verdict>& verdicts, const FitSettings& settings, PrimLog& log) {

@@ -83,7 +83,7 @@ bool check_transform(const TransformSamples& samples, const std::string& attribu
   for (std::size_t i = 0; i < samples.matrices.size(); ++i) {
     if (!is_representable(affine_from(samples.matrices[i]))) {
       return log.reject(attribute,
-                        message("the matrix at time ", samples.times01[i],
+                        message("the matrix ", at_shutter_time(samples.times01[i]),
                                 " has an element that is not finite or too large; expected finite numbers",
                                 " of at most 2^60 in size"));
     }

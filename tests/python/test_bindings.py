@@ -164,7 +164,7 @@ def test_bad_data_is_a_diagnostic_and_bad_settings_an_error() -> None:
     assert (diagnostic.severity, diagnostic.path) == ("error", "/quad")
     assert diagnostic.attribute == "faceVertexCounts"
     assert "add up to 5" in diagnostic.message
-    with pytest.raises(_core.Error, match="/cam: clippingRange"):
+    with pytest.raises(_core.Error, match="/cam.clippingRange"):
         translator(near_clip=0.0)
     with pytest.raises(_core.Error, match="width: found 0"):
         _core.Renderer(quad_scene(), width=0, height=8)

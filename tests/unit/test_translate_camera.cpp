@@ -102,28 +102,28 @@ TEST_SUITE("translate: camera") {
     TranslatorSettings settings = settings_of();
     SUBCASE("no samples") {
       camera.samples.clear();
-      check_throws(camera, settings, "/camera: shutter: no samples");
+      check_throws(camera, settings, "/camera.shutter: no samples");
     }
     SUBCASE("singular") {
       camera.samples[0].world_from_camera[0] = 0.0;
-      check_throws(camera, settings, "/camera: xformOpOrder");
+      check_throws(camera, settings, "/camera.xformOpOrder");
     }
     SUBCASE("NaN") {
       camera.samples[0].world_from_camera[13] = std::numeric_limits<double>::quiet_NaN();
-      check_throws(camera, settings, "/camera: xformOpOrder");
+      check_throws(camera, settings, "/camera.xformOpOrder");
     }
     SUBCASE("no aperture") {
       camera.samples[0].window.right = -1.0f;
-      check_throws(camera, settings, "/camera: horizontalAperture");
+      check_throws(camera, settings, "/camera.horizontalAperture");
     }
     SUBCASE("near behind far") {
       camera.near_clip = 10;
       camera.far_clip = 1;
-      check_throws(camera, settings, "/camera: clippingRange: found 10 to 1");
+      check_throws(camera, settings, "/camera.clippingRange: found 10 to 1");
     }
     SUBCASE("a perspective camera that sees its own eye") {
       camera.near_clip = 0;
-      check_throws(camera, settings, "/camera: clippingRange");
+      check_throws(camera, settings, "/camera.clippingRange");
     }
     SUBCASE("no pixels") {
       settings.width = 0;

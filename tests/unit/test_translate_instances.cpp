@@ -98,7 +98,8 @@ TEST_SUITE("translate: instances") {
     REQUIRE(instanced.translator.diagnostics().size() == 1);
     const Diagnostic& diagnostic = instanced.translator.diagnostics()[0];
     CHECK(diagnostic.severity == Severity::kWarning);
-    CHECK(diagnostic.message.find("1 of 3 instances (the first is 2)") != std::string::npos);
+    CHECK(diagnostic.message.find("1 of 3 instances placed together (number 2 is the first)") !=
+          std::string::npos);
     const auto scene = instanced.translator.finish();
     REQUIRE(scene->instances.size() == 1);
     CHECK(instance_count(scene->instances[0]) == 1);
@@ -112,8 +113,8 @@ TEST_SUITE("translate: instances") {
     };
     instanced.add({broken, spin(0), broken});
     REQUIRE(instanced.translator.diagnostics().size() == 1);
-    CHECK(instanced.translator.diagnostics()[0].message.find("2 of 3 instances (the first is 0)") !=
-          std::string::npos);
+    CHECK(instanced.translator.diagnostics()[0].message.find(
+              "2 of 3 instances placed together (number 0 is the first)") != std::string::npos);
     CHECK(instance_count(instanced.translator.finish()->instances.at(0)) == 1);
   }
 

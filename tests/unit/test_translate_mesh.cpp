@@ -127,11 +127,11 @@ TEST_SUITE("translate: mesh") {
     fixture.add_points(0.5, fixture.points[0]);
     SUBCASE("NaN") {
       fixture.points[1][2].y = kNan;
-      check_rejected(fixture, "points", "value 2 at time 0.5");
+      check_rejected(fixture, "points", "value 2 at shutter time 0.5");
     }
     SUBCASE("topology that changes") {
       fixture.points[1].pop_back();
-      check_rejected(fixture, "points", "found 3 values at time 0.5");
+      check_rejected(fixture, "points", "found 3 values at shutter time 0.5");
     }
     SUBCASE("times that do not increase") {
       fixture.times01[1] = 0.0;

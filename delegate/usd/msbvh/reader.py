@@ -243,8 +243,10 @@ class _FrameReader:
     def _finish(self) -> ReadResult:
         diagnostics = self._context.diagnostics
         for found in self._translator.diagnostics():
-            record = diagnostics.error if found.severity == "error" else diagnostics.warning
-            record(found.path, found.attribute, found.message)
+            if found.severity == "error":
+                diagnostics.error(found.path, found.attribute, f"{found.message}; the prim is not drawn")
+            else:
+                diagnostics.warning(found.path, found.attribute, found.message)
         if self._translator.empty:
             diagnostics.warning(
                 "", "", "nothing to draw: no visible meshes or instances at this frame; the image is empty"
