@@ -21,8 +21,7 @@ namespace msbvh::translate {
 using Matrix4d = std::array<double, 16>;
 
 // A transform at increasing times, to be interpolated linearly by element between them and held outside. The
-// front-end evaluates the stage at as many times as that takes (`transform_deviation` says when). One sample:
-// still.
+// front-end evaluates the stage at as many times as that takes. One sample: still.
 struct TransformSamples {
   std::vector<double> times01;
   std::vector<Matrix4d> matrices;

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/lerp.h"
 #include "core/geometry/triangle_mesh.h"
-#include "delegate/translate/box_corners.h"
 #include "delegate/translate/translator.h"
 
 namespace msbvh::translate {
@@ -94,24 +92,6 @@ bool check_transform(const TransformSamples& samples, const std::string& attribu
              "found a projective matrix; expected the last column 0, 0, 0, 1, which is taken instead");
   }
   return true;
-}
-
-double transform_deviation(const TransformSamples& samples, const Vec3d& lo, const Vec3d& hi) {
-  const BoxCorners corners = corners_of({lo, hi});
-  double deviation = 0.0, extent = 0.0;
-  for (std::size_t i = 0; i < samples.matrices.size(); ++i) {
-    const Affine3d map = affine_from(samples.matrices[i]);
-    const Vec3d size = bounds_of(corners, map).extent();
-    extent = std::max({extent, size.x, size.y, size.z});
-    if (i == 0 || i + 1 == samples.matrices.size()) continue;
-    const double w =
-        (samples.times01[i] - samples.times01[i - 1]) / (samples.times01[i + 1] - samples.times01[i - 1]);
-    const Affine3d between =
-        lerp(affine_from(samples.matrices[i - 1]), affine_from(samples.matrices[i + 1]), w);
-    deviation = std::max(deviation, largest_distance(corners, map, between));
-  }
-  if (deviation == 0.0) return 0.0;
-  return extent > 0.0 ? deviation / extent : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace msbvh::translate

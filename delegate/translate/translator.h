@@ -67,10 +67,4 @@ class Translator {
   std::unique_ptr<Data> data_;
 };
 
-// Whether the matrices at increasing times are dense enough for linear interpolation by element: for each
-// interior sample, the distance between it and the interpolation of its neighbours, over the box (lo, hi) in
-// object space, in units of the object's largest world extent. Front-ends double their samples until it is
-// below 1e-4 or kMaxSegments is reached.
-double transform_deviation(const TransformSamples& samples, const Vec3d& lo, const Vec3d& hi);
-
 }  // namespace msbvh::translate

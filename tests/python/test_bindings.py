@@ -264,14 +264,6 @@ def test_ctrl_c_stops_long_work(work: str) -> None:
     assert time.monotonic() - start < 60
 
 
-def test_transform_deviation() -> None:
-    times = np.array([0.0, 0.5, 1.0])
-    straight = np.stack([translation(x, 0, 0) for x in (0, 1, 2)])
-    assert _core.transform_deviation(times, straight, (-1, -1, -1), (1, 1, 1)) == 0.0
-    straight[1, 3, 0] = 1.5
-    assert _core.transform_deviation(times, straight, (-1, -1, -1), (1, 1, 1)) == pytest.approx(0.25)
-
-
 def test_instruction_sets() -> None:
     names = _core.supported_instruction_sets()
     assert names

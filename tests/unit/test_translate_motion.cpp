@@ -289,16 +289,3 @@ TEST_SUITE("translate: large worlds") {
     CHECK(largest_error(result, {}, truth) < 1e-3);
   }
 }
-
-TEST_CASE("transform_deviation tells whether samples are dense enough") {
-  const auto spin = [](double u) { return rotation(90 * u); };
-  const Vec3d lo{-1, -1, 0}, hi{1, 1, 0};
-  // The middle of a 90 degree arc against its chord at the corners, radius sqrt(2); the box is sqrt(8) across
-  // when turned by 45 degrees.
-  const double chord = std::sqrt(2.0) * (1 - std::cos(std::numbers::pi / 4)) / std::sqrt(8.0);
-  CHECK(transform_deviation(sampled(spin, {0.0, 0.5, 1.0}), lo, hi) == doctest::Approx(chord));
-  CHECK(transform_deviation(sampled(spin, uniform_times(128)), lo, hi) < 1e-4);
-  CHECK(transform_deviation(sampled(spin, {0.0, 1.0}), lo, hi) == 0.0);  // no interior sample
-  const auto slide = [](double u) { return translation({u, 0, 0}); };
-  CHECK(transform_deviation(sampled(slide, {0.0, 0.3, 1.0}), lo, hi) < 1e-15);
-}

@@ -186,16 +186,6 @@ void add_light(Translator& translator, const nb::kwargs& keywords) {
   translator.add_light(input);
 }
 
-double deviation(nb::handle times01, nb::handle matrices, const std::tuple<double, double, double>& lo,
-                 const std::tuple<double, double, double>& hi) {
-  const AnyArray times = checked_array<double>(times01, "times01", {kAnySize});
-  const std::span<const double> t = elements<double>(times);
-  const AnyArray maps = checked_array<double>(matrices, "matrices", {t.size(), 4, 4});
-  const std::span<const Matrix4d> m = elements<Matrix4d>(maps);
-  const auto corner = [](const auto& p) { return Vec3d{std::get<0>(p), std::get<1>(p), std::get<2>(p)}; };
-  return transform_deviation({{t.begin(), t.end()}, {m.begin(), m.end()}}, corner(lo), corner(hi));
-}
-
 nb::dict scene_statistics(const SceneHandle& handle) {
   const Scene& scene = *handle.scene;
   std::size_t triangles = 0, keys = 0, instances = 0;
@@ -255,8 +245,6 @@ void bind_translator(nb::module_& m) {
       .def("diagnostics", &Translator::diagnostics, nb::rv_policy::copy)
       .def("tracks", &Translator::tracks, nb::rv_policy::copy)
       .def("finish", [](Translator& translator) { return SceneHandle{translator.finish()}; });
-  m.def("transform_deviation", &deviation, nb::arg("times01"), nb::arg("matrices"), nb::arg("lo"),
-        nb::arg("hi"));
 }
 
 }  // namespace msbvh::python

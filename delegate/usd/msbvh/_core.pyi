@@ -163,10 +163,6 @@ class Translator:
     def finish(self) -> Scene:
         """The translator is empty afterwards."""
 
-def transform_deviation(times01: F64, matrices: F64, lo: Rgb, hi: Rgb) -> float:
-    """Largest distance of an interior sample [T, 4, 4] from the interpolation of its neighbours, over the box
-    (lo, hi), in units of its largest extent. Below 1e-4, samples can be interpolated linearly."""
-
 class AccelStatistics(TypedDict):
     triangles: int
     instances: int
