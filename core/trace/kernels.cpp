@@ -30,8 +30,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace msbvh {
 
-HWY_EXPORT(kernel_table);
-
 const KernelTable* kernels_for(InstructionSet set) {
   const std::int64_t supported = hwy::SupportedTargets();
   switch (set) {

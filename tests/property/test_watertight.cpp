@@ -40,7 +40,6 @@ void check_no_leaks(std::uint32_t segments, double position, std::uint64_t rays)
     return rotation({1, 2, 0.5}, 2.0)(p, u) + Vec3d{40.0, -25.0, 10.0} * (u - 0.5);
   };
   const Accel accel = accel_of({moved(sphere(48), segments, motion, offset)});
-  CHECK(accel.statistics().references > accel.statistics().triangles - 1);
   for (const InstructionSet set : supported_instruction_sets()) {
     CAPTURE(segments);
     CAPTURE(position);

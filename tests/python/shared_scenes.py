@@ -8,6 +8,16 @@ from pathlib import Path
 
 SCENES = Path(__file__).resolve().parents[3] / "shared" / "scenes"
 
+MOTION_GROUPS = (
+    "motion_deform",
+    "transform_motion",
+    "instancing_motion",
+    "varying_topology",
+    "velocity_accel",
+    "heavy",
+)
+"""The groups that must render today."""
+
 
 @dataclass(frozen=True)
 class SharedScene:

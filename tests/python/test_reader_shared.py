@@ -10,17 +10,9 @@ from msbvh.reader import ReadResult, ReadSettings, read_frame
 from msbvh.stage import open_stage
 from pxr import Gf, Usd, UsdGeom
 from recording import DENSE_TIMES01, Recording, interpolated, points_at, usd_points_at
-from shared_scenes import SharedScene, shared_scenes
+from shared_scenes import MOTION_GROUPS, SharedScene, shared_scenes
 
-SCENES = shared_scenes(
-    "motion_deform",
-    "transform_motion",
-    "instancing_motion",
-    "varying_topology",
-    "velocity_accel",
-    "heavy",
-    "edge",
-)
+SCENES = shared_scenes(*MOTION_GROUPS, "edge")
 
 
 def read(shared: SharedScene) -> tuple[Usd.Stage, ReadResult]:

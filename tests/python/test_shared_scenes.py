@@ -8,11 +8,9 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from conftest import Run
-from shared_scenes import SharedScene, shared_scenes
+from shared_scenes import MOTION_GROUPS, SharedScene, shared_scenes
 
-SCENES = shared_scenes(
-    "motion_deform", "transform_motion", "instancing_motion", "varying_topology", "velocity_accel", "heavy"
-)
+SCENES = shared_scenes(*MOTION_GROUPS)
 
 
 @pytest.mark.slow

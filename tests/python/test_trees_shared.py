@@ -7,18 +7,9 @@ from msbvh import _core
 from msbvh.errors import Diagnostics
 from msbvh.reader import ReadSettings, read_frame
 from msbvh.stage import open_stage
-from shared_scenes import SharedScene, shared_scenes
+from shared_scenes import MOTION_GROUPS, SharedScene, shared_scenes
 
-SCENES = shared_scenes(
-    "motion_deform",
-    "transform_motion",
-    "instancing_motion",
-    "varying_topology",
-    "velocity_accel",
-    "skinned",
-    "subdiv",
-    "heavy",
-)
+SCENES = shared_scenes(*MOTION_GROUPS, "skinned", "subdiv")
 
 
 @pytest.mark.slow
