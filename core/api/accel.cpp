@@ -10,6 +10,17 @@
 #include "core/bvh/verify.h"
 
 namespace msbvh {
+namespace {
+
+void require_valid(const Clock& clock) {
+  if (is_valid_clock(clock)) return;
+  throw Error(
+      "accelerator: a clock whose pieces do not begin at 0 and increase, or whose local times decrease or "
+      "leave "
+      "[0, 1]");
+}
+
+}  // namespace
 
 struct Accel::Data {
   BvhInput input;  // until commit
@@ -40,28 +51,38 @@ std::uint32_t Accel::add_mesh(std::shared_ptr<const TriangleMesh> mesh) {
   return static_cast<std::uint32_t>(data_->input.meshes.size() - 1);
 }
 
-std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, std::uint32_t segments,
-                                   std::span<const Affine3f> world_from_object) {
+std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, const TrackForm& form,
+                                   std::span<const Affine3f> world_from_object, const Clock& clock) {
   data_->require_open();
   if (!object || object->bvh().instanced) {
     throw Error("accelerator: an instance of an Accel that holds instances; expected one with meshes only");
   }
-  if (!is_valid_segment_count(segments) || world_from_object.size() % key_count(segments) != 0) {
+  if (!is_valid_form(form) || world_from_object.size() % form.controls() != 0) {
     throw Error("accelerator: " + std::to_string(world_from_object.size()) + " matrices for instances of " +
-                std::to_string(segments) + " segments; expected a multiple of the number of keys");
+                std::to_string(form.segments) + " segments of degree " + std::to_string(form.degree) +
+                "; expected a multiple of the number of controls");
   }
+  require_valid(clock);
   if (!std::ranges::all_of(world_from_object, [](const Affine3f& m) { return is_finite(m); })) {
     throw Error("accelerator: an instance's matrix has an element that is not finite; expected finite ones");
   }
   BvhInput& in = data_->input;
   const auto first = static_cast<std::uint32_t>(in.instances.size());
-  auto first_key = static_cast<std::uint32_t>(in.instance_keys.size());
-  const std::size_t count = world_from_object.size() / key_count(segments);
-  in.instance_keys.insert(in.instance_keys.end(), world_from_object.begin(), world_from_object.end());
-  for (std::size_t i = 0; i < count; ++i, first_key += key_count(segments)) {
-    in.instances.push_back({object->data_->bvh, segments, first_key});
+  std::uint64_t first_control = in.instance_controls.size();
+  const std::size_t count = world_from_object.size() / form.controls();
+  in.instance_controls.insert(in.instance_controls.end(), world_from_object.begin(), world_from_object.end());
+  const auto clock_index = clock.is_shutter() ? kNoClock : static_cast<std::uint32_t>(in.clocks.size());
+  if (clock_index != kNoClock) in.clocks.push_back(clock);
+  for (std::size_t i = 0; i < count; ++i, first_control += form.controls()) {
+    in.instances.push_back({object->data_->bvh, form, clock_index, first_control});
   }
   return first;
+}
+
+void Accel::set_clock(const Clock& clock) {
+  data_->require_open();
+  require_valid(clock);
+  data_->input.clock = clock;
 }
 
 void Accel::commit(const BuildSettings& settings) {

@@ -38,9 +38,12 @@ class Accel {
   // Shares a mesh that has passed validate(), guard included, and does not look at it again.
   std::uint32_t add_mesh(std::shared_ptr<const TriangleMesh> mesh);
   // Instances of another, committed Accel that holds no instances itself (two levels). `world_from_object`
-  // holds key_count(segments) maps for each instance, instance-major. Returns the id of the first one.
-  std::uint32_t add_instances(std::shared_ptr<const Accel> object, std::uint32_t segments,
-                              std::span<const Affine3f> world_from_object);
+  // holds form.controls() maps for each instance, instance-major; `clock` says when they are there and what
+  // time their tracks are read at. Returns the id of the first one.
+  std::uint32_t add_instances(std::shared_ptr<const Accel> object, const TrackForm& form,
+                              std::span<const Affine3f> world_from_object, const Clock& clock = {});
+  // The time of this Accel's own tracks where it is an instanced object. Before commit().
+  void set_clock(const Clock& clock);
 
   // Builds. Once; the Accel does not change afterwards. Uses the threads of the calling TBB arena.
   // Throws Cancelled if settings.cancelled says so, and leaves the Accel uncommitted.

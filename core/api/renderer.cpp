@@ -78,6 +78,7 @@ std::vector<std::shared_ptr<const Accel>> build_prototypes(const std::shared_ptr
     if (!accels[i]) return;
     stop_if_cancelled(settings);
     share_meshes(scene, scene->prototypes[i].meshes, *accels[i]);
+    accels[i]->set_clock(scene->prototypes[i].clock);
     accels[i]->commit(settings);
   });
   return {accels.begin(), accels.end()};
@@ -92,7 +93,7 @@ Accel build_world(const std::shared_ptr<const Scene>& scene,
   share_meshes(scene, scene->world_meshes, world);
   for (const InstanceSet& set : scene->instances) {
     if (instance_count(set) == 0) continue;
-    world.add_instances(prototypes[set.prototype], set.segments, set.world_from_prototype);
+    world.add_instances(prototypes[set.prototype], set.form(), set.world_from_prototype, set.clock);
   }
   world.commit(settings);
   return world;

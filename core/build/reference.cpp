@@ -1,6 +1,7 @@
 #include "core/build/reference.h"
 
 #include "core/base/parallel.h"
+#include "core/motion/bezier.h"
 
 namespace msbvh {
 namespace {
@@ -9,8 +10,8 @@ constexpr float kCentre = 0.5f;
 constexpr std::size_t kTrianglesPerTask = 16384;
 
 Box3f centre_box(const InstanceBounds& bounds) {
-  const SegmentTime at = locate(kCentre, bounds.segments);
-  return bounds.segments == 0 ? bounds.keys[0] : lerp(bounds.keys[at.key], bounds.keys[at.key + 1], at.w);
+  const SegmentTime at = locate(kCentre, bounds.form.segments);
+  return track_value(bounds.controls.data(), bounds.form, at.key, at.w);
 }
 
 Box3f centre_box(const TriangleMesh& mesh, const Triangle& triangle) {
@@ -37,16 +38,16 @@ std::vector<Reference> make_references(const Primitives& primitives) {
   }
   for (std::uint32_t i = 0; i < primitives.instances.size(); ++i) {
     const InstanceBounds& bounds = primitives.instances[i];
-    if (!bounds.keys[0].empty()) {
+    if (!bounds.controls.empty()) {
       references.push_back({centre_box(bounds), Reference::kInstanceOwner, i});
     }
   }
   return references;
 }
 
-std::uint32_t segments_of(const Primitives& primitives, const Reference& reference) {
-  return reference.is_instance() ? primitives.instances[reference.index].segments
-                                 : primitives.meshes[reference.mesh()]->segments;
+TrackForm form_of(const Primitives& primitives, const Reference& reference) {
+  return reference.is_instance() ? primitives.instances[reference.index].form
+                                 : primitives.meshes[reference.mesh()]->form();
 }
 
 }  // namespace msbvh

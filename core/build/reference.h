@@ -11,10 +11,11 @@
 
 namespace msbvh {
 
-// The box of an instance in the tree's space, at the keys of its own track. Conservative between them.
+// The box of an instance in the tree's space, at the controls of a track of its own. Conservative between
+// them.
 struct InstanceBounds {
-  std::uint32_t segments = 0;
-  std::vector<Box3f> keys;  // key_count(segments)
+  TrackForm form;
+  std::vector<Box3f> controls;  // form.controls(); empty: nothing to hit
 };
 
 // The geometry of one tree. Borrowed; ids are indices.
@@ -44,8 +45,8 @@ struct Reference {
 // (nothing in them) are left out.
 std::vector<Reference> make_references(const Primitives& primitives);
 
-// The number of segments of what the reference stands for.
-std::uint32_t segments_of(const Primitives& primitives, const Reference& reference);
+// How what the reference stands for moves.
+TrackForm form_of(const Primitives& primitives, const Reference& reference);
 
 // The triangle at the shutter's centre; in double for clipping (each float is exact in it).
 template <typename T>

@@ -19,27 +19,45 @@ std::vector<InstanceBounds> bound_instances(const Bvh& bvh) {
   parallel_for_ranges(bounds.size(), kInstancesPerTask, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Instance& instance = bvh.instances[i];
-      bounds[i] = bound_instance({bvh.keys_of(instance), key_count(instance.segments)}, instance.segments,
-                                 instance.object->root_bounds, instance.object->root_segments);
+      bounds[i] = instance_bounds_of(bvh, instance);
     }
   });
   return bounds;
 }
 
-bool is_moving(const Bvh& bvh) {
-  return bvh.max_level > 0 || std::any_of(bvh.instances.begin(), bvh.instances.end(), [](const Instance& i) {
-           return i.segments > 0 || i.object->moving;
-         });
+Movement movement_of(const TrackForm& form) {
+  if (!form.moving()) return Movement::kStill;
+  return form.degree == 1 ? Movement::kLinear : Movement::kPolynomial;
+}
+
+// An instance that is there for a part of the shutter moves, in that a ray's time matters.
+Movement movement_of(const Bvh& bvh) {
+  Movement most = movement_of(bvh.root_form);
+  for (const Instance& i : bvh.instances) {
+    most = std::max({most, movement_of(i.form), i.object->movement});
+    const bool clocked = i.clock != kNoClock || !i.object->clock.is_shutter();
+    if (clocked) most = std::max(most, Movement::kLinear);
+  }
+  return most;
 }
 
 }  // namespace
+
+InstanceBounds instance_bounds_of(const Bvh& bvh, const Instance& instance) {
+  const Bvh& object = *instance.object;
+  return bound_instance(
+      {{bvh.controls_of(instance), instance.form.controls()}, instance.form, bvh.clock_of(instance)},
+      {object.root_bounds, object.root_form, &object.clock});
+}
 
 Bvh build_bvh(BvhInput input, const BuildSettings& settings) {
   const Stopwatch total;
   Bvh bvh;
   bvh.meshes = std::move(input.meshes);
   bvh.instances = std::move(input.instances);
-  bvh.instance_keys = std::move(input.instance_keys);
+  bvh.instance_controls = std::move(input.instance_controls);
+  bvh.clocks = std::move(input.clocks);
+  bvh.clock = std::move(input.clock);
   const std::vector<InstanceBounds> instance_bounds = bound_instances(bvh);
   const Primitives primitives{bvh.meshes, instance_bounds};
 
@@ -51,7 +69,7 @@ Bvh build_bvh(BvhInput input, const BuildSettings& settings) {
   bvh.statistics.bounds_seconds = bounds_watch.seconds();
 
   bvh.instanced = !bvh.instances.empty();
-  bvh.moving = is_moving(bvh);
+  bvh.movement = movement_of(bvh);
   for (const auto& mesh : bvh.meshes) bvh.statistics.triangles += mesh->triangles.size();
   bvh.statistics.instances = bvh.instances.size();
   bvh.statistics.references = topology.reference_count;

@@ -11,16 +11,25 @@
 #include "core/bvh/layout.h"
 #include "core/bvh/statistics.h"
 #include "core/geometry/triangle_mesh.h"
+#include "core/motion/clock.h"
 
 namespace msbvh {
 
 class Bvh;
 
-// An instance of another tree; `keys` are key_count(segments) maps from the object's space to the tree's.
+// What kernels must be ready for.
+enum class Movement : std::uint8_t { kStill, kLinear, kPolynomial };
+
+inline constexpr std::uint32_t kNoClock = 0xffffffffu;
+
+// An instance of another tree, whose form.controls() maps lead from the object's space to the tree's. Its
+// clock, if any, says when it is there and what time its maps are read at; what time it is in the object is
+// the object's own affair (Bvh::clock).
 struct Instance {
   std::shared_ptr<const Bvh> object;
-  std::uint32_t segments = 0;
-  std::uint32_t first_key = 0;  // in Bvh::instance_keys
+  TrackForm form;
+  std::uint32_t clock = kNoClock;   // in Bvh::clocks
+  std::uint64_t first_control = 0;  // in Bvh::instance_controls
 };
 
 class Bvh {
@@ -28,15 +37,16 @@ class Bvh {
   // Kept alive: indexed blocks read the meshes' tracks.
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
   std::vector<Instance> instances;
-  std::vector<Affine3f> instance_keys;
+  std::vector<Affine3f> instance_controls;
+  std::vector<Clock> clocks;  // of instances
+  Clock clock;                // of this tree as an object that is instanced
 
   AlignedBuffer arena;
   ChildRef root = ChildRef::leaf(0);
   bool empty = true;  // nothing to hit; the arena is empty
-  std::uint32_t root_segments = 0;
-  std::vector<Box3f> root_bounds;  // at the keys of the root
-  // What traversal must be ready for: nothing that moves in this tree or below its instances, no instances.
-  bool moving = false;
+  TrackForm root_form;
+  std::vector<Box3f> root_bounds;        // at the controls of the root
+  Movement movement = Movement::kStill;  // the most of this tree and of what its instances show
   bool instanced = false;
   std::uint32_t max_level = 0;  // of nodes and blocks in this tree
   BvhStatistics statistics;
@@ -47,15 +57,19 @@ class Bvh {
   const BlockHeader& block(ChildRef ref) const {
     return *reinterpret_cast<const BlockHeader*>(arena.data() + ref.offset());
   }
-  const Affine3f* keys_of(const Instance& instance) const {
-    return instance_keys.data() + instance.first_key;
+  const Affine3f* controls_of(const Instance& instance) const {
+    return instance_controls.data() + instance.first_control;
+  }
+  const Clock* clock_of(const Instance& instance) const {
+    return instance.clock == kNoClock ? nullptr : &clocks[instance.clock];
   }
 };
 
 // The block that follows in the same leaf; block.last must be 0.
 inline const BlockHeader* next_block(const BlockHeader* block) {
-  const std::size_t bytes =
-      block->kind == BlockKind::kInstance ? sizeof(BlockHeader) : triangle_block_bytes(block->level);
+  const std::size_t bytes = block->kind == BlockKind::kInstance
+                                ? sizeof(BlockHeader)
+                                : triangle_block_bytes({segments_of_level(block->level), block->degree});
   return reinterpret_cast<const BlockHeader*>(reinterpret_cast<const std::byte*>(block) + bytes);
 }
 

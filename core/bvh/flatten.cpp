@@ -49,9 +49,9 @@ struct WideChildren {
 // A run of a leaf's references that shares a block.
 struct BlockRange {
   std::span<const Reference> references;  // without repeats, 1 to 4
-  std::uint32_t level;
+  TrackForm form;
   bool instance;
-  std::size_t bytes() const { return instance ? sizeof(BlockHeader) : triangle_block_bytes(level); }
+  std::size_t bytes() const { return instance ? sizeof(BlockHeader) : triangle_block_bytes(form); }
 };
 
 class Flattener {
@@ -71,11 +71,11 @@ class Flattener {
                   " bytes of nodes and leaves; expected less than 2^35");
     }
     out_.arena = AlignedBuffer(bytes);
-    out_.root_segments = segments_of_level(plans_[0].level);
-    out_.root_bounds.assign(key_count(out_.root_segments), {});
+    out_.root_form = plans_[0].form;
+    out_.root_bounds.assign(out_.root_form.controls(), {});
     const Tally tally = emit(0, 0, out_.root_bounds, 1);
     out_.root = ref_of(0, 0);
-    out_.max_level = plans_[0].level;
+    out_.max_level = level_of(plans_[0].form.segments);
     report(tally);
   }
 
@@ -83,7 +83,7 @@ class Flattener {
   // What the layout pass learns of a subtree.
   struct Plan {
     std::size_t bytes = 0;  // of the whole subtree; a multiple of 64 for inner nodes, of 16 for leaves
-    std::uint8_t level = 0;
+    TrackForm form;
   };
   // Summed over children in their order, so that the sums do not depend on threads.
   struct Tally {
@@ -112,7 +112,7 @@ class Flattener {
     const auto unit = static_cast<std::uint32_t>(offset / kUnit);
     return is_leaf(node) ? ChildRef::leaf(unit) : ChildRef::node(unit);
   }
-  std::uint32_t level(const Reference& r) const { return level_of(segments_of(primitives_, r)); }
+  TrackForm form(const Reference& r) const { return form_of(primitives_, r); }
 
   void plan(std::uint32_t node, std::uint32_t depth) {
     if (is_leaf(node)) return plan_leaf(node);
@@ -124,8 +124,8 @@ class Flattener {
     });
     Plan& p = plans_[node];
     for (std::uint32_t i = 0; i < children.count; ++i)
-      p.level = std::max(p.level, plans_[children.node[i]].level);
-    p.bytes = node_bytes(p.level);
+      p.form = common_form(p.form, plans_[children.node[i]].form);
+    p.bytes = node_bytes(p.form);
     std::size_t leaves = 0;
     for (std::uint32_t i = 0; i < children.count; ++i) {
       (is_leaf(children.node[i]) ? leaves : p.bytes) += plans_[children.node[i]].bytes;
@@ -136,14 +136,16 @@ class Flattener {
   void plan_leaf(std::uint32_t node) {
     const std::span<Reference> refs = leaf_references(node);
     std::sort(refs.begin(), refs.end(), [&](const Reference& a, const Reference& b) {
-      return std::tuple(level(a), a.mesh(), a.index) < std::tuple(level(b), b.mesh(), b.index);
+      const TrackForm fa = form(a), fb = form(b);
+      return std::tuple(fa.segments, fa.degree, a.mesh(), a.index) <
+             std::tuple(fb.segments, fb.degree, b.mesh(), b.index);
     });
     Plan& p = plans_[node];
-    p.level = static_cast<std::uint8_t>(level(refs.back()));
+    for (const Reference& r : refs) p.form = common_form(p.form, form(r));
     for (const BlockRange& b : blocks(refs)) p.bytes += b.bytes();
   }
 
-  // Blocks of at most 4 distinct triangles of one level, or of one instance. Two fragments of one triangle
+  // Blocks of at most 4 distinct triangles of one form, or of one instance. Two fragments of one triangle
   // that meet again in a leaf share an entry.
   std::vector<BlockRange> blocks(std::span<const Reference> refs) {
     std::vector<BlockRange> out;
@@ -153,16 +155,16 @@ class Flattener {
       const bool repeat =
           i > begin && refs[i].mesh() == refs[i - 1].mesh() && refs[i].index == refs[i - 1].index;
       const bool full = distinct == kBlockWidth && !repeat;
-      const bool other = i > begin && (level(refs[i]) != level(refs[begin]) || refs[i].is_instance() ||
+      const bool other = i > begin && (form(refs[i]) != form(refs[begin]) || refs[i].is_instance() ||
                                        refs[begin].is_instance());
       if (i > begin && (full || other)) {
-        out.push_back({refs.subspan(begin, i - begin), level(refs[begin]), refs[begin].is_instance()});
+        out.push_back({refs.subspan(begin, i - begin), form(refs[begin]), refs[begin].is_instance()});
         begin = i;
         distinct = 0;
       }
       if (!repeat || distinct == 0) ++distinct;
     }
-    out.push_back({refs.subspan(begin), level(refs[begin]), refs[begin].is_instance()});
+    out.push_back({refs.subspan(begin), form(refs[begin]), refs[begin].is_instance()});
     return out;
   }
 
@@ -174,38 +176,38 @@ class Flattener {
     if (depth > kMaxDepth) throw Error("accelerator: deeper than " + std::to_string(kMaxDepth) + " nodes");
     const WideChildren children(topology_, node);
     const Plan& p = plans_[node];
-    const std::uint32_t segments = segments_of_level(p.level);
+    const std::uint32_t controls = p.form.controls();
     NodeHeader& header = *new (out_.arena.data() + offset) NodeHeader{};
-    header.level = p.level;
+    header.level = static_cast<std::uint16_t>(level_of(p.form.segments));
+    header.degree = static_cast<std::uint16_t>(p.form.degree);
     header.child_count = children.count;
     std::size_t offsets[kWidth];
-    place(children, offset + node_bytes(p.level), offsets);
+    place(children, offset + node_bytes(p.form), offsets);
 
-    std::vector<Box3f> slots(std::size_t(kWidth) * key_count(segments));
+    std::vector<Box3f> slots(std::size_t(kWidth) * controls);
     std::array<Tally, kWidth> tallies;
-    parallel_for_ranges(
-        children.count, p.bytes > kParallelBytes ? 1 : kWidth, [&](std::size_t begin, std::size_t end) {
-          for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t child = children.node[i];
-            const std::uint32_t child_segments = segments_of_level(plans_[child].level);
-            std::vector<Box3f> track(key_count(child_segments));
-            tallies[i] = emit(child, offsets[i], track, depth + 1);
-            const std::span<Box3f> slot(slots.data() + i * key_count(segments), key_count(segments));
-            grow_keys(slot, segments, track, child_segments);
-            header.child[i] = ref_of(child, offsets[i]);
-          }
-        });
+    parallel_for_ranges(children.count, p.bytes > kParallelBytes ? 1 : kWidth,
+                        [&](std::size_t begin, std::size_t end) {
+                          for (std::size_t i = begin; i < end; ++i) {
+                            const std::uint32_t child = children.node[i];
+                            const TrackForm child_form = plans_[child].form;
+                            std::vector<Box3f> track(child_form.controls());
+                            tallies[i] = emit(child, offsets[i], track, depth + 1);
+                            grow_track({slots.data() + i * controls, controls}, p.form, track, child_form);
+                            header.child[i] = ref_of(child, offsets[i]);
+                          }
+                        });
     Tally sum;
     for (std::uint32_t i = 0; i < children.count; ++i) {
-      const std::span<const Box3f> slot(slots.data() + i * key_count(segments), key_count(segments));
+      const std::span<const Box3f> slot(slots.data() + i * controls, controls);
       sum.add(tallies[i]);
-      sum.cost += mean_half_area(slot) *
+      sum.cost += mean_half_area(slot, p.form) *
                   (is_leaf(children.node[i]) ? settings_.block_cost * block_units(children.node[i]) : 1.0);
-      for (std::uint32_t k = 0; k <= segments; ++k) bounds[k].grow(slot[k]);
+      for (std::uint32_t c = 0; c < controls; ++c) bounds[c].grow(slot[c]);
     }
-    write_bounds(header, slots, segments);
+    write_bounds(header, slots, controls);
     ++sum.nodes;
-    sum.node_bytes += node_bytes(p.level);
+    sum.node_bytes += node_bytes(p.form);
     sum.depth = std::max(sum.depth, depth);
     return sum;
   }
@@ -231,11 +233,11 @@ class Flattener {
     return (topology_.nodes[leaf].count + kBlockWidth - 1) / kBlockWidth;
   }
 
-  static void write_bounds(NodeHeader& header, std::span<const Box3f> slots, std::uint32_t segments) {
-    for (std::uint32_t k = 0; k <= segments; ++k) {
+  static void write_bounds(NodeHeader& header, std::span<const Box3f> slots, std::uint32_t controls) {
+    for (std::uint32_t k = 0; k < controls; ++k) {
       NodeBounds& b = *new (header.bounds() + k) NodeBounds;
       for (std::uint32_t i = 0; i < kWidth; ++i) {
-        const Box3f& slot = slots[i * key_count(segments) + k];
+        const Box3f& slot = slots[i * controls + k];
         for (int axis = 0; axis < 3; ++axis) {
           b.lo[axis][i] = i < header.child_count ? slot.lo[axis] : kAbsent;
           b.hi[axis][i] = i < header.child_count ? slot.hi[axis] : -kAbsent;
@@ -246,14 +248,14 @@ class Flattener {
 
   Tally emit_leaf(std::uint32_t node, std::size_t offset, std::span<Box3f> bounds, std::uint32_t depth) {
     const std::span<const Reference> refs = leaf_references(node);
-    const std::uint32_t segments = segments_of_level(plans_[node].level);
-    for (const Reference& r : refs) grow_by_reference(bounds, segments, primitives_, r);
+    for (const Reference& r : refs) grow_by_reference(bounds, plans_[node].form, primitives_, r);
     const std::vector<BlockRange> ranges = blocks(refs);
     Tally tally;
     for (std::size_t i = 0; i < ranges.size(); ++i) {
       write_block(ranges[i], offset, i + 1 == ranges.size());
       offset += ranges[i].bytes();
-      tally.indexed |= !ranges[i].instance && triangle_block_kind(ranges[i].level) == BlockKind::kIndexed;
+      tally.indexed |= !ranges[i].instance &&
+                       triangle_block_kind(level_of(ranges[i].form.segments)) == BlockKind::kIndexed;
     }
     tally.leaves = 1;
     tally.leaf_bytes = plans_[node].bytes;
@@ -263,8 +265,9 @@ class Flattener {
 
   void write_block(const BlockRange& range, std::size_t offset, bool last) {
     BlockHeader& block = *new (out_.arena.data() + offset) BlockHeader{};
-    block.kind = range.instance ? BlockKind::kInstance : triangle_block_kind(range.level);
-    block.level = static_cast<std::uint8_t>(range.level);
+    block.kind = range.instance ? BlockKind::kInstance : triangle_block_kind(level_of(range.form.segments));
+    block.level = static_cast<std::uint8_t>(level_of(range.form.segments));
+    block.degree = static_cast<std::uint8_t>(range.form.degree);
     block.last = last;
     for (const Reference& r : range.references) {
       const bool repeat = block.count > 0 && r.mesh() == block.mesh[block.count - 1] &&
@@ -290,9 +293,9 @@ class Flattener {
         continue;
       }
       auto* keys = reinterpret_cast<GatheredKey*>(&block + 1);
-      for (std::uint32_t k = 0; k <= mesh.segments; ++k) {
+      for (std::uint32_t k = 0; k < mesh.form().controls(); ++k) {
         for (int v = 0; v < 3; ++v) {
-          const Vec3f p = mesh.key_positions(k)[triangle[v]];
+          const Vec3f p = mesh.control_positions(k)[triangle[v]];
           for (int axis = 0; axis < 3; ++axis) keys[k].position[v][axis][i] = p[axis];
         }
       }
@@ -306,8 +309,8 @@ class Flattener {
     s.node_bytes = t.node_bytes;
     s.leaf_bytes = t.leaf_bytes;
     s.depth = t.depth;
-    s.max_segments = out_.root_segments;
-    const double root_area = mean_half_area(out_.root_bounds);
+    s.max_segments = out_.root_form.segments;
+    const double root_area = mean_half_area(out_.root_bounds, out_.root_form);
     s.sah_cost = 1.0 + (root_area > 0.0 ? t.cost / root_area : 0.0);
     if (!t.indexed) return;
     for (const auto& mesh : primitives_.meshes) {

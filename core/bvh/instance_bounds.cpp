@@ -1,79 +1,219 @@
 #include "core/bvh/instance_bounds.h"
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include "core/base/lerp.h"
 #include "core/build/clip.h"
-#include "core/motion/track.h"
+#include "core/motion/bezier.h"
 
 namespace msbvh {
 namespace {
 
-template <typename T>
-T at_fine_key(std::span<const T> keys, std::uint32_t segments, std::uint32_t key,
-              std::uint32_t fine_segments) {
-  if (segments == 0) return keys[0];
-  const std::uint32_t ratio = fine_segments / segments;
-  const std::uint32_t i = std::min(key / ratio, segments - 1);
-  return lerp(keys[i], keys[i + 1], static_cast<double>(key - i * ratio) / ratio);
-}
+// A clock rounds its local time to within 2^-25 (core/motion/clock.h); pieces of a track are taken wider by
+// this on either side.
+constexpr double kClockError = 0x1p-24;
 
 Vec3d corner(const Box3d& b, int i) {
   return {(i & 1) ? b.hi.x : b.lo.x, (i & 2) ? b.hi.y : b.lo.y, (i & 4) ? b.hi.z : b.lo.z};
 }
 
-Vec3d error_of(const Affine3d& m, const Box3d& b) {
-  const Vec3d x = max(abs(b.lo), abs(b.hi));
-  return (abs(m.x) * x.x + abs(m.y) * x.y + abs(m.z) * x.z + abs(m.t)) * kInstancePad;
+void grow_by_image(Box3d& out, const Affine3d& map, const Box3d& box) {
+  for (int i = 0; i < 8; ++i) out.grow(map.point(corner(box, i)));
 }
 
-struct Pose {
-  Affine3d matrix;
-  Box3d box;
+Vec3d error_of(const Affine3d& m, const Box3d& b, std::uint32_t degree) {
+  const Vec3d x = max(abs(b.lo), abs(b.hi));
+  return (abs(m.x) * x.x + abs(m.y) * x.y + abs(m.z) * x.z + abs(m.t)) * (kInstancePad * degree);
+}
+
+Box3d in_double(const Box3f& b) { return {Vec3d(b.lo), Vec3d(b.hi)}; }
+Affine3d in_double(const Affine3f& m) { return Affine3d(m); }
+
+// Control `j` of a track's part that covers segment `k` of a grid of `segments`.
+template <typename T>
+auto part_of(const ClockedTrack<T>& track, std::uint32_t segments, std::uint32_t k, std::uint32_t j) {
+  if (!track.form.moving()) return in_double(track.controls[0]);
+  const std::uint32_t ratio = segments / track.form.segments;
+  const T* first = track.controls.data() + (k / ratio) * track.form.degree;
+  return part_control([&](std::uint32_t i) { return in_double(first[i]); }, track.form.degree,
+                      double(k % ratio) / ratio, double(k % ratio + 1) / ratio, j);
+}
+
+// Boxes at controls and what each is padded by; a pad counts for all controls of the segments it belongs to.
+class PaddedBoxes {
+ public:
+  explicit PaddedBoxes(const TrackForm& form)
+      : form_(form), boxes_(form.controls()), pads_(form.controls()) {}
+
+  Box3d& box(std::uint32_t control) { return boxes_[control]; }
+  void pad(std::uint32_t control, const Vec3d& pad) { pads_[control] = max(pads_[control], pad); }
+
+  InstanceBounds finish() const {
+    InstanceBounds out{form_, {}};
+    const std::uint32_t last = form_.controls() - 1, reach = form_.degree;
+    for (std::uint32_t c = 0; c <= last; ++c) {
+      Vec3d pad{};
+      for (std::uint32_t i = c < reach ? 0 : c - reach; i <= std::min(c + reach, last); ++i) {
+        pad = max(pad, pads_[i]);
+      }
+      out.controls.push_back(round_outwards({boxes_[c].lo - pad, boxes_[c].hi + pad}));
+    }
+    return out;
+  }
+
+ private:
+  TrackForm form_;
+  std::vector<Box3d> boxes_;
+  std::vector<Vec3d> pads_;
 };
 
-// Adds to both ends of a segment what the quadratic paths of the corners swell beyond their chords. With
-// control points b0, b1, b2 a path leaves its chord by 2 u (1 - u) (b1 - (b0 + b2) / 2), at most half of that
-// difference.
-void grow_segment(const Pose& a, const Pose& b, Box3d& at_a, Box3d& at_b) {
-  for (int i = 0; i < 8; ++i) {
-    const Vec3d x0 = corner(a.box, i), x1 = corner(b.box, i);
-    const Vec3d b0 = a.matrix.point(x0), b2 = b.matrix.point(x1);
-    const Vec3d b1 = (a.matrix.point(x1) + b.matrix.point(x0)) * 0.5;
-    const Vec3d swell = (b1 - (b0 + b2) * 0.5) * 0.5;
-    for (const Vec3d& s : {Vec3d{}, swell}) {
-      at_a.grow(b0 + s);
-      at_b.grow(b2 + s);
+// At most one of both moves.
+InstanceBounds bound_by_controls(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object) {
+  const TrackForm form = transform.form.moving() ? transform.form : object.form;
+  PaddedBoxes out(form);
+  for (std::uint32_t c = 0; c < form.controls(); ++c) {
+    const Affine3d map(transform.controls[transform.form.moving() ? c : 0]);
+    const Box3d box = in_double(object.controls[object.form.moving() ? c : 0]);
+    grow_by_image(out.box(c), map, box);
+    out.pad(c, error_of(map, box, form.degree));
+  }
+  return out.finish();
+}
+
+double binomial(std::uint32_t n, std::uint32_t k) {
+  double result = 1.0;
+  for (std::uint32_t i = 1; i <= k; ++i) result *= double(n - k + i) / i;
+  return result;
+}
+
+// The product of two tracks on one segment: controls of a corner's path.
+class Product {
+ public:
+  Product(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object, std::uint32_t segments,
+          std::uint32_t k)
+      : m_(transform.form.degree), n_(object.form.degree) {
+    for (std::uint32_t i = 0; i <= m_; ++i) maps_[i] = part_of(transform, segments, k, i);
+    for (std::uint32_t i = 0; i <= n_; ++i) boxes_[i] = part_of(object, segments, k, i);
+  }
+  std::uint32_t degree() const { return m_ + n_; }
+  Vec3d control(int c, std::uint32_t index) const {
+    Vec3d sum{};
+    for (std::uint32_t i = index > n_ ? index - n_ : 0; i <= std::min(index, m_); ++i) {
+      const double weight = binomial(m_, i) * binomial(n_, index - i) / binomial(m_ + n_, index);
+      sum += maps_[i].point(corner(boxes_[index - i], c)) * weight;
     }
+    return sum;
+  }
+  Vec3d error() const {
+    Vec3d pad{};
+    for (std::uint32_t i = 0; i <= m_; ++i) {
+      for (std::uint32_t j = 0; j <= n_; ++j) pad = max(pad, error_of(maps_[i], boxes_[j], std::max(m_, n_)));
+    }
+    return pad;
+  }
+
+ private:
+  std::uint32_t m_, n_;
+  Affine3d maps_[kMaxDegree + 1];
+  Box3d boxes_[kMaxDegree + 1];
+};
+
+// A path of degree n leaves its chord by sum B_i(u) d_i over its inner controls' deviations d_i, and those
+// weights sum to 1 - u^n - (1 - u)^n, at most 1 - 2^(1 - n).
+void grow_by_path(const Product& product, int c, Box3d& at_begin, Box3d& at_end) {
+  const std::uint32_t n = product.degree();
+  const Vec3d begin = product.control(c, 0), end = product.control(c, n);
+  Vec3d below{}, above{};
+  for (std::uint32_t i = 1; i < n; ++i) {
+    const Vec3d deviation = product.control(c, i) - lerp(begin, end, double(i) / n);
+    below = min(below, deviation);
+    above = max(above, deviation);
+  }
+  const double share = 1.0 - std::ldexp(1.0, 1 - int(n));
+  for (const Vec3d& swell : {below * share, above * share}) {
+    at_begin.grow(begin + swell);
+    at_end.grow(end + swell);
   }
 }
+
+InstanceBounds bound_by_chords(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object) {
+  const TrackForm form{std::max(transform.form.segments, object.form.segments), 1};
+  PaddedBoxes out(form);
+  for (std::uint32_t k = 0; k < form.segments; ++k) {
+    const Product product(transform, object, form.segments, k);
+    for (int c = 0; c < 8; ++c) grow_by_path(product, c, out.box(k), out.box(k + 1));
+    out.pad(k, product.error());
+    out.pad(k + 1, product.error());
+  }
+  return out.finish();
+}
+
+// The controls of a track that are in force at some time within [a, b] of the shutter.
+template <typename T>
+std::vector<T> controls_within(const ClockedTrack<T>& track, double a, double b) {
+  if (!track.form.moving()) return {track.controls[0]};
+  std::vector<T> result;
+  const auto add = [&](double from, double to) {
+    const std::uint32_t segments = track.form.segments, degree = track.form.degree;
+    const auto key = [&](double time) {
+      return std::min(std::uint32_t(std::clamp(time, 0.0, 1.0) * segments), segments - 1);
+    };
+    const std::uint32_t first = key(from - kClockError), last = key(to + kClockError);
+    for (std::uint32_t c = first * degree; c <= (last + 1) * degree; ++c) result.push_back(track.controls[c]);
+  };
+  if (!track.clock || track.clock->is_shutter()) {
+    add(a, b);
+    return result;
+  }
+  for (std::size_t i = 0; i < track.clock->pieces.size(); ++i) {
+    const ClockPiece& piece = track.clock->pieces[i];
+    const double begin = piece.begin, end = track.clock->end_of(i);
+    if (!piece.visible || begin > b || end < a) continue;
+    const auto local = [&](double u) {
+      const double w = end > begin ? std::clamp((u - begin) / (end - begin), 0.0, 1.0) : 0.0;
+      return lerp(double(piece.from), double(piece.to), w);
+    };
+    add(local(a), local(b));
+  }
+  return result;
+}
+
+InstanceBounds bound_by_parts(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object) {
+  const TrackForm form{kClockedSegments, 1};
+  PaddedBoxes out(form);
+  Box3d all;
+  for (std::uint32_t k = 0; k < form.segments; ++k) {
+    const double a = double(k) / form.segments, b = double(k + 1) / form.segments;
+    for (const Affine3f& m : controls_within(transform, a, b)) {
+      for (const Box3f& x : controls_within(object, a, b)) {
+        for (const std::uint32_t key : {k, k + 1}) {
+          grow_by_image(out.box(key), Affine3d(m), in_double(x));
+          out.pad(key, error_of(Affine3d(m), in_double(x), kMaxDegree));
+        }
+        all.grow(out.box(k));
+      }
+    }
+  }
+  // Hidden throughout a part: a place is needed all the same, and one beside the others costs least.
+  for (std::uint32_t k = 0; k < form.controls(); ++k) {
+    if (!out.box(k).empty()) continue;
+    if (all.empty()) return {};  // never seen
+    out.box(k) = {all.center(), all.center()};
+  }
+  return out.finish();
+}
+
+bool has_clock(const Clock* clock) { return clock && !clock->is_shutter(); }
 
 }  // namespace
 
-InstanceBounds bound_instance(std::span<const Affine3f> matrix_keys, std::uint32_t matrix_segments,
-                              std::span<const Box3f> object_keys, std::uint32_t object_segments) {
-  InstanceBounds out;
-  out.segments = std::max(matrix_segments, object_segments);
-  out.keys.resize(key_count(out.segments));
-  if (object_keys.empty() || object_keys[0].empty()) return out;
-
-  std::vector<Affine3d> matrices(matrix_keys.begin(), matrix_keys.end());
-  std::vector<Box3d> boxes;
-  for (const Box3f& b : object_keys) boxes.push_back({Vec3d(b.lo), Vec3d(b.hi)});
-  std::vector<Pose> poses;
-  for (std::uint32_t k = 0; k <= out.segments; ++k) {
-    poses.push_back({at_fine_key<Affine3d>(matrices, matrix_segments, k, out.segments),
-                     at_fine_key<Box3d>(boxes, object_segments, k, out.segments)});
-  }
-  std::vector<Box3d> bounds(poses.size());
-  if (out.segments == 0) grow_segment(poses[0], poses[0], bounds[0], bounds[0]);
-  for (std::uint32_t k = 0; k < out.segments; ++k)
-    grow_segment(poses[k], poses[k + 1], bounds[k], bounds[k + 1]);
-  for (std::uint32_t k = 0; k <= out.segments; ++k) {
-    Vec3d pad = error_of(poses[k].matrix, poses[k].box);
-    if (k > 0) pad = max(pad, error_of(poses[k - 1].matrix, poses[k - 1].box));
-    if (k < out.segments) pad = max(pad, error_of(poses[k + 1].matrix, poses[k + 1].box));
-    out.keys[k] = round_outwards({bounds[k].lo - pad, bounds[k].hi + pad});
-  }
-  return out;
+InstanceBounds bound_instance(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object) {
+  if (object.controls.empty() || object.controls[0].empty()) return {};
+  if (has_clock(transform.clock) || has_clock(object.clock)) return bound_by_parts(transform, object);
+  if (transform.form.moving() && object.form.moving()) return bound_by_chords(transform, object);
+  return bound_by_controls(transform, object);
 }
 
 }  // namespace msbvh

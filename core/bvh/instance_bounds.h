@@ -1,4 +1,4 @@
-// Boxes of moving instances of moving objects, in the outer tree's space.
+// Boxes of moving instances of moving objects, in the outer tree's space and time.
 #pragma once
 
 #include <span>
@@ -6,19 +6,34 @@
 #include "core/base/affine.h"
 #include "core/base/box.h"
 #include "core/build/reference.h"
+#include "core/motion/clock.h"
+#include "core/motion/track.h"
 
 namespace msbvh {
 
-// Bounds M(u) x(u) for all x(u) in the object's box, at the finer of both grids. The matrix *elements* and
-// the box are linear in time on a segment, so a corner's path is quadratic: its ends, lifted by the sagitta
-// of its control polygon, bound it linearly. The result is padded by the error of bringing a ray into the
-// object's space in single precision.
-InstanceBounds bound_instance(std::span<const Affine3f> matrix_keys, std::uint32_t matrix_segments,
-                              std::span<const Box3f> object_keys, std::uint32_t object_segments);
+// A track under a clock. Borrows.
+template <typename T>
+struct ClockedTrack {
+  std::span<const T> controls;
+  TrackForm form;
+  const Clock* clock = nullptr;  // null: the shutter's own time
+};
 
-// Relative to |M| |x| + |t|, by component: the interpolated matrix errs by kLerpError, the ray's transformed
-// origin and direction by one rounding of the object-space coordinate each, and the box by kLerpError in
-// flight.
+// Bounds M(u) x(u) for all x(u) in the object's box.
+//
+// Without clocks: where only one of both moves, the products of its controls with the other are the controls
+// of a box track of the same form. Where both move, a corner's path is a Bezier curve of the degrees' sum on
+// the finer of both grids: its ends, lifted by how far the control polygon can carry it from its chord, bound
+// it linearly. With a clock the boxes are those of all controls in force within each of kClockedSegments
+// parts of the shutter. The result is padded by the error of bringing a ray into the object's space in single
+// precision. Empty controls for an object without a box.
+InstanceBounds bound_instance(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object);
+
+inline constexpr std::uint32_t kClockedSegments = 16;
+
+// Relative to |M| |x| + |t|, by component and for each degree: the interpolated matrix errs by kLerpError,
+// the ray's transformed origin and direction by one rounding of the object-space coordinate each, and the box
+// by kLerpError in flight.
 inline constexpr double kInstancePad = 4.0 * 0x1p-22;
 
 }  // namespace msbvh

@@ -1,11 +1,15 @@
 #include "core/bvh/key_bounds.h"
 
 #include <array>
+#include <vector>
 
 #include "core/build/clip.h"
+#include "core/motion/bezier.h"
 
 namespace msbvh {
 namespace {
+
+constexpr std::uint32_t kMaxControls = kMaxSegments * kMaxDegree + 1;
 
 float largest_coordinate(const Box3f& b) {
   const Vec3f m = max(abs(b.lo), abs(b.hi));
@@ -17,7 +21,9 @@ Box3f padded(const Box3f& b, float pad) {
   return {b.lo - p, b.hi + p};
 }
 
-// Corners of the fragment as weights of the triangle's vertices, and its boxes at the mesh's own keys.
+Box3d in_double(const Box3f& b) { return {Vec3d(b.lo), Vec3d(b.hi)}; }
+
+// Corners of the fragment as weights of the triangle's vertices, and its boxes at the mesh's own controls.
 class MovingFragment {
  public:
   MovingFragment(const Primitives& primitives, const Reference& reference)
@@ -25,25 +31,31 @@ class MovingFragment {
         triangle_(mesh_.triangles[reference.index]),
         polygon_(clip_to_box(centre_triangle<double>(primitives, reference), reference.box)) {}
 
-  Box3f at_key(std::uint32_t key) const {
-    const std::array<Vec3d, 3> v = vertices(key);
+  Box3f at_control(std::uint32_t control) const {
+    const std::array<Vec3d, 3> v = vertices(control);
     if (polygon_.count == 0) return whole(v);
     Box3d box;
     for (int i = 0; i < polygon_.count; ++i) {
       const Vec3d& b = polygon_.corners[i];
       box.grow(v[0] * b.x + v[1] * b.y + v[2] * b.z);
     }
-    const Box3f rounded = round_outwards(box);
-    // The vertices in flight err by their own size, which may be larger at the neighbouring keys.
-    const std::uint32_t before = key == 0 ? 0 : key - 1, after = std::min(key + 1, mesh_.segments);
-    const float size = std::max({largest_coordinate(whole(vertices(before))), largest_coordinate(whole(v)),
-                                 largest_coordinate(whole(vertices(after)))});
-    return padded(rounded, kFragmentPad * size);
+    return padded(round_outwards(box),
+                  kFragmentPad * static_cast<float>(mesh_.degree) * size_around(control));
   }
 
  private:
-  std::array<Vec3d, 3> vertices(std::uint32_t key) const {
-    const Vec3f* p = mesh_.key_positions(key);
+  // The vertices in flight err by their own size, which may be larger at the segment's other controls.
+  float size_around(std::uint32_t control) const {
+    const std::uint32_t last = mesh_.form().controls() - 1, degree = mesh_.degree;
+    float size = 0.0f;
+    for (std::uint32_t c = control < degree ? 0 : control - degree; c <= std::min(control + degree, last);
+         ++c) {
+      size = std::max(size, largest_coordinate(whole(vertices(c))));
+    }
+    return size;
+  }
+  std::array<Vec3d, 3> vertices(std::uint32_t control) const {
+    const Vec3f* p = mesh_.control_positions(control);
     return {Vec3d(p[triangle_[0]]), Vec3d(p[triangle_[1]]), Vec3d(p[triangle_[2]])};
   }
   static Box3f whole(const std::array<Vec3d, 3>& v) {
@@ -57,67 +69,91 @@ class MovingFragment {
   BarycentricPolygon polygon_;
 };
 
-Box3f triangle_box(const TriangleMesh& mesh, const Triangle& triangle, std::uint32_t key) {
-  const Vec3f* p = mesh.key_positions(key);
+Box3f triangle_box(const TriangleMesh& mesh, const Triangle& triangle, std::uint32_t control) {
+  const Vec3f* p = mesh.control_positions(control);
   Box3f box;
   for (const std::uint32_t v : triangle) box.grow(p[v]);
   return box;
 }
 
-void grow_by_triangle(std::span<Box3f> out, std::uint32_t segments, const Primitives& primitives,
+void grow_by_triangle(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
                       const Reference& reference) {
   const TriangleMesh& mesh = *primitives.meshes[reference.mesh()];
-  std::array<Box3f, kMaxSegments + 1> keys;
+  std::array<Box3f, kMaxControls> boxes;
+  const std::uint32_t count = mesh.form().controls();
   if (reference.is_clipped()) {
     const MovingFragment fragment(primitives, reference);
-    for (std::uint32_t k = 0; k <= mesh.segments; ++k) keys[k] = fragment.at_key(k);
+    for (std::uint32_t c = 0; c < count; ++c) boxes[c] = fragment.at_control(c);
   } else {
     const Triangle& triangle = mesh.triangles[reference.index];
-    for (std::uint32_t k = 0; k <= mesh.segments; ++k) keys[k] = triangle_box(mesh, triangle, k);
+    for (std::uint32_t c = 0; c < count; ++c) boxes[c] = triangle_box(mesh, triangle, c);
   }
-  grow_keys(out, segments, {keys.data(), mesh.segments + 1}, mesh.segments);
+  grow_track(out, form, {boxes.data(), count}, mesh.form());
+}
+
+// The part of one source segment that a segment of the finer form covers, in that form.
+void grow_segment(Box3f* out, std::uint32_t degree, const Box3f* source, std::uint32_t source_degree,
+                  double a, double b) {
+  float size = 0.0f;
+  for (std::uint32_t i = 0; i <= source_degree; ++i) size = std::max(size, largest_coordinate(source[i]));
+  const float pad = kRekeyPad * static_cast<float>(degree) * size;
+  const auto part = [&](std::uint32_t j) {
+    return part_control([&](std::uint32_t i) { return in_double(source[i]); }, source_degree, a, b, j);
+  };
+  for (std::uint32_t j = 0; j <= degree; ++j) {
+    out[j].grow(padded(round_outwards(elevated_control(part, source_degree, degree, j)), pad));
+  }
 }
 
 }  // namespace
 
-void grow_keys(std::span<Box3f> out, std::uint32_t segments, std::span<const Box3f> track,
-               std::uint32_t track_segments) {
-  if (track_segments == segments) {
-    for (std::uint32_t k = 0; k <= segments; ++k) out[k].grow(track[k]);
+void grow_track(std::span<Box3f> out, const TrackForm& form, std::span<const Box3f> track,
+                const TrackForm& track_form) {
+  if (track_form == form) {
+    for (std::uint32_t c = 0; c < form.controls(); ++c) out[c].grow(track[c]);
     return;
   }
-  if (track_segments == 0) {
+  if (!track_form.moving()) {
     // (1 - w) x + w x may round below x: the weights need not sum to 1 in floating point.
-    const Box3f box = padded(track[0], kRekeyPad * largest_coordinate(track[0]));
-    for (std::uint32_t k = 0; k <= segments; ++k) out[k].grow(box);
+    const float pad = kRekeyPad * static_cast<float>(form.degree) * largest_coordinate(track[0]);
+    const Box3f box = padded(track[0], pad);
+    for (std::uint32_t c = 0; c < form.controls(); ++c) out[c].grow(box);
     return;
   }
-  const std::uint32_t ratio = segments / track_segments;
-  for (std::uint32_t k = 0; k <= segments; ++k) {
-    const std::uint32_t i = std::min(k / ratio, track_segments - 1);
-    const float w = static_cast<float>(k - i * ratio) / static_cast<float>(ratio);
-    const float size = std::max(largest_coordinate(track[i]), largest_coordinate(track[i + 1]));
-    // A fine key on a coarse key bounds the segments on both of its sides.
-    const float before = (k % ratio == 0 && i > 0) ? largest_coordinate(track[i - 1]) : 0.0f;
-    out[k].grow(padded(lerp(track[i], track[i + 1], w), kRekeyPad * std::max(size, before)));
+  const std::uint32_t ratio = form.segments / track_form.segments;
+  for (std::uint32_t k = 0; k < form.segments; ++k) {
+    const double a = double(k % ratio) / ratio, b = double(k % ratio + 1) / ratio;
+    grow_segment(out.data() + k * form.degree, form.degree, track.data() + (k / ratio) * track_form.degree,
+                 track_form.degree, a, b);
   }
 }
 
-void grow_by_reference(std::span<Box3f> out, std::uint32_t segments, const Primitives& primitives,
+void grow_by_reference(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
                        const Reference& reference) {
-  if (!reference.is_instance()) return grow_by_triangle(out, segments, primitives, reference);
+  if (!reference.is_instance()) return grow_by_triangle(out, form, primitives, reference);
   const InstanceBounds& bounds = primitives.instances[reference.index];
-  grow_keys(out, segments, bounds.keys, bounds.segments);
+  grow_track(out, form, bounds.controls, bounds.form);
 }
 
-double mean_half_area(std::span<const Box3f> keys) {
-  const auto area = [](const Box3f& b) { return half_area(Box3d{Vec3d(b.lo), Vec3d(b.hi)}); };
-  if (keys.size() == 1) return area(keys[0]);
+double mean_half_area(std::span<const Box3f> controls, const TrackForm& form) {
+  const auto area = [](const Box3d& b) { return half_area(b); };
+  if (!form.moving()) return area(in_double(controls[0]));
   double sum = 0.0;
-  for (std::size_t k = 0; k + 1 < keys.size(); ++k) {
-    sum += area(keys[k]) + 4.0 * area(lerp(keys[k], keys[k + 1], 0.5f)) + area(keys[k + 1]);
+  for (std::uint32_t k = 0; k < form.segments; ++k) {
+    const Box3f* segment = controls.data() + k * form.degree;
+    const auto at = [&](double w) {
+      return area(bezier([&](std::uint32_t i) { return in_double(segment[i]); }, form.degree, w));
+    };
+    if (form.degree == 1) {
+      sum += (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0;  // Simpson: exact up to degree 3
+    } else {
+      // Gauss-Legendre with 4 points: exact up to degree 7.
+      constexpr double kNear = 0.33000947820757187, kFar = 0.06943184420297371;
+      constexpr double kNearWeight = 0.32607257743127307, kFarWeight = 0.17392742256872693;
+      sum += kNearWeight * (at(kNear) + at(1.0 - kNear)) + kFarWeight * (at(kFar) + at(1.0 - kFar));
+    }
   }
-  return sum / (6.0 * static_cast<double>(keys.size() - 1));
+  return sum / form.segments;
 }
 
 }  // namespace msbvh

@@ -1,5 +1,6 @@
-// Boxes at keys: steps 2 to 4 of the paper's construction (sections 3.2, 3.3) for one reference or one set of
-// children.
+// Boxes at the controls of a track (its keys, where it is linear): steps 2 to 4 of the paper's construction
+// (sections 3.2, 3.3) for one reference or one set of children. For Bezier tracks these are control boxes:
+// the curve of a box whose controls enclose a vertex's controls encloses the vertex (core/motion/bezier.h).
 #pragma once
 
 #include <span>
@@ -7,31 +8,32 @@
 #include "core/base/box.h"
 #include "core/base/lerp.h"
 #include "core/build/reference.h"
+#include "core/motion/track.h"
 
 namespace msbvh {
 
-// A track of boxes on a coarse grid, read on a finer one (both power-of-two or still), gets padded by this
-// share of its largest coordinate: rounding the intermediate key and interpolating on either grid err by at
-// most kLerpError each.
+// A track of boxes rewritten in a finer form (more segments, a higher degree, or moving at all), gets padded
+// by this share of its largest coordinate for each degree: evaluating either form errs by at most kLerpError
+// a degree, and the new controls are rounded.
 inline constexpr float kRekeyPad = 4.0f * kLerpError;
 
 // A fragment's corner is a weighted sum of vertices. The vertices in flight, and the box in flight, err by
-// kLerpError each (core/base/lerp.h); the sum itself is made in double and rounded outwards. 4 units of 2^-22
-// are 8 machine epsilons.
+// kLerpError each for a degree (core/base/lerp.h); the sum itself is made in double and rounded outwards. 4
+// units of 2^-22 are 8 machine epsilons.
 inline constexpr float kFragmentPad = 4.0f * kLerpError;
 
-// Grows out[0 .. segments] by `track` (key_count(track_segments) boxes). `segments` must be a multiple of
-// track_segments, or track_segments be 0. At equal keys nothing is padded: interpolation is monotone.
-void grow_keys(std::span<Box3f> out, std::uint32_t segments, std::span<const Box3f> track,
-               std::uint32_t track_segments);
+// Grows `out` (form.controls() boxes) by `track` (track_form.controls() boxes); `form` must be a
+// common_form() of both. In the same form nothing is padded: interpolation is monotone.
+void grow_track(std::span<Box3f> out, const TrackForm& form, std::span<const Box3f> track,
+                const TrackForm& track_form);
 
-// Grows `out` by the boxes of what the reference stands for, at every key: a whole triangle's vertices, a
+// Grows `out` by the boxes of what the reference stands for, at every control: a whole triangle's vertices, a
 // fragment's moved corners, an instance's bounds.
-void grow_by_reference(std::span<Box3f> out, std::uint32_t segments, const Primitives& primitives,
+void grow_by_reference(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
                        const Reference& reference);
 
-// The area of linearly moving box, averaged over the shutter: quadratic in time on each segment, so
-// Simpson's rule is exact. Half areas, as half_area().
-double mean_half_area(std::span<const Box3f> keys);
+// The area of the moving box, averaged over the shutter, by quadrature that is exact for it: on each segment
+// it is a polynomial of twice the track's degree. Half areas, as half_area().
+double mean_half_area(std::span<const Box3f> controls, const TrackForm& form);
 
 }  // namespace msbvh

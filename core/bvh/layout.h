@@ -1,18 +1,20 @@
 // The bytes of a tree, as traversal reads them. One arena holds nodes and leaves, children behind their
 // parent, depth first; positions in it are counted in units of 16 bytes.
 //
-//   node  | header 64 B | boxes at key 0, 192 B | ... | boxes at key 2^k, 192 B |
+//   node  | header 64 B | boxes at control 0, 192 B | ... | boxes at the last control, 192 B |
 //   leaf  | block | block | ... | last block |
 //   block | header 48 B | data |
 //
 // Nodes start on a cache line. The data of a block:
 //
-//   gathered  at each key 9 x 16 B: x y z of three vertices of four triangles; one stream, for few keys
-//   indexed   3 x 16 B: vertex indices into the meshes' own tracks; 24 B a triangle, for many keys
+//   gathered  at each control 9 x 16 B: x y z of three vertices of four triangles; one stream, for few
+//             segments
+//   indexed   3 x 16 B: vertex indices into the meshes' own tracks; 24 B a triangle, for many
+//             segments
 //   instance  none; triangle[0] is the instance's id
 //
-// A ray reads two keys of a node, whatever their number. Every node and block has as many keys as it needs,
-// no more.
+// A ray reads two controls of a node (degree + 1 of a Bezier track), whatever their number. Every node and
+// block has as many controls as it needs, no more.
 #pragma once
 
 #include <cstddef>
@@ -50,8 +52,8 @@ constexpr std::uint32_t level_of(std::uint32_t segments) {
 }
 constexpr std::uint32_t segments_of_level(std::uint32_t level) { return level == 0 ? 0 : 1u << (level - 1); }
 
-// The boxes of 8 children at one key. An absent child has lo = kAbsent, hi = -kAbsent: no ray hits it, and it
-// stays finite under interpolation.
+// The boxes of 8 children at one control. An absent child has lo = kAbsent, hi = -kAbsent: no ray hits it,
+// and it stays finite under interpolation.
 struct NodeBounds {
   float lo[3][kWidth];
   float hi[3][kWidth];
@@ -60,8 +62,11 @@ inline constexpr float kAbsent = 1e37f;
 
 struct alignas(64) NodeHeader {
   ChildRef child[kWidth];
-  std::uint32_t level;
+  std::uint16_t level;
+  std::uint16_t degree;
   std::uint32_t child_count;
+
+  TrackForm form() const { return {segments_of_level(level), degree}; }
 
   const NodeBounds* bounds() const { return reinterpret_cast<const NodeBounds*>(this + 1); }
   NodeBounds* bounds() { return reinterpret_cast<NodeBounds*>(this + 1); }
@@ -74,12 +79,13 @@ struct alignas(16) BlockHeader {
   std::uint8_t level;
   std::uint8_t count;  // triangles, 1 to 4; unused lanes repeat the first triangle
   std::uint8_t last;   // 1: no block follows in this leaf
-  std::uint32_t unused[3];
+  std::uint8_t degree;
+  std::uint8_t unused[11];
   std::uint32_t mesh[kBlockWidth];
   std::uint32_t triangle[kBlockWidth];
 };
 
-// Data of a gathered block at one key: [vertex][axis][triangle].
+// Data of a gathered block at one control: [vertex][axis][triangle].
 struct GatheredKey {
   float position[3][3][kBlockWidth];
 };
@@ -98,12 +104,12 @@ inline constexpr std::uint32_t kMaxGatheredLevel = 1;
 constexpr BlockKind triangle_block_kind(std::uint32_t level) {
   return level <= kMaxGatheredLevel ? BlockKind::kGathered : BlockKind::kIndexed;
 }
-constexpr std::size_t node_bytes(std::uint32_t level) {
-  return sizeof(NodeHeader) + key_count(segments_of_level(level)) * sizeof(NodeBounds);
+constexpr std::size_t node_bytes(const TrackForm& form) {
+  return sizeof(NodeHeader) + form.controls() * sizeof(NodeBounds);
 }
-constexpr std::size_t triangle_block_bytes(std::uint32_t level) {
-  return sizeof(BlockHeader) + (triangle_block_kind(level) == BlockKind::kGathered
-                                    ? key_count(segments_of_level(level)) * sizeof(GatheredKey)
+constexpr std::size_t triangle_block_bytes(const TrackForm& form) {
+  return sizeof(BlockHeader) + (triangle_block_kind(level_of(form.segments)) == BlockKind::kGathered
+                                    ? form.controls() * sizeof(GatheredKey)
                                     : sizeof(VertexIndices));
 }
 

@@ -9,22 +9,25 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/base/lerp.h"
-#include "core/bvh/instance_bounds.h"
+#include "core/bvh/build_bvh.h"
+#include "core/motion/bezier.h"
 
 namespace msbvh {
 namespace {
 
 constexpr int kSamplesPerEdge = 12;  // barycentric grid on a triangle in several leaves
 
+// Instants within a segment at which Bezier tracks of different forms are compared.
+constexpr std::uint32_t kInstantsPerSegment = 8;
+
 // A track of boxes.
 struct Slot {
-  std::uint32_t segments;
-  std::vector<Box3f> keys;
+  TrackForm form;
+  std::vector<Box3f> controls;
 
   Box3f at(float u) const {
-    const SegmentTime t = locate(u, segments);
-    return segments == 0 ? keys[0] : lerp(keys[t.key], keys[t.key + 1], t.w);
+    const SegmentTime t = locate(u, form.segments);
+    return track_value(controls.data(), form, t.key, t.w);
   }
 };
 
@@ -33,7 +36,7 @@ class Verifier {
   explicit Verifier(const Bvh& bvh) : bvh_(bvh) {}
 
   void run() {
-    visit(bvh_.root, {bvh_.root_segments, bvh_.root_bounds}, 1);
+    visit(bvh_.root, {bvh_.root_form, bvh_.root_bounds}, 1);
     for (const auto& [id, slots] : triangles_) check_triangle(std::get<0>(id), std::get<1>(id), slots);
     check_complete();
   }
@@ -50,12 +53,11 @@ class Verifier {
     if (depth > kMaxDepth) fail(ref, "deeper than the traversal stack allows");
     if (ref.is_leaf()) return visit_leaf(ref, slot);
     const NodeHeader& node = bvh_.node(ref);
-    if (ref.offset() + node_bytes(node.level) > bvh_.arena.size()) fail(ref, "reaches beyond the arena");
+    if (ref.offset() + node_bytes(node.form()) > bvh_.arena.size()) fail(ref, "reaches beyond the arena");
     if (ref.offset() % AlignedBuffer::kAlignment != 0) fail(ref, "does not start on a cache line");
     if (node.child_count < 2 || node.child_count > kWidth)
       fail(ref, "has " + std::to_string(node.child_count) + " children");
-    const std::uint32_t segments = segments_of_level(node.level);
-    if (segments > slot.segments) fail(ref, "has more keys than its parent");
+    if (common_form(slot.form, node.form()) != slot.form) fail(ref, "has more controls than its parent");
     for (std::uint32_t i = 0; i < kWidth; ++i) {
       const Slot child = slot_of(node, i);
       if (i >= node.child_count) {
@@ -68,23 +70,32 @@ class Verifier {
   }
 
   static Slot slot_of(const NodeHeader& node, std::uint32_t i) {
-    Slot slot{segments_of_level(node.level), {}};
-    for (std::uint32_t k = 0; k <= slot.segments; ++k) {
-      const NodeBounds& b = node.bounds()[k];
-      slot.keys.push_back({{b.lo[0][i], b.lo[1][i], b.lo[2][i]}, {b.hi[0][i], b.hi[1][i], b.hi[2][i]}});
+    Slot slot{node.form(), {}};
+    for (std::uint32_t c = 0; c < slot.form.controls(); ++c) {
+      const NodeBounds& b = node.bounds()[c];
+      slot.controls.push_back({{b.lo[0][i], b.lo[1][i], b.lo[2][i]}, {b.hi[0][i], b.hi[1][i], b.hi[2][i]}});
     }
     return slot;
   }
 
   void check_absent(ChildRef ref, const Slot& slot) const {
-    for (const Box3f& b : slot.keys) {
+    for (const Box3f& b : slot.controls) {
       if (b.lo.x != kAbsent || b.hi.x != -kAbsent) fail(ref, "an absent child has a box");
     }
   }
 
-  // At the keys of the finer one: between them both are linear, and interpolation is monotone.
+  // Control by control, where both have the same form: interpolation is monotone. Else at the keys of the
+  // finer one, and within segments that are curved.
   void check_contains(ChildRef ref, const Slot& outer, const Slot& inner) const {
-    const std::uint32_t steps = std::max(outer.segments, inner.segments);
+    if (outer.form == inner.form) {
+      for (std::uint32_t c = 0; c < outer.form.controls(); ++c) {
+        if (!outer.controls[c].contains(inner.controls[c]))
+          fail(ref, "a child leaves its parent at control " + std::to_string(c));
+      }
+      return;
+    }
+    const TrackForm form = common_form(outer.form, inner.form);
+    const std::uint32_t steps = form.segments * (form.degree == 1 ? 1 : kInstantsPerSegment);
     for (std::uint32_t k = 0; k <= steps; ++k) {
       const float u = steps == 0 ? 0.0f : static_cast<float>(k) / static_cast<float>(steps);
       if (!outer.at(u).contains(inner.at(u)))
@@ -99,7 +110,8 @@ class Verifier {
       if (static_cast<std::size_t>(end) > bvh_.arena.size()) fail(ref, "reaches beyond the arena");
       if (block->count < 1 || block->count > kBlockWidth)
         fail(ref, "a block of " + std::to_string(block->count));
-      if (segments_of_level(block->level) > slot.segments) fail(ref, "a block has more keys than its node");
+      const TrackForm form{segments_of_level(block->level), block->degree};
+      if (common_form(slot.form, form) != slot.form) fail(ref, "a block has more controls than its node");
       if (block->kind == BlockKind::kInstance) {
         check_instance(ref, block->triangle[0], slot);
       } else {
@@ -113,28 +125,28 @@ class Verifier {
     if (block.mesh[i] >= bvh_.meshes.size()) fail(ref, "mesh id out of range");
     const TriangleMesh& mesh = *bvh_.meshes[block.mesh[i]];
     if (block.triangle[i] >= mesh.triangles.size()) fail(ref, "triangle id out of range");
-    if (level_of(mesh.segments) != block.level) fail(ref, "a block's keys are not its mesh's");
+    if (level_of(mesh.segments) != block.level || mesh.degree != block.degree)
+      fail(ref, "a block's controls are not its mesh's");
     triangles_[{block.mesh[i], block.triangle[i]}].push_back(slot);
   }
 
   void check_instance(ChildRef ref, std::uint32_t id, const Slot& slot) {
     if (id >= bvh_.instances.size()) fail(ref, "instance id out of range");
     const Instance& instance = bvh_.instances[id];
-    const InstanceBounds b =
-        bound_instance({bvh_.keys_of(instance), key_count(instance.segments)}, instance.segments,
-                       instance.object->root_bounds, instance.object->root_segments);
-    check_contains(ref, slot, {b.segments, b.keys});
+    const InstanceBounds b = instance_bounds_of(bvh_, instance);
+    check_contains(ref, slot, {b.form, b.controls});
     ++instance_leaves_;
   }
 
   // Each point of the triangle, moved exactly as its vertices are, lies in a slot of one of its leaves.
   void check_triangle(std::uint32_t m, std::uint32_t t, const std::vector<Slot>& slots) const {
     const TriangleMesh& mesh = *bvh_.meshes[m];
-    std::uint32_t steps = mesh.segments;
-    for (const Slot& s : slots) steps = std::max(steps, s.segments);
+    TrackForm form = mesh.form();
+    for (const Slot& s : slots) form = common_form(form, s.form);
+    const std::uint32_t steps = form.segments * (form.degree == 1 ? 2 : kInstantsPerSegment);
     const int samples = slots.size() == 1 ? 1 : kSamplesPerEdge;
-    for (std::uint32_t k = 0; k <= 2 * steps; ++k) {
-      const float u = steps == 0 ? 0.0f : static_cast<float>(k) / static_cast<float>(2 * steps);
+    for (std::uint32_t k = 0; k <= steps; ++k) {
+      const float u = steps == 0 ? 0.0f : static_cast<float>(k) / static_cast<float>(steps);
       const Triangle& v = mesh.triangles[t];
       const Vec3d p[3] = {Vec3d(mesh.position(v[0], u)), Vec3d(mesh.position(v[1], u)),
                           Vec3d(mesh.position(v[2], u))};
@@ -161,7 +173,8 @@ class Verifier {
   void check_complete() const {
     std::size_t triangles = 0, instances = 0;
     for (const auto& mesh : bvh_.meshes) triangles += mesh->triangles.size();
-    for (const Instance& i : bvh_.instances) instances += i.object->empty ? 0 : 1;
+    for (const Instance& i : bvh_.instances)
+      instances += instance_bounds_of(bvh_, i).controls.empty() ? 0 : 1;
     if (triangles_.size() != triangles) {
       throw Error("accelerator: " + std::to_string(triangles_.size()) + " triangles in leaves; expected " +
                   std::to_string(triangles));

@@ -5,14 +5,18 @@
 
 #include "core/base/affine.h"
 #include "core/base/lerp.h"
+#include "core/motion/bezier.h"
 #include "core/motion/track.h"
 
 namespace msbvh {
 
-// `keys` holds key_count(segments) maps.
+// `controls` holds form.controls() maps.
+inline Affine3f evaluate(std::span<const Affine3f> controls, const TrackForm& form, float u) {
+  const SegmentTime at = locate(u, form.segments);
+  return track_value(controls.data(), form, at.key, at.w);
+}
 inline Affine3f evaluate(std::span<const Affine3f> keys, std::uint32_t segments, float u) {
-  const SegmentTime at = locate(u, segments);
-  return segments == 0 ? keys[0] : lerp(keys[at.key], keys[at.key + 1], at.w);
+  return evaluate(keys, TrackForm{segments, 1}, u);
 }
 
 }  // namespace msbvh

@@ -3,6 +3,10 @@
 // A ray's time u in [0, 1] spans the open shutter: u = 0 is shutter:open, u = 1 is shutter:close. A track has
 // `segments` = 0 (still, one key) or 2^k segments with keys at i / 2^k, k <= 7. Powers of two nest, so tracks
 // of different k live in one tree. Segments are half-open [i, i + 1) / 2^k; u = 1 belongs to the last one.
+//
+// On a segment a track is a Bezier curve of degree 1 (linear between its keys), 2 or 3. Neighbouring segments
+// share the control point between them, so that a track holds segments * degree + 1 controls; for degree 1
+// the controls are the keys.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +14,38 @@
 namespace msbvh {
 
 inline constexpr std::uint32_t kMaxSegments = 128;
+inline constexpr std::uint32_t kMaxDegree = 3;
 
 constexpr bool is_valid_segment_count(std::uint32_t segments) {
   return segments == 0 || ((segments & (segments - 1)) == 0 && segments <= kMaxSegments);
 }
 
-// Keys stored for a track: 1 for a still one.
+// Keys of a track: 1 for a still one.
 constexpr std::uint32_t key_count(std::uint32_t segments) { return segments + 1; }
 
+// How a track is stored. Still tracks have degree 1.
+struct TrackForm {
+  std::uint32_t segments = 0;
+  std::uint32_t degree = 1;
+
+  constexpr std::uint32_t controls() const { return segments * degree + 1; }
+  constexpr bool moving() const { return segments != 0; }
+  constexpr bool operator==(const TrackForm&) const = default;
+};
+
+constexpr bool is_valid_form(const TrackForm& form) {
+  return is_valid_segment_count(form.segments) && form.degree >= 1 && form.degree <= kMaxDegree &&
+         (form.moving() || form.degree == 1);
+}
+
+// The least form that both can be rewritten in without loss: segments by subdivision, degree by elevation.
+constexpr TrackForm common_form(const TrackForm& a, const TrackForm& b) {
+  return {a.segments > b.segments ? a.segments : b.segments, a.degree > b.degree ? a.degree : b.degree};
+}
+
 // Where a time lies in a track: between keys `key` and `key + 1` with weight w in [0, 1] on the second one.
-// For a still track: key 0, w = 0; key + 1 must then not be read.
+// For a still track: key 0, w = 0; key + 1 must then not be read. The segment's first control is
+// key * degree.
 struct SegmentTime {
   std::uint32_t key;
   float w;

@@ -36,6 +36,11 @@ void expect_segments(std::uint32_t segments, const std::string& part, const std:
          "0 or a power of two up to " + std::to_string(kMaxSegments));
 }
 
+void expect_clock(const Clock& clock, const std::string& part) {
+  expect(is_valid_clock(clock), part, "clock", std::to_string(clock.pieces.size()) + " pieces",
+         "pieces that begin at 0 and increase, with local times in [0, 1] that do not decrease");
+}
+
 template <typename T>
 void expect_track(const std::vector<T>& keys, std::uint32_t segments, const std::string& part,
                   const std::string& attribute) {
@@ -83,10 +88,13 @@ void check_material(const Material& material, const std::string& part) {
 void check_instances(const InstanceSet& set, const Scene& scene, const std::string& part) {
   expect_index(set.prototype, scene.prototypes.size(), part, "prototype");
   expect_segments(set.segments, part, "worldFromPrototype");
-  const std::size_t keys = key_count(set.segments);
-  expect(set.world_from_prototype.size() % keys == 0, part, "worldFromPrototype",
+  expect(is_valid_form(set.form()), part, "worldFromPrototype", "degree " + std::to_string(set.degree),
+         "1 to " + std::to_string(kMaxDegree) + ", and 1 for still instances");
+  expect_clock(set.clock, part);
+  const std::size_t controls = set.form().controls();
+  expect(set.world_from_prototype.size() % controls == 0, part, "worldFromPrototype",
          std::to_string(set.world_from_prototype.size()) + " matrices",
-         "a multiple of " + std::to_string(keys) + " keys");
+         "a multiple of " + std::to_string(controls) + " controls");
   expect_all_finite(set.world_from_prototype, part, "worldFromPrototype");
   const std::size_t count = instance_count(set);
   expect(set.display_color.empty() || set.display_color.size() == count, part, "displayColor",
@@ -164,6 +172,7 @@ void validate(const Scene& scene) {
   }
   for (std::size_t i = 0; i < scene.prototypes.size(); ++i) {
     const Prototype& prototype = scene.prototypes[i];
+    expect_clock(prototype.clock, label(prototype.name, "prototype", i));
     for (const std::uint32_t mesh : prototype.meshes) {
       expect_index(mesh, scene.meshes.size(), label(prototype.name, "prototype", i), "meshes");
     }

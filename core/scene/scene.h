@@ -14,6 +14,7 @@
 #include "core/base/affine.h"
 #include "core/base/vec.h"
 #include "core/geometry/triangle_mesh.h"
+#include "core/motion/clock.h"
 
 namespace msbvh {
 
@@ -59,23 +60,28 @@ struct Material {
   float opacity_threshold = 0.0f;  // > 0: opacity below it counts as 0, else as 1 (UsdPreviewSurface)
 };
 
-// Meshes that are instanced together; they live in the prototype's own space.
+// Meshes that are instanced together; they live in the prototype's own space, and in its own time.
 struct Prototype {
   std::string name;
   std::vector<std::uint32_t> meshes;  // indices into Scene::meshes
+  Clock clock{};                      // from the shutter's time to that of the meshes' tracks
 };
 
-// Instances of one prototype with the same number of keys.
+// Instances of one prototype whose transforms are tracks of one form under one clock.
 struct InstanceSet {
   std::string name;
   std::uint32_t prototype = 0;
   std::uint32_t segments = 0;
-  std::vector<Affine3f> world_from_prototype;  // [instance][key_count(segments)], instance-major
+  std::vector<Affine3f> world_from_prototype;  // [instance][form().controls()], instance-major
   std::vector<Vec3f> display_color;            // empty, or one an instance: overrides the meshes' own
+  std::uint32_t degree = 1;
+  Clock clock{};  // of the transforms; hides all of the set where it says so
+
+  TrackForm form() const { return {segments, degree}; }
 };
 
 inline std::size_t instance_count(const InstanceSet& set) {
-  return set.world_from_prototype.size() / key_count(set.segments);
+  return set.world_from_prototype.size() / set.form().controls();
 }
 
 enum class LightKind : std::uint8_t {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/scene/scene.h"
@@ -17,11 +18,22 @@ namespace msbvh {
 struct HitSource {
   const Mesh* mesh = nullptr;
   const InstanceSet* instances = nullptr;
-  std::uint32_t instance = 0;  // index in the set
+  std::uint32_t instance = 0;            // index in the set
+  const Prototype* prototype = nullptr;  // likewise null
 
-  // The keys of the instance's transform: key_count(instances->segments).
-  const Affine3f* instance_keys() const {
-    return instances->world_from_prototype.data() + std::size_t(instance) * key_count(instances->segments);
+  // The controls of the instance's transform: instances->form().controls().
+  std::span<const Affine3f> instance_controls() const {
+    const std::size_t controls = instances->form().controls();
+    return {instances->world_from_prototype.data() + instance * controls, controls};
+  }
+  // The shutter's time in the time of the mesh's tracks, and in that of the instance's.
+  float mesh_time(float time) const { return prototype ? local(prototype->clock, time) : time; }
+  float instance_time(float time) const { return local(instances->clock, time); }
+
+ private:
+  static float local(const Clock& clock, float time) {
+    clock.at(time, time);
+    return time;
   }
 };
 
@@ -43,7 +55,8 @@ class SceneIndex {
     const Prototype& prototype = scene_->prototypes[instances.prototype];
     return {.mesh = &scene_->meshes[prototype.meshes[hit.mesh]],
             .instances = &instances,
-            .instance = hit.instance - first_instance_[set]};
+            .instance = hit.instance - first_instance_[set],
+            .prototype = &prototype};
   }
 
  private:

@@ -11,43 +11,47 @@ namespace {
 
 // Error bounds count roundings of 2^-24 and are rounded up to a power of two.
 //
-// Relative to the largest coordinate, by axis, of the triangle's vertices at the two keys around the time:
-// 2 x 4 for their interpolation, whose last two operations the tracer may fuse (core/base/lerp.h); 3 for
-// rounding the position, the moved origin, and that origin in an instance's space. In all 11.
+// Relative to the largest coordinate, by axis, of the triangle's vertices at the controls around the time,
+// and for each degree: 2 x 4 for their interpolation, whose last two operations the tracer may fuse
+// (core/base/lerp.h); 3 for rounding the position, the moved origin, and that origin in an instance's space.
+// In all 11.
 constexpr double kVertexError = 16 * 0x1p-24;
 // Relative to the triangle's extent on any axis, since the test works on differences to the ray's origin and
 // its shear mixes the axes: 1 for the difference, 3 for the shear, 5 for the distance. In all 9. Never 0, so
 // that a ray does not start in the plane of a triangle that lies in a plane of coordinates.
 constexpr double kTestError = 16 * 0x1p-24;
-// A point's way out of an instance, relative to the sum of the sizes of its terms: 2 x 4 for the
-// interpolation of the matrix on either side, 2 for rounding the position and the moved origin. In all 10.
-// The tracer inverts and applies the matrix in double precision, so that the way in adds nothing.
+// A point's way out of an instance, relative to the sum of the sizes of its terms, for each degree: 2 x 4 for
+// the interpolation of the matrix on either side, 2 for rounding the position and the moved origin. In
+// all 10. The tracer inverts and applies the matrix in double precision, so that the way in adds nothing.
 constexpr double kTransformError = 16 * 0x1p-24;
 
 // A triangle at one time, in its mesh's space.
 struct TrianglePose {
   Vec3d vertex[3];
-  Vec3d size;  // by axis, the largest coordinate at the keys around the time
+  Vec3d size;  // by axis, the largest coordinate at the controls around the time
+  std::uint32_t degree = 1;
 
   // How far the tracer's triangle may be from this one.
   Vec3d margin() const {
     const Vec3d extent =
         max(max(vertex[0], vertex[1]), vertex[2]) - min(min(vertex[0], vertex[1]), vertex[2]);
     const double test = kTestError * std::max({extent.x, extent.y, extent.z});
-    return size * kVertexError + Vec3d{test, test, test};
+    return size * (kVertexError * degree) + Vec3d{test, test, test};
   }
 };
 
 TrianglePose pose_at(const TriangleMesh& shape, std::uint32_t triangle, float time) {
-  const SegmentTime at = locate(time, shape.segments);
+  const std::uint32_t first = locate(time, shape.segments).key * shape.degree;
+  const std::uint32_t controls = shape.segments == 0 ? 1 : shape.degree + 1;
   TrianglePose pose;
   for (int corner = 0; corner < 3; ++corner) {
     const std::uint32_t vertex = shape.triangles[triangle][corner];
-    const Vec3f first = shape.key_positions(at.key)[vertex];
-    const Vec3f second = shape.segments == 0 ? first : shape.key_positions(at.key + 1)[vertex];
-    pose.vertex[corner] = Vec3d(shape.segments == 0 ? first : lerp(first, second, at.w));
-    pose.size = max(pose.size, Vec3d(max(abs(first), abs(second))));
+    pose.vertex[corner] = Vec3d(shape.position(vertex, time));
+    for (std::uint32_t c = first; c < first + controls; ++c) {
+      pose.size = max(pose.size, Vec3d(abs(shape.control_positions(c)[vertex])));
+    }
   }
+  pose.degree = shape.degree;
   return pose;
 }
 
@@ -58,23 +62,27 @@ Affine3d abs(const Affine3d& a) {
 // An instance's transform at one time.
 struct InstancePose {
   Affine3d world_from_object;
-  Affine3d size;  // by element, the largest at the keys around the time
+  Affine3d size;  // by element, the largest at the controls around the time
+  std::uint32_t degree;
 
-  InstancePose(const HitSource& source, float time) {
-    const std::uint32_t segments = source.instances->segments;
-    const std::span<const Affine3f> keys(source.instance_keys(), key_count(segments));
-    const SegmentTime at = locate(time, segments);
-    world_from_object = Affine3d(evaluate(keys, segments, time));
-    const Affine3d a = abs(Affine3d(keys[at.key]));
-    const Affine3d b = segments == 0 ? a : abs(Affine3d(keys[at.key + 1]));
-    size = {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z), max(a.t, b.t)};
+  InstancePose(const HitSource& source, float shutter_time) : degree(source.instances->degree) {
+    const float time = source.instance_time(shutter_time);
+    const TrackForm form = source.instances->form();
+    const std::span<const Affine3f> controls = source.instance_controls();
+    world_from_object = Affine3d(evaluate(controls, form, time));
+    const std::uint32_t first = locate(time, form.segments).key * degree;
+    size = abs(Affine3d(controls[first]));
+    for (std::uint32_t c = first + 1; form.moving() && c <= first + degree; ++c) {
+      const Affine3d m = abs(Affine3d(controls[c]));
+      size = {max(size.x, m.x), max(size.y, m.y), max(size.z, m.z), max(size.t, m.t)};
+    }
   }
 };
 
 // The triangle's own bound carried to the world, and that of the way there.
 Vec3d instanced_margin(const TrianglePose& triangle, const InstancePose& instance) {
-  return instance.size.vector(triangle.margin() + triangle.size * kTransformError) +
-         instance.size.t * kTransformError;
+  const double error = kTransformError * instance.degree;
+  return instance.size.vector(triangle.margin() + triangle.size * error) + instance.size.t * error;
 }
 
 // The instance's, else the mesh's, else `fallback`.
@@ -102,6 +110,7 @@ void set_colors(const Material* material, const HitSource& source, const Hit& hi
 // mirroring transform matters.
 void set_normals(const HitSource& source, const Hit& hit, const Ray& ray, const Affine3d& world_from_object,
                  const Vec3d& object_normal, SurfacePoint& surface) {
+  const float time = source.mesh_time(ray.time);
   Vec3f ng(normalize(transform_normal(world_from_object, object_normal)));
   if (ng == Vec3f{}) ng = -normalize(ray.dir);  // no area left in double precision: nothing better is known
   if (dot(ng, ray.dir) > 0.0f) ng = -ng;
@@ -109,7 +118,7 @@ void set_normals(const HitSource& source, const Hit& hit, const Ray& ray, const 
   const Mesh& mesh = *source.mesh;
   if (!mesh.normals.authored()) return;
   const Vec3d authored(
-      interpolate(mesh.normals, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), ray.time));
+      interpolate(mesh.normals, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time));
   const Vec3f ns(normalize(transform_normal(world_from_object, authored)));
   if (ns == Vec3f{}) return;
   surface.shading_normal = dot(ns, ng) < 0.0f ? -ns : ns;
@@ -118,7 +127,8 @@ void set_normals(const HitSource& source, const Hit& hit, const Ray& ray, const 
 }  // namespace
 
 SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray) {
-  const TrianglePose triangle = pose_at(source.mesh->shape, hit.triangle, ray.time);
+  const float time = source.mesh_time(ray.time);
+  const TrianglePose triangle = pose_at(source.mesh->shape, hit.triangle, time);
   const Vec3d edge1 = triangle.vertex[1] - triangle.vertex[0],
               edge2 = triangle.vertex[2] - triangle.vertex[0];
   const Vec3d in_object = triangle.vertex[0] + edge1 * double(hit.u) + edge2 * double(hit.v);
@@ -133,15 +143,15 @@ SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& 
     surface.self_hit_margin = Vec3f(triangle.margin());
     set_normals(source, hit, ray, Affine3d{}, cross(edge1, edge2), surface);
   }
-  set_colors(material_of(scene, *source.mesh), source, hit, ray.time, surface);
+  set_colors(material_of(scene, *source.mesh), source, hit, time, surface);
   return surface;
 }
 
 float opacity_at(const Scene& scene, const HitSource& source, const Hit& hit, float time) {
   const Mesh& mesh = *source.mesh;
   if (!reads_display_opacity(scene, mesh)) return constant_opacity(scene, mesh);
-  const float value =
-      interpolate(mesh.display_opacity, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time);
+  const float value = interpolate(mesh.display_opacity, mesh.shape, hit.triangle,
+                                  Barycentrics::of(hit.u, hit.v), source.mesh_time(time));
   return rendered_opacity(material_of(scene, mesh), value);
 }
 

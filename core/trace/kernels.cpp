@@ -10,17 +10,29 @@
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 
+template <bool kCount>
+constexpr void fill(IntersectKernel (&closest)[3][2], OccludedKernel (&any)[3][2]) {
+  closest[0][0] = intersect<Movement::kStill, false, kCount>;
+  closest[0][1] = intersect<Movement::kStill, true, kCount>;
+  closest[1][0] = intersect<Movement::kLinear, false, kCount>;
+  closest[1][1] = intersect<Movement::kLinear, true, kCount>;
+  closest[2][0] = intersect<Movement::kPolynomial, false, kCount>;
+  closest[2][1] = intersect<Movement::kPolynomial, true, kCount>;
+  any[0][0] = occluded<Movement::kStill, false, kCount>;
+  any[0][1] = occluded<Movement::kStill, true, kCount>;
+  any[1][0] = occluded<Movement::kLinear, false, kCount>;
+  any[1][1] = occluded<Movement::kLinear, true, kCount>;
+  any[2][0] = occluded<Movement::kPolynomial, false, kCount>;
+  any[2][1] = occluded<Movement::kPolynomial, true, kCount>;
+}
+
 const KernelTable* kernel_table() {
-  static constexpr KernelTable kTable = {
-      {{intersect<false, false, false>, intersect<false, true, false>},
-       {intersect<true, false, false>, intersect<true, true, false>}},
-      {{occluded<false, false, false>, occluded<false, true, false>},
-       {occluded<true, false, false>, occluded<true, true, false>}},
-      {{intersect<false, false, true>, intersect<false, true, true>},
-       {intersect<true, false, true>, intersect<true, true, true>}},
-      {{occluded<false, false, true>, occluded<false, true, true>},
-       {occluded<true, false, true>, occluded<true, true, true>}},
-  };
+  static const KernelTable kTable = [] {
+    KernelTable table{};
+    fill<false>(table.intersect, table.occluded);
+    fill<true>(table.intersect_counted, table.occluded_counted);
+    return table;
+  }();
   return &kTable;
 }
 

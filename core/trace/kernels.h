@@ -10,13 +10,14 @@ namespace msbvh {
 using IntersectKernel = bool (*)(const Bvh&, const Ray&, Hit&, TraceCounts*);
 using OccludedKernel = bool (*)(const Bvh&, const Ray&, TraceCounts*);
 
-// First index: whether anything moves; second: whether there are instances. What a tree does not hold costs
-// no instruction: the still kernels know no time, the flat ones no transforms.
+// First index: how the tree moves (Movement); second: whether there are instances. What a tree does not hold
+// costs no instruction: the still kernels know no time, the linear ones no curves, the flat ones no
+// transforms.
 struct KernelTable {
-  IntersectKernel intersect[2][2];
-  OccludedKernel occluded[2][2];
-  IntersectKernel intersect_counted[2][2];
-  OccludedKernel occluded_counted[2][2];
+  IntersectKernel intersect[3][2];
+  OccludedKernel occluded[3][2];
+  IntersectKernel intersect_counted[3][2];
+  OccludedKernel occluded_counted[3][2];
 };
 
 // Null if the machine does not support the instruction set.

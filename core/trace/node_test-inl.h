@@ -15,7 +15,7 @@
 
 #include <hwy/highway.h>
 
-#include "core/bvh/layout.h"
+#include "core/bvh/bvh.h"
 #include "core/trace/ray_setup-inl.h"
 #include "core/trace/simd_lerp-inl.h"
 
@@ -31,23 +31,26 @@ constexpr float kFarFactor = 1.0f + 0x1p-20f;
 // A direction of 0 makes the reciprocal infinite and 0 * inf a NaN when the origin lies exactly on a plane.
 // x86's max and min return their second operand then: the plane bounds nothing, and the box counts as
 // entered.
-template <bool kMoving>
-HWY_INLINE std::uint32_t test_node(const NodeHeader& node, const RaySetup<kMoving>& ray, float tfar,
+template <Movement kMovement>
+HWY_INLINE std::uint32_t test_node(const NodeHeader& node, const RaySetup<kMovement>& ray, float tfar,
                                    float* distance) {
   const hn::CappedTag<float, kWidth> d;
   using V = hn::Vec<decltype(d)>;
-  constexpr std::size_t kFloatsPerKey = sizeof(NodeBounds) / sizeof(float);
+  constexpr std::size_t kFloatsPerControl = sizeof(NodeBounds) / sizeof(float);
+  constexpr bool kMoving = kMovement != Movement::kStill;
+  constexpr bool kCurved = kMovement == Movement::kPolynomial;
   const std::uint32_t level = kMoving ? node.level : 0;
   const SegmentTime at = kMoving ? ray.at_level[level] : SegmentTime{0, 0.0f};
-  const float* key0 = reinterpret_cast<const float*>(node.bounds()) + at.key * kFloatsPerKey;
+  const std::uint32_t degree = kCurved ? node.degree : 1;
+  const float* first = reinterpret_cast<const float*>(node.bounds()) + at.key * degree * kFloatsPerControl;
   const Weights<decltype(d)> weights(d, at.w);
 
   std::uint32_t hits = 0;
   for (std::size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
     const auto slab = [&](std::uint32_t plane, int axis) {
-      const float* p = key0 + plane + lane;
-      V x = hn::Load(d, p);
-      if (kMoving && level != 0) x = simd_lerp(x, hn::Load(d, p + kFloatsPerKey), weights);
+      const float* p = first + plane + lane;
+      const auto control = [&](std::uint32_t i) { return hn::Load(d, p + i * kFloatsPerControl); };
+      const V x = kMoving && level != 0 ? simd_bezier(control, degree, weights) : control(0);
       return hn::Mul(hn::Sub(x, hn::Set(d, ray.org[axis])), hn::Set(d, ray.reciprocal[axis]));
     };
     V enter = hn::Max(slab(ray.near_plane[0], 0), hn::Set(d, ray.tnear));

@@ -6,7 +6,7 @@
 #include <functional>
 #include <sstream>
 
-#include "core/base/lerp.h"
+#include "core/motion/bezier.h"
 
 namespace msbvh {
 namespace {
@@ -102,8 +102,10 @@ Vec3d vertex_at(const TriangleMesh& mesh, std::uint32_t vertex, double u) {
   if (mesh.segments == 0) return Vec3d(mesh.positions[vertex]);
   const double scaled = u * mesh.segments;
   const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), mesh.segments - 1);
-  return lerp(Vec3d(mesh.key_positions(key)[vertex]), Vec3d(mesh.key_positions(key + 1)[vertex]),
-              scaled - key);
+  const auto control = [&](std::uint32_t i) {
+    return Vec3d(mesh.control_positions(key * mesh.degree + i)[vertex]);
+  };
+  return bezier(control, mesh.degree, scaled - key);
 }
 
 using Visitor = std::function<void(const Id&, const Verdict&)>;
@@ -122,18 +124,30 @@ void visit_meshes(const Bvh& bvh, const RayD& ray, double u, std::uint32_t insta
 }
 
 Affine3d map_at(const Bvh& bvh, const Instance& instance, double u) {
-  const Affine3f* keys = bvh.keys_of(instance);
-  if (instance.segments == 0) return Affine3d(keys[0]);
-  const double scaled = u * instance.segments;
-  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), instance.segments - 1);
-  return lerp(Affine3d(keys[key]), Affine3d(keys[key + 1]), scaled - key);
+  const Affine3f* controls = bvh.controls_of(instance);
+  if (!instance.form.moving()) return Affine3d(controls[0]);
+  const double scaled = u * instance.form.segments;
+  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), instance.form.segments - 1);
+  const Affine3f* first = controls + key * instance.form.degree;
+  return bezier([first](std::uint32_t i) { return Affine3d(first[i]); }, instance.form.degree, scaled - key);
+}
+
+// The time in an object's or instance's own time, as the kernels see it; none where it is not there.
+std::optional<double> local_time(const Clock* clock, double u) {
+  if (!clock || clock->is_shutter()) return u;
+  float local = 0.0f;
+  return clock->at(static_cast<float>(u), local) ? std::optional<double>(local) : std::nullopt;
 }
 
 void visit_all(const Bvh& bvh, const Ray& ray, const Visitor& visit) {
   const double u = std::clamp(double(ray.time), 0.0, 1.0);
   visit_meshes(bvh, {Vec3d(ray.org), Vec3d(ray.dir), 0.0}, u, kNoInstance, visit);
   for (std::uint32_t i = 0; i < bvh.instances.size(); ++i) {
-    const Affine3d world_from_object = map_at(bvh, bvh.instances[i], u);
+    const Instance& instance = bvh.instances[i];
+    const std::optional<double> own = local_time(bvh.clock_of(instance), u);
+    const std::optional<double> inside = local_time(&instance.object->clock, u);
+    if (!own || !inside) continue;
+    const Affine3d world_from_object = map_at(bvh, instance, *own);
     if (world_from_object.determinant() == 0.0) continue;
     const Affine3d m = inverse(world_from_object);
     // The map's elements, the origin and their product err by a share of the terms that the transform adds
@@ -142,7 +156,7 @@ void visit_all(const Bvh& bvh, const Ray& ray, const Visitor& visit) {
                         abs(m.z) * std::abs(double(ray.org.z)) + abs(m.t);
     const RayD local{m.point(Vec3d(ray.org)), m.vector(Vec3d(ray.dir)),
                      kOracleError * std::max({terms.x, terms.y, terms.z})};
-    visit_meshes(*bvh.instances[i].object, local, u, i, visit);
+    visit_meshes(*instance.object, local, *inside, i, visit);
   }
 }
 

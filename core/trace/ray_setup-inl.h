@@ -11,7 +11,7 @@
 #include <hwy/highway.h>
 #include <utility>
 
-#include "core/bvh/layout.h"
+#include "core/bvh/bvh.h"
 #include "core/trace/ray.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -20,8 +20,10 @@ namespace msbvh::HWY_NAMESPACE {
 // Time in [0, 1]; anything else, NaN included, is brought there, so that no key outside a track is ever read.
 HWY_INLINE float clamped_time(float time) { return std::fmin(std::fmax(time, 0.0f), 1.0f); }
 
-template <bool kMoving>
+template <Movement kMovement>
 struct RaySetup {
+  static constexpr bool kMoving = kMovement != Movement::kStill;
+
   float org[3], reciprocal[3];
   float tnear;
   // For each axis the planes of NodeBounds, as floats from its start, that the ray meets first and last.

@@ -34,10 +34,11 @@ Tracer::Tracer(const Bvh& bvh) : Tracer(bvh, supported_instruction_sets().back()
 Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
   const KernelTable* table = kernels_for(set);
   if (!table) throw Error(std::string("this processor does not support ") + instruction_set_name(set));
-  intersect_ = table->intersect[bvh.moving][bvh.instanced];
-  occluded_ = table->occluded[bvh.moving][bvh.instanced];
-  intersect_counted_ = table->intersect_counted[bvh.moving][bvh.instanced];
-  occluded_counted_ = table->occluded_counted[bvh.moving][bvh.instanced];
+  const auto movement = static_cast<std::size_t>(bvh.movement);
+  intersect_ = table->intersect[movement][bvh.instanced];
+  occluded_ = table->occluded[movement][bvh.instanced];
+  intersect_counted_ = table->intersect_counted[movement][bvh.instanced];
+  occluded_counted_ = table->occluded_counted[movement][bvh.instanced];
 }
 
 bool Tracer::intersect_counted(const Ray& ray, Hit& hit, TraceCounts& counts) const {

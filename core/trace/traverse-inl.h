@@ -36,7 +36,7 @@ struct Query {
   Hit hit;
 };
 
-template <bool kMoving, bool kInstanced, bool kAnyHit, bool kCount>
+template <Movement kMovement, bool kInstanced, bool kAnyHit, bool kCount>
 class Traversal {
  public:
   Traversal(const Bvh& bvh, const Ray& ray, std::uint32_t instance, Query& query, TraceCounts* counts)
@@ -60,11 +60,13 @@ class Traversal {
   }
 
  private:
+  static constexpr bool kMoving = kMovement != Movement::kStill;
+
   // Goes to the nearest child that is hit, the others onto the stack, the nearest on top. False: none is hit.
   HWY_INLINE bool descend(ChildRef& current) {
     const NodeHeader& node = bvh_.node(current);
     HWY_ALIGN float distance[kWidth];
-    std::uint32_t hits = test_node<kMoving>(node, setup_, query_.tfar, distance);
+    std::uint32_t hits = test_node<kMovement>(node, setup_, query_.tfar, distance);
     if constexpr (kCount) ++counts_->nodes;
     if (hits == 0) return false;
     const std::uint32_t first = static_cast<std::uint32_t>(std::countr_zero(hits));
@@ -120,7 +122,7 @@ class Traversal {
       counts_->triangles += block.count;
     }
     BlockHit hit;
-    test_block<kMoving>(bvh_, block, setup_, query_.tfar, hit);
+    test_block<kMovement>(bvh_, block, setup_, query_.tfar, hit);
     for (std::uint32_t lanes = hit.lanes; lanes != 0; lanes &= lanes - 1) {
       const int i = std::countr_zero(lanes);
       if (kAnyHit) {
@@ -146,37 +148,52 @@ class Traversal {
   HWY_NOINLINE void enter_instance(std::uint32_t id) {
     if constexpr (kInstanced) {
       const Instance& instance = bvh_.instances[id];
-      Ray local;
-      if (instance.object->empty || !to_object_space(instance, local)) return;
+      Ray local = ray_;
+      if (instance.object->empty || !is_there(instance, local) || !to_object_space(instance, local)) return;
       if constexpr (kCount) ++counts_->instances;
-      if (kMoving && instance.object->moving) {
-        Traversal<kMoving, false, kAnyHit, kCount>(*instance.object, local, id, query_, counts_).run();
+      if (kMovement == Movement::kPolynomial && instance.object->movement == Movement::kPolynomial) {
+        trace_object<Movement::kPolynomial>(instance, local, id);
+      } else if (kMoving && instance.object->movement != Movement::kStill) {
+        trace_object<Movement::kLinear>(instance, local, id);
       } else {
-        Traversal<false, false, kAnyHit, kCount>(*instance.object, local, id, query_, counts_).run();
+        trace_object<Movement::kStill>(instance, local, id);
       }
     }
   }
+  template <Movement kObject>
+  void trace_object(const Instance& instance, const Ray& local, std::uint32_t id) {
+    Traversal<kObject, false, kAnyHit, kCount>(*instance.object, local, id, query_, counts_).run();
+  }
+
+  // Whether the object is there at the ray's time; the ray's time in the object's own time.
+  static bool is_there(const Instance& instance, Ray& local) {
+    if (!kMoving || instance.object->clock.is_shutter()) return true;
+    return instance.object->clock.at(clamped_time(local.time), local.time);
+  }
 
   // The ray in the object's space: matrix elements interpolated in single precision, inverted and applied in
-  // double. The parameter t keeps its meaning. False where the map is singular at this time: nothing can be
-  // hit.
+  // double. The parameter t keeps its meaning. False where the map is singular at this time, or the instance
+  // not there: nothing can be hit.
   bool to_object_space(const Instance& instance, Ray& local) const {
     const D4 d;
-    const Affine3f* key = bvh_.keys_of(instance);
-    Affine3f map = *key;
-    if (kMoving && instance.segments != 0) {
-      const SegmentTime at = locate(clamped_time(ray_.time), instance.segments);
+    const Affine3f* controls = bvh_.controls_of(instance);
+    Affine3f map = *controls;
+    float u = clamped_time(ray_.time);
+    if (kMoving && instance.clock != kNoClock && !bvh_.clocks[instance.clock].at(u, u)) return false;
+    if (kMoving && instance.form.moving()) {
+      const std::uint32_t degree = kMovement == Movement::kPolynomial ? instance.form.degree : 1;
+      const SegmentTime at = locate(u, instance.form.segments);
+      const Affine3f* first = controls + at.key * degree;
       const Weights<D4> w(d, at.w);
       static_assert(sizeof(Affine3f) == 12 * sizeof(float));
       for (int i = 0; i < 12; i += 4) {
-        hn::StoreU(simd_lerp(hn::LoadU(d, &key[at.key].x.x + i), hn::LoadU(d, &key[at.key + 1].x.x + i), w),
-                   d, &map.x.x + i);
+        const auto control = [&](std::uint32_t c) { return hn::LoadU(d, &first[c].x.x + i); };
+        hn::StoreU(simd_bezier(control, degree, w), d, &map.x.x + i);
       }
     }
     const Affine3d world_from_object(map);
     if (world_from_object.determinant() == 0.0) return false;
     const Affine3d object_from_world = inverse(world_from_object);
-    local = ray_;
     local.org = Vec3f(object_from_world.point(Vec3d(ray_.org)));
     local.dir = Vec3f(object_from_world.vector(Vec3d(ray_.dir)));
     return true;
@@ -184,7 +201,7 @@ class Traversal {
 
   const Bvh& bvh_;
   const Ray& ray_;
-  const RaySetup<kMoving> setup_;
+  const RaySetup<kMovement> setup_;
   const std::uint32_t instance_;
   Query& query_;
   TraceCounts* const counts_;
@@ -192,22 +209,22 @@ class Traversal {
   StackEntry* top_ = stack_;
 };
 
-template <bool kMoving, bool kInstanced, bool kCount>
+template <Movement kMovement, bool kInstanced, bool kCount>
 bool intersect(const Bvh& bvh, const Ray& ray, Hit& hit, TraceCounts* counts) {
   if constexpr (kCount) ++counts->rays;
   if (bvh.empty) return false;
   Query query(ray.tfar);
-  Traversal<kMoving, kInstanced, false, kCount>(bvh, ray, kNoInstance, query, counts).run();
+  Traversal<kMovement, kInstanced, false, kCount>(bvh, ray, kNoInstance, query, counts).run();
   if (query.found) hit = query.hit;
   return query.found;
 }
 
-template <bool kMoving, bool kInstanced, bool kCount>
+template <Movement kMovement, bool kInstanced, bool kCount>
 bool occluded(const Bvh& bvh, const Ray& ray, TraceCounts* counts) {
   if constexpr (kCount) ++counts->rays;
   if (bvh.empty) return false;
   Query query(ray.tfar);
-  Traversal<kMoving, kInstanced, true, kCount>(bvh, ray, kNoInstance, query, counts).run();
+  Traversal<kMovement, kInstanced, true, kCount>(bvh, ray, kNoInstance, query, counts).run();
   return query.found;
 }
 

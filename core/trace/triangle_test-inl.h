@@ -68,30 +68,38 @@ HWY_INLINE Vertex4 transpose(V4 a, V4 b, V4 c, V4 d) {
            hn::ConcatLowerLower(tag, zw_cd, zw_ab)}};
 }
 
-template <bool kMoving>
+template <Movement kMovement>
 HWY_INLINE Vertex4 load_indexed(const Bvh& bvh, const BlockHeader& block, int vertex, SegmentTime at,
                                 const Weights<D4>& w) {
   const D4 d;
+  constexpr bool kMoving = kMovement != Movement::kStill;
+  const std::uint32_t degree = kMovement == Movement::kPolynomial ? block.degree : 1;
   const auto& indices = reinterpret_cast<const VertexIndices*>(&block + 1)->vertex[vertex];
   V4 rows[kBlockWidth];
   for (std::uint32_t i = 0; i < kBlockWidth; ++i) {
     const TriangleMesh& mesh = *bvh.meshes[block.mesh[i]];
-    const Vec3f* p = mesh.key_positions(at.key) + indices[i];
-    rows[i] = hn::LoadU(d, &p->x);  // the guard element makes the last one safe
-    if (kMoving && block.level != 0) rows[i] = simd_lerp(rows[i], hn::LoadU(d, &p[mesh.vertex_count].x), w);
+    const Vec3f* p = mesh.control_positions(at.key * degree) + indices[i];
+    // The guard element makes the last one safe.
+    const auto control = [&](std::uint32_t c) {
+      return hn::LoadU(d, &p[std::size_t(c) * mesh.vertex_count].x);
+    };
+    rows[i] = kMoving && block.level != 0 ? simd_bezier(control, degree, w) : control(0);
   }
   return transpose(rows[0], rows[1], rows[2], rows[3]);
 }
 
-template <bool kMoving>
+template <Movement kMovement>
 HWY_INLINE Vertex4 load_vertex(const Bvh& bvh, const BlockHeader& block, int vertex, SegmentTime at,
                                const Weights<D4>& w) {
-  if (kMoving && block.kind == BlockKind::kIndexed) return load_indexed<kMoving>(bvh, block, vertex, at, w);
-  const auto* keys = reinterpret_cast<const GatheredKey*>(&block + 1) + at.key;
-  Vertex4 v = load_gathered(keys[0], vertex);
-  if (kMoving && block.level != 0) {
-    const Vertex4 next = load_gathered(keys[1], vertex);
-    for (int axis = 0; axis < 3; ++axis) v.axis[axis] = simd_lerp(v.axis[axis], next.axis[axis], w);
+  constexpr bool kMoving = kMovement != Movement::kStill;
+  if (kMoving && block.kind == BlockKind::kIndexed) return load_indexed<kMovement>(bvh, block, vertex, at, w);
+  const std::uint32_t degree = kMovement == Movement::kPolynomial ? block.degree : 1;
+  const auto* controls = reinterpret_cast<const GatheredKey*>(&block + 1) + at.key * degree;
+  if (!kMoving || block.level == 0) return load_gathered(controls[0], vertex);
+  Vertex4 v;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto control = [&](std::uint32_t c) { return hn::Load(D4(), controls[c].position[vertex][axis]); };
+    v.axis[axis] = simd_bezier(control, degree, w);
   }
   return v;
 }
@@ -101,8 +109,8 @@ struct ShearedVertex {
   V4 x, y, z;
 };
 
-template <bool kMoving>
-HWY_INLINE ShearedVertex shear(const Vertex4& v, const RaySetup<kMoving>& ray) {
+template <Movement kMovement>
+HWY_INLINE ShearedVertex shear(const Vertex4& v, const RaySetup<kMovement>& ray) {
   const D4 d;
   const auto relative = [&](int axis) { return hn::Sub(v.axis[axis], hn::Set(d, ray.org[axis])); };
   const V4 z = relative(ray.kz);
@@ -115,15 +123,15 @@ struct BlockHit {
   HWY_ALIGN float t[kBlockWidth], u[kBlockWidth], v[kBlockWidth];
 };
 
-template <bool kMoving>
-HWY_INLINE void test_block(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMoving>& ray, float tfar,
-                           BlockHit& out) {
+template <Movement kMovement>
+HWY_INLINE void test_block(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& ray,
+                           float tfar, BlockHit& out) {
   const D4 d;
-  const SegmentTime at = kMoving ? ray.at_level[block.level] : SegmentTime{0, 0.0f};
+  const SegmentTime at = kMovement == Movement::kStill ? SegmentTime{0, 0.0f} : ray.at_level[block.level];
   const Weights<D4> w(d, at.w);
-  const ShearedVertex a = shear(load_vertex<kMoving>(bvh, block, 0, at, w), ray);
-  const ShearedVertex b = shear(load_vertex<kMoving>(bvh, block, 1, at, w), ray);
-  const ShearedVertex c = shear(load_vertex<kMoving>(bvh, block, 2, at, w), ray);
+  const ShearedVertex a = shear(load_vertex<kMovement>(bvh, block, 0, at, w), ray);
+  const ShearedVertex b = shear(load_vertex<kMovement>(bvh, block, 1, at, w), ray);
+  const ShearedVertex c = shear(load_vertex<kMovement>(bvh, block, 2, at, w), ray);
 
   const V4 weight_a = difference_of_products(c.x, b.y, c.y, b.x);
   const V4 weight_b = difference_of_products(a.x, c.y, a.y, c.x);

@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kAttribute = "normals";
 
 void add_smooth_normals(const TriangleMesh& mesh, std::uint32_t key, Vec3f* normals) {
-  const Vec3f* positions = mesh.key_positions(key);
+  const Vec3f* positions = mesh.control_positions(key);
   std::vector<Vec3d> sums(mesh.vertex_count);
   for (const Triangle& t : mesh.triangles) {
     const Vec3d a(positions[t[0]]), b(positions[t[1]]), c(positions[t[2]]);

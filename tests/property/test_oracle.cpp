@@ -76,6 +76,36 @@ TEST_CASE("tracks of different key counts share one tree") {
   check_against_oracle(accel, {}, 3.0f, 300, 5);
 }
 
+TEST_CASE("curves equal the oracle, at every degree and beside other tracks") {
+  for (const Builder builder : {Builder::kMsbvh, Builder::kMbvh}) {
+    for (const std::uint32_t degree : {2u, 3u}) {
+      for (const std::uint32_t segments : {1u, 2u, 16u}) {
+        for (const double offset : {0.0, 1e4, 1e6}) {
+          CAPTURE(degree);
+          CAPTURE(segments);
+          CAPTURE(offset);
+          const Vec3d at{offset, -offset, offset};
+          const Accel accel =
+              accel_of({moved(soup(150, 0.4f, 5), {segments, degree}, rotation({1, 2, 3}, 2.5), at),
+                        moved(sticks(20, 6), {segments, degree}, rotation({0, 1, 1}, 1.5), at)},
+                       builder);
+          CHECK_NOTHROW(accel.verify());
+          check_against_oracle(accel, Vec3f(at), 3.0f, 60, 5);
+        }
+      }
+    }
+  }
+  std::vector<TriangleMesh> meshes;
+  std::uint64_t seed = 0;
+  for (const TrackForm form : {TrackForm{0, 1}, {1, 1}, {4, 1}, {1, 2}, {8, 2}, {2, 3}, {32, 3}}) {
+    meshes.push_back(moved(soup(60, 0.3f, ++seed), form, rotation({1, 2, 3}, 1.0)));
+    meshes.push_back(moved(sticks(12, ++seed), form, translation({0.5, -1, 0})));
+  }
+  const Accel accel = accel_of(std::move(meshes));
+  CHECK_NOTHROW(accel.verify());
+  check_against_oracle(accel, {}, 3.0f, 300, 5);
+}
+
 TEST_CASE("moving instances of moving objects equal the oracle") {
   for (const std::uint32_t object_segments : {0u, 1u, 4u}) {
     for (const std::uint32_t instance_segments : {0u, 1u, 2u, 16u}) {
@@ -98,7 +128,7 @@ TEST_CASE("moving instances of moving objects equal the oracle") {
               Affine3f(Affine3d{column({1, 0, 0}), column({0, 1, 0}), column({0, 0, 0.5}), slide(at, u)}));
         }
       }
-      world.add_instances(object, instance_segments, keys);
+      world.add_instances(object, {instance_segments, 1}, keys);
       world.commit();
       CHECK_NOTHROW(world.verify());
       CHECK_NOTHROW(object->verify());

@@ -34,14 +34,15 @@ std::uint64_t count_misses(const Accel& accel, InstructionSet set, const Motion&
   return misses;
 }
 
-void check_no_leaks(std::uint32_t segments, double position, std::uint64_t rays) {
+void check_no_leaks(const TrackForm& form, double position, std::uint64_t rays) {
   const Vec3d offset{position, position, -position};
   const Motion motion = [](const Vec3d& p, double u) {
     return rotation({1, 2, 0.5}, 2.0)(p, u) + Vec3d{40.0, -25.0, 10.0} * (u - 0.5);
   };
-  const Accel accel = accel_of({moved(sphere(48), segments, motion, offset)});
+  const Accel accel = accel_of({moved(sphere(48), form, motion, offset)});
   for (const InstructionSet set : supported_instruction_sets()) {
-    CAPTURE(segments);
+    CAPTURE(form.segments);
+    CAPTURE(form.degree);
     CAPTURE(position);
     CAPTURE(instruction_set_name(set));
     CHECK(count_misses(accel, set, motion, offset, rays) == 0);
@@ -52,10 +53,23 @@ void check_no_leaks(std::uint32_t segments, double position, std::uint64_t rays)
 
 TEST_CASE("a closed moving mesh does not leak") {
   for (const std::uint32_t segments : {1u, 8u, 128u}) {
-    for (const double position : {0.0, 1e3, 1e4}) check_no_leaks(segments, position, 60'000);
+    for (const double position : {0.0, 1e3, 1e4}) check_no_leaks({segments, 1}, position, 60'000);
+  }
+}
+
+TEST_CASE("nor does one on curves") {
+  for (const std::uint32_t degree : {2u, 3u}) {
+    for (const std::uint32_t segments : {1u, 4u, 32u}) {
+      for (const double position : {0.0, 1e4}) check_no_leaks({segments, degree}, position, 60'000);
+    }
   }
 }
 
 TEST_SUITE("slow") {
-  TEST_CASE("129 keys at position 1e4: no leak in ten million rays") { check_no_leaks(128, 1e4, 10'000'000); }
+  TEST_CASE("129 keys at position 1e4: no leak in ten million rays") {
+    check_no_leaks({128, 1}, 1e4, 10'000'000);
+  }
+  TEST_CASE("two cubics at position 1e4: no leak in ten million rays") {
+    check_no_leaks({2, 3}, 1e4, 10'000'000);
+  }
 }

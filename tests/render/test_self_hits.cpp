@@ -51,7 +51,7 @@ struct Subject {
       auto object = std::make_shared<Accel>();
       object->add_mesh(mesh.shape);
       object->commit();
-      accel.add_instances(object, 1, scene.instances[0].world_from_prototype);
+      accel.add_instances(object, {1, 1}, scene.instances[0].world_from_prototype);
     }
     accel.commit();
   }

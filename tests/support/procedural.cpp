@@ -4,6 +4,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/motion/bezier_fit.h"
+
 namespace msbvh::procedural {
 namespace {
 
@@ -65,15 +67,29 @@ Motion wave(double amplitude, double wave_length) {
   };
 }
 
-TriangleMesh moved(TriangleMesh mesh, std::uint32_t segments, const Motion& motion, const Vec3d& offset) {
-  std::vector<Vec3f> centre(mesh.positions.begin(), mesh.positions.begin() + mesh.vertex_count);
-  mesh.segments = segments;
-  mesh.positions.clear();
-  for (std::uint32_t k = 0; k < key_count(segments); ++k) {
-    const double u = segments == 0 ? 0.5 : double(k) / segments;
-    for (const Vec3f& p : centre) mesh.positions.push_back(Vec3f(motion(Vec3d(p), u) + offset));
+TriangleMesh moved(TriangleMesh mesh, const TrackForm& form, const Motion& motion, const Vec3d& offset) {
+  const std::vector<Vec3f> centre(mesh.positions.begin(), mesh.positions.begin() + mesh.vertex_count);
+  mesh.segments = form.segments;
+  mesh.degree = form.degree;
+  mesh.positions.assign(mesh.position_count(), {});
+  const auto nodes = fit_nodes(form.degree);
+  for (std::size_t v = 0; v < centre.size(); ++v) {
+    const auto at = [&](double u) { return motion(Vec3d(centre[v]), u) + offset; };
+    if (!form.moving()) mesh.positions[v] = Vec3f(at(0.5));
+    for (std::uint32_t k = 0; k < form.segments; ++k) {
+      Vec3d values[kMaxDegree + 1];
+      for (std::uint32_t i = 0; i <= form.degree; ++i) values[i] = at((k + nodes[i]) / form.segments);
+      controls_from_values([&](std::uint32_t i) -> Vec3d& { return values[i]; }, form.degree);
+      for (std::uint32_t i = 0; i <= form.degree; ++i) {
+        mesh.positions[std::size_t(k * form.degree + i) * mesh.vertex_count + v] = Vec3f(values[i]);
+      }
+    }
   }
   return validated(std::move(mesh));
+}
+
+TriangleMesh moved(TriangleMesh mesh, std::uint32_t segments, const Motion& motion, const Vec3d& offset) {
+  return moved(std::move(mesh), TrackForm{segments, 1}, motion, offset);
 }
 
 TriangleMesh sphere(int rings) {

@@ -32,7 +32,10 @@ Motion translation(const Vec3d& over_shutter);
 Motion rotation(const Vec3d& axis, double radians_over_shutter, const Vec3d& pivot = {});
 Motion wave(double amplitude, double wave_length);
 
-// Samples `motion` at the keys. `offset` is added to every position in double, before rounding.
+// Samples `motion` so that the track passes through it: at the keys and, for curves, at places between.
+// `offset` is added to every position in double, before rounding.
+TriangleMesh moved(TriangleMesh centre_pose, const TrackForm& form, const Motion& motion,
+                   const Vec3d& offset = {});
 TriangleMesh moved(TriangleMesh centre_pose, std::uint32_t segments, const Motion& motion,
                    const Vec3d& offset = {});
 

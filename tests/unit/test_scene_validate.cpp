@@ -76,18 +76,21 @@ TEST_CASE("meshes: through the geometry's own gate, with their guard") {
   }
   SUBCASE("no guard") {
     shape.positions.pop_back();
-    CHECK(complaint(scene) == "/mesh: positions: found 4; expected 1 keys x 4 vertices, and a guard of 1");
+    CHECK(complaint(scene) ==
+          "/mesh: positions: found 4; expected 1 controls x 4 vertices, and a guard of 1");
     CHECK(validated(shape).positions.size() == 5);
   }
   SUBCASE("keys missing") {
     shape.segments = 2;
-    CHECK(complaint(scene) == "/mesh: positions: found 5; expected 3 keys x 4 vertices, and a guard of 1");
+    CHECK(complaint(scene) ==
+          "/mesh: positions: found 5; expected 3 controls x 4 vertices, and a guard of 1");
   }
   SUBCASE("coordinates") {
     shape.positions[2].y = kNan;
-    CHECK(complaint(scene) ==
-          "/mesh: positions: vertex 2 at key 0 has the coordinate nan; expected a finite number of at most "
-          "2^60 in size");
+    CHECK(
+        complaint(scene) ==
+        "/mesh: positions: vertex 2 at control 0 has the coordinate nan; expected a finite number of at most "
+        "2^60 in size");
   }
   SUBCASE("indices") {
     shape.triangles[1][0] = 4;
@@ -145,7 +148,7 @@ TEST_CASE("instances: matrices come in whole tracks, colours one an instance") {
   SUBCASE("matrices") {
     scene.instances[0].world_from_prototype.resize(7);
     CHECK(complaint(scene) ==
-          "/instances: worldFromPrototype: found 7 matrices; expected a multiple of 2 keys");
+          "/instances: worldFromPrototype: found 7 matrices; expected a multiple of 2 controls");
   }
   SUBCASE("colours") {
     scene.instances[0].display_color.resize(6);
