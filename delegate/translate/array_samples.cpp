@@ -2,28 +2,12 @@
 
 #include <algorithm>
 
+#include "delegate/translate/rates.h"
+
 namespace msbvh::translate {
-namespace {
-
-bool check_values(const ArraySample& sample, std::size_t count, const std::string& attribute, PrimLog& log) {
-  if (sample.values.size() != count) {
-    return log.reject(attribute,
-                      message("found ", sample.values.size(), " values ", at_shutter_time(sample.time01),
-                              "; expected ", count, " as in the first sample (topology must not change)"));
-  }
-  const auto bad =
-      std::find_if(sample.values.begin(), sample.values.end(), [](Vec3f v) { return !is_finite(v); });
-  if (bad == sample.values.end()) return true;
-  return log.reject(
-      attribute, message("value ", bad - sample.values.begin(), " ", at_shutter_time(sample.time01), " is (",
-                         bad->x, ", ", bad->y, ", ", bad->z, "); expected finite numbers"));
-}
-
-}  // namespace
 
 ArrayTrack::ArrayTrack(const ArraySamples& input) : held_(input.held) {
-  std::vector<double> times01;
-  for (const ArraySample& sample : input.samples) times01.push_back(sample.time01);
+  const std::vector<double> times01 = times_of(input).times01;
   const SampleRange range = samples_of_shutter(times01, held_);
   for (std::size_t i = range.first; i <= range.last; ++i) {
     times01_.push_back(times01[i]);
@@ -31,24 +15,80 @@ ArrayTrack::ArrayTrack(const ArraySamples& input) : held_(input.held) {
   }
 }
 
-ArrayInstant ArrayTrack::at(double time01) const {
-  const Bracket at = bracket(times01_, time01, held_);
-  return {values_[at.first], values_[at.second], at.w};
+ArrayTrack::ArrayTrack(const ArraySample& base, std::span<const Vec3f> velocities,
+                       std::span<const Vec3f> accelerations, const RateClock& clock)
+    : times01_{base.time01},
+      values_{base.values},
+      velocities_(velocities),
+      accelerations_(accelerations),
+      clock_(clock),
+      carried_(true) {}
+
+ArrayInstant ArrayTrack::at(double time01, double within) const {
+  if (carried_) {
+    ArrayInstant instant{values_[0], velocities_, accelerations_};
+    instant.dt = (time01 - times01_[0]) * clock_.seconds_per_shutter;
+    instant.carried = true;
+    instant.scale = clock_.velocity_scale;
+    return instant;
+  }
+  const Bracket at = bracket(times01_, held_ ? within : time01, held_);
+  return {values_[at.first], values_[at.second], {}, at.w};
 }
 
 bool ArrayTrack::is_still() const {
+  const auto is_zero = [](const Vec3f& v) { return v == Vec3f{}; };
+  if (carried_) return std::ranges::all_of(velocities_, is_zero) && std::ranges::all_of(accelerations_, is_zero);
   return std::all_of(values_.begin() + 1, values_.end(), [&](std::span<const Vec3f> values) {
     return values.data() == values_.front().data() || std::ranges::equal(values, values_.front());
   });
 }
 
+std::vector<Bend> ArrayTrack::bends() const {
+  std::vector<Bend> result;
+  if (carried_ || is_still()) return result;
+  for (const double time01 : times01_) result.push_back({time01, held_});
+  return normalized_bends(std::move(result));
+}
+
+std::vector<double> ArrayTrack::extreme_times01() const {
+  std::vector<double> result{0.0, 1.0};
+  if (carried_) result.push_back(0.5);
+  for (const double time01 : times01_) {
+    if (time01 > 0.0 && time01 < 1.0) result.push_back(time01);
+  }
+  std::ranges::sort(result);
+  return result;
+}
+
+bool check_finite(const ArraySample& sample, const std::string& attribute, PrimLog& log) {
+  const auto bad = std::ranges::find_if(sample.values, [](const Vec3f& v) { return !is_finite(v); });
+  if (bad == sample.values.end()) return true;
+  return log.reject(
+      attribute, message("value ", bad - sample.values.begin(), " ", at_shutter_time(sample.time01), " is (",
+                         bad->x, ", ", bad->y, ", ", bad->z, "); expected finite numbers"));
+}
+
 bool check_array(const ArraySamples& input, const std::string& attribute, PrimLog& log) {
-  std::vector<double> times01;
-  for (const ArraySample& sample : input.samples) times01.push_back(sample.time01);
-  if (!check_times(times01, attribute, log)) return false;
-  return std::all_of(input.samples.begin(), input.samples.end(), [&](const ArraySample& sample) {
-    return check_values(sample, input.samples.front().values.size(), attribute, log);
+  if (!check_times(times_of(input).times01, attribute, log)) return false;
+  const std::size_t count = input.samples.front().values.size();
+  return std::ranges::all_of(input.samples, [&](const ArraySample& sample) {
+    if (sample.values.size() == count) return check_finite(sample, attribute, log);
+    return log.reject(attribute,
+                      message("found ", sample.values.size(), " values ", at_shutter_time(sample.time01),
+                              "; expected ", count, " as in the first sample (topology must not change)"));
   });
+}
+
+ArraySamples samples_of_size(const ArraySamples& input, std::size_t base, std::size_t count) {
+  const auto fits = [&](std::size_t i) { return input.samples[i].values.size() == count; };
+  std::size_t first = base, last = base;
+  while (first > 0 && fits(first - 1)) --first;
+  while (last + 1 < input.samples.size() && fits(last + 1)) ++last;
+  ArraySamples result = input;
+  result.samples.assign(input.samples.begin() + std::ptrdiff_t(first),
+                        input.samples.begin() + std::ptrdiff_t(last) + 1);
+  return result;
 }
 
 }  // namespace msbvh::translate

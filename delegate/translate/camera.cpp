@@ -182,7 +182,11 @@ Camera fit_camera(const CameraInput& input, const Vec3d& origin, const Translato
       fewest_segments({tolerance, settings.max_segments}, [&](std::uint32_t segments, double limit) {
         return track_error(motion, input, settings, segments, limit);
       });
-  track = {input.path, fit.segments, fit.segments > 0, fit.error};
+  track.path = input.path;
+  track.segments = fit.segments;
+  track.moving_transform = fit.segments > 0;
+  track.error_pixels = fit.error;
+  track.bytes = key_count(fit.segments) * (sizeof(Affine3f) + sizeof(ScreenWindow));
 
   Camera camera;
   camera.name = input.path;

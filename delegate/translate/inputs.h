@@ -2,13 +2,15 @@
 // depends on USD or Python. Spans borrow: they must live until the call that takes them returns.
 //
 // Times are `time01`: (time code - shutter open) / (shutter close - shutter open). 0 is the shutter's
-// opening, 1 its closing; samples that bracket the shutter lie outside [0, 1] and are wanted. With a closed
-// shutter, one sample at 0. Matrices are double, in USD's row-vector convention (p' = p * M, translation in
+// opening, 1 its closing; samples that bracket the shutter, or the frame, lie outside [0, 1] and are wanted.
+// With a closed shutter, one sample at 0. A prim with a blur scale has a shutter of its own, scaled about the
+// frame (UsdGeomMotionAPI). Matrices are double, in USD's row-vector convention (p' = p * M, translation in
 // the last row), row-major.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,11 +22,16 @@ namespace msbvh::translate {
 
 using Matrix4d = std::array<double, 16>;
 
-// A transform at increasing times, to be interpolated linearly by element between them and held outside. The
-// front-end evaluates the stage at as many times as that takes. One sample: still.
+// A transform at increasing times, to be interpolated linearly by element between them and held outside; with
+// `held`, each holds until the next. The front-end evaluates the stage at as many times as that takes. One
+// sample: still.
 struct TransformSamples {
   std::vector<double> times01;
   std::vector<Matrix4d> matrices;
+  // Where the motion may bend: authored times. The other samples lie on smooth curves. None given: anywhere.
+  std::optional<std::vector<double>> bends01{};
+  bool held = false;
+  double error_pixels = 0.0;  // by which linear interpolation of the samples may stray from the stage
 };
 
 // One authored sample of points (or normals).
@@ -34,10 +41,32 @@ struct ArraySample {
 };
 
 // Samples at increasing times, interpolated linearly between them (`held`: each holds until the next), held
-// outside.
+// outside. Their sizes may differ, as far as rules allow.
 struct ArraySamples {
   std::vector<ArraySample> samples;
   bool held = false;
+  // Not time samples but one value, authored for all times: no rates apply to it (USD's rule).
+  bool timeless = false;
+
+  bool empty() const { return samples.empty(); }
+};
+
+// Rates of change beside an array. Whether they count is decided here (rates.h), not by the front-end.
+struct RateInput {
+  ArraySamples velocities;     // per second; angular ones in degrees per second, about their direction
+  ArraySamples accelerations;  // per second squared
+};
+
+// What turns rates into positions at a time.
+struct RateClock {
+  double frame01 = 0.0;            // where the frame lies: the base sample is the one at or before it
+  double seconds_per_shutter = 0;  // the shutter's length in seconds, by timeCodesPerSecond
+  float velocity_scale = 1.0f;     // motion:velocityScale: multiplies velocities
+};
+
+// Instants [begin, end) of the shutter at which something is visible (held, as USD says).
+struct VisibleInterval {
+  double begin01, end01;
 };
 
 template <typename T>
@@ -56,6 +85,11 @@ struct MeshInput {
   std::span<const int> hole_indices;
   bool left_handed = false;
   ArraySamples points;
+  RateInput rates;
+  RateClock clock;
+  bool topology_varies = false;  // faces change within the shutter
+  bool computed_points = false;  // not authored: skinned, or of an implicit shape
+  std::optional<std::vector<VisibleInterval>> visible;  // not given: always
   TransformSamples world_from_object;  // stage space; for a prototype's mesh: prototype_from_object
   ArraySamples normals;                // no samples: not authored
   std::string normals_interpolation = "vertex";
@@ -66,12 +100,48 @@ struct MeshInput {
   std::uint32_t material = kNone;
 };
 
+// Quaternions as USD lays them out.
+struct Quatf {
+  float i, j, k, real;
+};
+struct QuaternionSample {
+  double time01 = 0.0;
+  std::span<const Quatf> values;
+};
+struct QuaternionSamples {
+  std::vector<QuaternionSample> samples;  // increasing times
+  bool held = false, timeless = false;
+};
+
+// The arrays of a UsdGeomPointInstancer.
+struct PointInstancerInput {
+  std::size_t count = 0;  // of protoIndices at the frame
+  ArraySamples positions, scales;
+  QuaternionSamples orientations;
+  RateInput rates;
+  ArraySamples angular_velocities;  // degrees per second
+  RateClock clock;
+};
+
+// A level of instancing: maps that stand side by side. Either matrices or a point instancer's arrays.
+struct InstanceLevel {
+  std::vector<double> times01;         // T increasing times
+  std::span<const Matrix4d> matrices;  // [T][count], time-major
+  std::optional<std::vector<double>> bends01{};
+  bool held = false;
+
+  const PointInstancerInput* points = nullptr;
+  std::span<const int> selected;  // the instances of the arrays that count, by index; `points` only
+};
+
 struct InstancesInput {
   std::string path;
   std::uint32_t prototype = 0;
-  std::vector<double> times01;           // T increasing times, shared by all instances
-  std::span<const Matrix4d> matrices;    // [T][count], time-major: stage space from prototype space
-  std::span<const Vec3f> display_color;  // empty, or one an instance
+  // From the prototype's space outwards to the stage's. There are as many instances as the product of the
+  // levels' counts, those of the outermost level varying slowest.
+  std::vector<InstanceLevel> levels;
+  std::optional<std::vector<VisibleInterval>> visible;  // not given: always
+  std::span<const Vec3f> display_color;                 // empty, or one an instance
 };
 
 // One time of a camera; the window as in core/scene/scene.h.

@@ -1,11 +1,12 @@
 #include "delegate/translate/instances.h"
 
 #include <algorithm>
-#include <bit>
+#include <cmath>
 
 #include "core/base/parallel.h"
-#include "core/motion/track.h"
+#include "delegate/translate/instance_chain.h"
 #include "delegate/translate/transform_fit.h"
+#include "delegate/translate/transform_samples.h"
 
 namespace msbvh::translate {
 namespace {
@@ -13,69 +14,13 @@ namespace {
 constexpr const char* kMatrices = "instance transforms";
 constexpr std::size_t kGrain = 1024;
 
-// 0 still, else 1 + log2(segments).
-constexpr std::size_t class_of(std::uint32_t segments) { return std::size_t(std::bit_width(segments)); }
-constexpr std::uint32_t segments_of(std::size_t fit_class) {
-  return fit_class == 0 ? 0 : 1u << (fit_class - 1);
-}
-constexpr std::size_t kClasses = class_of(kMaxSegments) + 1;
+using Fate = TransformFitter::Fate;
+using Verdict = TransformFitter::Verdict;
 
-enum class Fate : std::uint8_t { kDrawn, kNotFinite, kFlat, kVanished };
-
-struct Verdict {
-  Fate fate = Fate::kDrawn;
-  Fit fit;
-};
-
-// Two columns that are not parallel span a plane.
-bool is_plane_at_least(const Affine3d& map) {
-  return cross(map.x, map.y) != Vec3d{} || cross(map.y, map.z) != Vec3d{} || cross(map.z, map.x) != Vec3d{};
-}
-
-Fate fate_of(std::span<const Affine3d> maps) {
-  if (!std::ranges::all_of(maps, is_representable)) return Fate::kNotFinite;
-  if (!std::ranges::all_of(maps, is_singular)) return Fate::kDrawn;
-  return std::ranges::any_of(maps, is_plane_at_least) ? Fate::kFlat : Fate::kVanished;
-}
-
-// The samples that the shutter sees of one instance after the other, rebased.
-class InstanceReader {
- public:
-  InstanceReader(const InstancesInput& input, const InstanceTarget& target)
-      : input_(input),
-        target_(target),
-        range_(samples_of_shutter(input.times01)),
-        count_(input.matrices.size() / input.times01.size()) {}
-
-  std::size_t count() const { return count_; }
-  std::span<const double> times01() const {
-    return std::span(input_.times01).subspan(range_.first, range_.count());
-  }
-  void read(std::size_t instance, std::vector<Affine3d>& maps) const {
-    maps.clear();
-    for (std::size_t i = range_.first; i <= range_.last; ++i) {
-      const Affine3d map = affine_from(input_.matrices[i * count_ + instance]);
-      maps.push_back(rebased(map, target_.prototype_origin, target_.world_origin));
-    }
-  }
-
- private:
-  const InstancesInput& input_;
-  const InstanceTarget& target_;
-  SampleRange range_;
-  std::size_t count_;
-};
-
-std::vector<Verdict> judge(const InstanceReader& reader, const TransformFitter& fitter, const Box3d& box) {
-  std::vector<Verdict> verdicts(reader.count());
-  const BoxCorners corners = corners_of(box);
-  parallel_for_ranges(reader.count(), kGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Affine3d> maps;
-    for (std::size_t i = begin; i < end; ++i) {
-      reader.read(i, maps);
-      verdicts[i].fate = fate_of(maps);
-      if (verdicts[i].fate == Fate::kDrawn) verdicts[i].fit = fitter.fit(maps, corners);
-    }
+std::vector<Verdict> judge(const InstanceChain& chain, const TransformFitter& fitter) {
+  std::vector<Verdict> verdicts(chain.count());
+  parallel_for_ranges(verdicts.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) verdicts[i] = fitter.judge(i);
   });
   return verdicts;
 }
@@ -90,45 +35,46 @@ void report_left_out(const std::vector<Verdict>& verdicts, Fate fate, const char
                               " is the first) ", found, "; expected ", expected, "; they are left out"));
 }
 
-TrackReport report_track(const std::vector<Verdict>& verdicts, const FitSettings& settings, PrimLog& log) {
-  TrackReport track{log.path(), 0, true, 0.0};
+TrackReport report_track(const std::vector<Verdict>& verdicts, const InstanceChain& chain,
+                         const TransformFitter& fitter, double tolerance, PrimLog& log) {
+  TrackReport report;
+  report.path = log.path();
+  report.source = "instances";
+  report.rule = chain.rule();
+  report.count = verdicts.size();
   std::size_t beyond = 0;
+  std::uint32_t dearest = 0;
   for (const Verdict& verdict : verdicts) {
-    track.segments = std::max(track.segments, verdict.fit.segments);
-    track.error_pixels = std::max(track.error_pixels, verdict.fit.error);
-    beyond += verdict.fit.error > settings.tolerance;
+    if (verdict.fate != Fate::kDrawn) continue;
+    dearest = std::max(dearest, verdict.track);  // tracks are in the order of what they cost
+    report.error_pixels = std::max(report.error_pixels, verdict.error);
+    report.bytes += fitter.form(verdict.track).controls() * sizeof(Affine3f);
+    beyond += verdict.error > tolerance;
   }
-  track.moving_transform = track.segments > 0;
+  report.set_form(fitter.form(dearest), fitter.clock(dearest));
+  report.moving_transform = report.segments > 0;
   if (beyond > 0) {
     log.warn(kMatrices, message("the motion of ", beyond, " of ", verdicts.size(),
-                                " instances deviates by up to ", track.error_pixels, " pixels at ",
-                                track.segments, " segments; expected at most ", settings.tolerance));
+                                " instances deviates by up to ", report.error_pixels, " pixels at ",
+                                report.segments, " segments; expected at most ", tolerance));
   }
-  return track;
+  return report;
 }
 
-InstanceSet gather(const InstancesInput& input, const InstanceReader& reader, const TransformFitter& fitter,
-                   std::uint32_t segments, const std::vector<std::size_t>& members) {
-  const std::size_t keys = key_count(segments);
-  InstanceSet set{input.path, input.prototype, segments, {}, {}};
-  set.world_from_prototype.resize(members.size() * keys);
+InstanceSet gather(const InstancesInput& input, const TransformFitter& fitter, std::uint32_t track,
+                   const std::vector<std::size_t>& members) {
+  const TrackForm form = fitter.form(track);
+  InstanceSet set{input.path, input.prototype, form.segments, {}, {}, form.degree, fitter.clock(track)};
+  if (input.visible) set.clock = with_visibility(set.clock, *input.visible);
+  set.world_from_prototype.resize(members.size() * form.controls());
   if (!input.display_color.empty()) set.display_color.resize(members.size());
   parallel_for_ranges(members.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Affine3d> maps;
     for (std::size_t i = begin; i < end; ++i) {
-      reader.read(members[i], maps);
-      fitter.keys(maps, segments, set.world_from_prototype.data() + i * keys);
+      fitter.controls(members[i], track, set.world_from_prototype.data() + i * form.controls());
       if (!input.display_color.empty()) set.display_color[i] = input.display_color[members[i]];
     }
   });
   return set;
-}
-
-bool check(const InstancesInput& input, PrimLog& log) {
-  if (!check_times(input.times01, kMatrices, log)) return false;
-  if (input.matrices.size() % input.times01.size() == 0) return true;
-  return log.reject(kMatrices, message("found ", input.matrices.size(), " matrices; expected a multiple of ",
-                                       input.times01.size(), ", the number of times"));
 }
 
 // Without the colours, where they do not fit.
@@ -148,26 +94,50 @@ InstancesInput with_checked_colors(InstancesInput input, std::size_t count, Prim
 
 TranslatedInstances translate_instances(const InstancesInput& given, const InstanceTarget& target,
                                         PrimLog& log) {
-  if (!check(given, log)) return {};
-  const std::size_t count = given.matrices.size() / given.times01.size();
-  const InstancesInput input = with_checked_colors(given, count, log);
-  const InstanceReader reader(input, target);
-  const TransformFitter fitter(reader.times01(), target.measure, target.settings);
-  const std::vector<Verdict> verdicts = judge(reader, fitter, target.box);
+  const std::optional<InstanceChain> chain = InstanceChain::make(given.levels, log);
+  if (!chain || chain->count() == 0) return {};
+  const InstancesInput input = with_checked_colors(given, chain->count(), log);
+  const TransformFitter fitter(*chain, {target.prototype_origin, target.world_origin, target.box},
+                               target.measure, target.settings);
+  const std::vector<Verdict> verdicts = judge(*chain, fitter);
   report_left_out(verdicts, Fate::kNotFinite, "have a matrix that is not finite or too large",
                   "finite numbers of at most 2^60 in size", log);
   report_left_out(verdicts, Fate::kFlat, "are flattened to a plane", "an invertible matrix", log);
 
   TranslatedInstances result;
-  result.track = report_track(verdicts, target.settings, log);
-  std::array<std::vector<std::size_t>, kClasses> members;
+  result.track = report_track(verdicts, *chain, fitter, target.settings.tolerance, log);
+  std::vector<std::vector<std::size_t>> members(fitter.track_count());
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
-    if (verdicts[i].fate == Fate::kDrawn) members[class_of(verdicts[i].fit.segments)].push_back(i);
+    if (verdicts[i].fate == Fate::kDrawn) members[verdicts[i].track].push_back(i);
   }
-  for (std::size_t c = 0; c < kClasses; ++c) {
-    if (!members[c].empty()) result.sets.push_back(gather(input, reader, fitter, segments_of(c), members[c]));
+  for (std::uint32_t track = 0; track < members.size(); ++track) {
+    if (!members[track].empty()) result.sets.push_back(gather(input, fitter, track, members[track]));
   }
   return result;
+}
+
+double pixels_per_unit(const InstancesInput& input, const InstanceTarget& target) {
+  std::vector<Diagnostic> unsaid;  // add_instances() will say it
+  PrimLog log(unsaid, input.path);
+  const std::optional<InstanceChain> chain = InstanceChain::make(input.levels, log);
+  if (!chain || target.box.empty()) return 0.0;
+  const BoxCorners corners = corners_of(target.box);
+  std::vector<double> largest((chain->count() + kGrain - 1) / kGrain, 0.0);
+  for (const double time01 : chain->is_still() ? std::vector{0.5} : std::vector{0.0, 0.5, 1.0}) {
+    const InstanceChain::Instant instant = chain->at(time01, time01);
+    const ScreenInstant screen = target.measure.at(time01);
+    parallel_for_ranges(chain->count(), kGrain, [&](std::size_t begin, std::size_t end) {
+      double& mine = largest[begin / kGrain];
+      for (std::size_t i = begin; i < end; ++i) {
+        const Affine3d map = rebased(instant.map(i), target.prototype_origin, target.world_origin);
+        if (!is_representable(map)) continue;
+        // The Frobenius norm bounds how much the map stretches.
+        const double stretch = std::sqrt(dot(map.x, map.x) + dot(map.y, map.y) + dot(map.z, map.z));
+        mine = std::max(mine, screen.in_box(stretch, bounds_of(corners, map)));
+      }
+    });
+  }
+  return largest.empty() ? 0.0 : *std::ranges::max_element(largest);
 }
 
 }  // namespace msbvh::translate

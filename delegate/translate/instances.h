@@ -1,7 +1,8 @@
-// Instances of one prototype, by the million: each with the fewest keys that follow it, gathered by their
-// number.
+// Instances of one prototype, by the million: each with the cheapest track that follows it, gathered by their
+// tracks' form.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/base/box.h"
@@ -24,8 +25,9 @@ struct InstanceTarget {
 };
 
 struct TranslatedInstances {
-  std::vector<InstanceSet> sets;  // by increasing number of segments; instances in the order of the input
-  TrackReport track;              // the most segments and the largest error of any
+  // By the cost of their tracks; instances in the order of the input.
+  std::vector<InstanceSet> sets;
+  TrackReport track;  // the dearest and the largest error of any
 };
 
 // Leaves out, with a warning that counts them: instances whose matrix is not finite, and those that are flat
@@ -33,5 +35,8 @@ struct TranslatedInstances {
 // leaves nothing out. Empty for an input that cannot be used (an error in the log).
 TranslatedInstances translate_instances(const InstancesInput& input, const InstanceTarget& target,
                                         PrimLog& log);
+
+// How many pixels a unit of the prototype's space covers at most, in any of the instances at any time.
+double pixels_per_unit(const InstancesInput& input, const InstanceTarget& target);
 
 }  // namespace msbvh::translate

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/motion/track.h"
-#include "delegate/translate/transform_fit.h"
+#include "delegate/translate/linear_transform_fit.h"
 
 namespace msbvh::translate {
 namespace {
@@ -64,14 +64,14 @@ std::optional<Light> translate_light(const LightInput& input, const ScreenMeasur
   const Box3d box = box_of(input.light);
   const TransformTrack transform = at_infinity ? without_translation(input.world_from_light)
                                                : TransformTrack(input.world_from_light).rebased({}, origin);
-  const TransformFitter fitter(
-      transform.times01(), at_infinity ? ScreenMeasure::filled_by(box, width, height) : measure, settings);
-  const Fit fit = fitter.fit(transform.maps(), corners_of(box));
+  const LinearTransformFitter fitter(
+      transform, at_infinity ? ScreenMeasure::filled_by(box, width, height) : measure, settings);
+  const Fit fit = fitter.fit(corners_of(box));
   report_fit(fit, settings.tolerance, "xformOpOrder", "the light's motion", "", log);
   Light light = input.light;
   light.segments = fit.segments;
   light.world_from_light.resize(key_count(fit.segments));
-  fitter.keys(transform.maps(), fit.segments, light.world_from_light.data());
+  fitter.keys(fit.segments, light.world_from_light.data());
   return light;
 }
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "delegate/translate/array_samples.h"
-#include "delegate/translate/box_corners.h"
+#include "delegate/translate/instance_chain.h"
 #include "delegate/translate/moving_array.h"
 #include "delegate/translate/normals.h"
+#include "delegate/translate/point_motion.h"
 #include "delegate/translate/primvars.h"
 #include "delegate/translate/transform_fit.h"
 #include "delegate/translate/triangulate.h"
@@ -21,12 +21,6 @@ bool has_nothing_to_draw(const MeshInput& input) {
   return input.face_vertex_counts.empty() && input.face_vertex_indices.empty();
 }
 
-bool check(const MeshInput& input, PrimLog& log) {
-  return check_transform(input.world_from_object, kTransform, log) &&
-         check_array(input.points, kPoints, log) &&
-         check_topology(input, input.points.samples.front().values.size(), log);
-}
-
 // Single precision holds 1e38, but products of coordinates must not overflow.
 bool check_range(const Box3d& box, PrimLog& log) {
   const Vec3d largest = max(abs(box.lo), abs(box.hi));
@@ -35,24 +29,23 @@ bool check_range(const Box3d& box, PrimLog& log) {
   return log.reject(kPoints, message("a coordinate reaches ", found, "; expected at most 2^60 in size"));
 }
 
-constexpr const char* kJumps = " (held samples jump inside the shutter)";
-
-TriangleMesh shape_of(const MovingArray& points, std::uint32_t segments, const Triangulation& topology,
+TriangleMesh shape_of(const MovingArray& points, const Candidate& track, const Triangulation& topology,
                       const std::string& name) {
   TriangleMesh shape;
   shape.name = name;
-  shape.segments = segments;
+  shape.segments = track.form().segments;
+  shape.degree = track.form().degree;
   shape.vertex_count = std::uint32_t(points.size());
-  shape.positions = point_keys(points, segments);
+  shape.positions = point_controls(points, track);
   shape.triangles = topology.triangles;
   return shape;
 }
 
-void add_primvars(const MeshInput& input, const Triangulation& topology, const TransformTrack& transform,
+void add_primvars(const MeshInput& input, const Triangulation& topology, const NormalMotion& motion,
                   const MeshTarget& target, Mesh& mesh, PrimLog& log) {
-  mesh.normals = authored_normals(input, topology, transform, target.settings.max_segments, log);
+  mesh.normals = authored_normals(input, topology, motion, target.settings.max_segments, log);
   if (!mesh.normals.authored() && input.computed_normals == Normals::kSmooth) {
-    mesh.normals = smooth_normals(mesh.shape);
+    mesh.normals = smooth_normals(mesh.shape, target.settings.max_segments);
   }
   PrimLog optional = log.of_optional_part();
   mesh.display_color = flattened(input.display_color, topology, "primvars:displayColor", optional);
@@ -65,44 +58,87 @@ void add_primvars(const MeshInput& input, const Triangulation& topology, const T
   }
 }
 
-std::optional<TranslatedMesh> in_moving_transform(const MeshInput& input, const ArrayTrack& points,
-                                                  const TransformTrack& world_from_object,
-                                                  const Triangulation& topology, MeshTarget& target,
-                                                  PrimLog& log) {
-  const Vec3d shift = exact_origin(bounds({points, TransformTrack(Affine3d{})}));
-  const MovingArray still{points, TransformTrack(rebased(Affine3d{}, {}, shift))};
-  const TransformTrack world_from_mesh = world_from_object.rebased(shift, *target.origin);
+void set_clock(const MeshInput& input, const Clock& clock, TranslatedMesh& result) {
+  result.clock = clock;
+  if (!input.visible) return;
+  result.clock = with_visibility(clock, *input.visible);
+  result.track.hidden_partly = true;
+  result.never_seen = std::ranges::none_of(result.clock.pieces, &ClockPiece::visible);
+}
+
+// The one input of both ways to keep a mesh's motion.
+struct MeshMotion {
+  const MeshInput& input;
+  const PointMotion& points;
+  const TransformTrack& transform;
+  const Triangulation& topology;
+};
+
+std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, MeshTarget& target, PrimLog& log) {
+  const auto& [input, points, transform, topology] = motion;
+  const Vec3d shift = exact_origin(bounds({points.track, TransformTrack(Affine3d{})}));
+  const MovingArray still{points.track, TransformTrack(rebased(Affine3d{}, {}, shift))};
   const Box3d box = bounds(still);
-  if (!check_range(box, log) || !check_range(bounds(box, world_from_mesh), log)) return std::nullopt;
-  const TransformFitter fitter(world_from_mesh.times01(), *target.measure, target.settings);
-  const Fit fit = fitter.fit(world_from_mesh.maps(), corners_of(box));
-  report_fit(fit, target.settings.tolerance, kTransform, "the motion", "", log);
+  if (!check_range(box, log) || !check_range(bounds(box, transform.rebased(shift, *target.origin)), log)) {
+    return std::nullopt;
+  }
+  const TransformSamples& samples = input.world_from_object;
+  const std::vector<InstanceLevel> levels{
+      {samples.times01, samples.matrices, samples.bends01, samples.held, nullptr, {}}};
+  const std::optional<InstanceChain> chain = InstanceChain::make(levels, log);
+  if (!chain) return std::nullopt;
+  const TransformFitter fitter(*chain, {shift, *target.origin, box, samples.error_pixels}, *target.measure,
+                               target.settings);
+  const TransformFitter::Verdict verdict = fitter.judge(0);
+  const TrackForm form = fitter.form(verdict.track);
+  report_fit({form.segments, verdict.error}, target.settings.tolerance, kTransform, "the motion", "", log);
 
   TranslatedMesh result;
-  result.mesh.shape = shape_of(still, 0, topology, input.path);
-  add_primvars(input, topology, still.transform, target, result.mesh, log);
-  result.track = {input.path, fit.segments, true, fit.error};
-  result.world_from_mesh.resize(key_count(fit.segments));
-  fitter.keys(world_from_mesh.maps(), fit.segments, result.world_from_mesh.data());
+  result.mesh.shape = shape_of(still, {TimeLayout::even(0), 1}, topology, input.path);
+  const TimeLayout unmoved = TimeLayout::even(0);
+  add_primvars(input, topology, {still.transform, unmoved, points.frame_only}, target, result.mesh, log);
+  result.track = {input.path, "transform", chain->rule()};
+  result.track.set_form(form, fitter.clock(verdict.track));
+  result.track.moving_transform = true;
+  result.track.error_pixels = verdict.error;
+  result.track.bytes = form.controls() * sizeof(Affine3f);
+  result.world_from_mesh.resize(form.controls());
+  fitter.controls(0, verdict.track, result.world_from_mesh.data());
+  set_clock(input, fitter.clock(verdict.track), result);
   return result;
 }
 
-std::optional<TranslatedMesh> baked(const MeshInput& input, const ArrayTrack& points,
-                                    const TransformTrack& transform, const Triangulation& topology,
-                                    MeshTarget& target, PrimLog& log) {
-  if (!target.origin) target.origin = exact_origin(bounds({points, transform}));
-  const MovingArray moving{points, transform.rebased({}, *target.origin)};
+ScreenMeasure measure_of(const MeshTarget& target, const Box3d& box) {
+  if (target.measure) return *target.measure;
+  if (target.pixels_per_unit > 0.0) return ScreenMeasure::constant(target.pixels_per_unit);
+  return ScreenMeasure::filled_by(box, target.width, target.height);
+}
+
+std::string rule_of(const PointMotion& points, const TransformTrack& transform) {
+  const char* moved = "the transform by the stage's own evaluation";
+  if (transform.is_still()) return points.rule;
+  return points.track.is_still() ? moved : message(points.rule, "; ", moved);
+}
+
+std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target, PrimLog& log) {
+  const auto& [input, points, transform, topology] = motion;
+  if (!target.origin) target.origin = exact_origin(bounds({points.track, transform}));
+  const MovingArray moving{points.track, transform.rebased({}, *target.origin)};
   const Box3d box = bounds(moving);
   if (!check_range(box, log)) return std::nullopt;
-  const Fit fit = fit_points(
-      moving, target.measure ? *target.measure : ScreenMeasure::filled_by(box, target.width, target.height),
-      target.settings);
-  report_fit(fit, target.settings.tolerance, kPoints, "the motion", points.jumps() ? kJumps : "", log);
+  const PointFit fit = fit_points(moving, measure_of(target, box), target.settings);
+  const TrackForm form = fit.track.form();
+  report_fit({form.segments, fit.error}, target.settings.tolerance, kPoints, "the motion", "", log);
 
   TranslatedMesh result;
-  result.mesh.shape = shape_of(moving, fit.segments, topology, input.path);
-  add_primvars(input, topology, moving.transform, target, result.mesh, log);
-  result.track = {input.path, fit.segments, false, fit.error};
+  result.mesh.shape = shape_of(moving, fit.track, topology, input.path);
+  add_primvars(input, topology, {moving.transform, fit.track.layout, points.frame_only}, target, result.mesh, log);
+  const bool by_transform = points.track.is_still() && !transform.is_still();
+  result.track = {input.path, by_transform ? "transform" : points.source, rule_of(points, transform)};
+  result.track.set_form(form, fit.track.layout.clock());
+  result.track.error_pixels = fit.error;
+  result.track.bytes = result.mesh.shape.position_count() * sizeof(Vec3f);
+  set_clock(input, fit.track.layout.clock(), result);
   return result;
 }
 
@@ -119,16 +155,20 @@ Vec3d exact_origin(const Box3d& box) {
 }
 
 std::optional<TranslatedMesh> translate_mesh(const MeshInput& input, MeshTarget& target, PrimLog& log) {
-  if (has_nothing_to_draw(input) || !check(input, log)) return std::nullopt;
-  const ArrayTrack points(input.points);
+  if (has_nothing_to_draw(input) || !check_transform(input.world_from_object, kTransform, log)) {
+    return std::nullopt;
+  }
+  const std::optional<PointMotion> points = point_motion(input, log);
+  if (!points || !check_topology(input, points->track.size(), log)) return std::nullopt;
   const TransformTrack transform(input.world_from_object);
-  const Triangulation topology = triangulate(input, points.at(0.0).size(), log);
+  const Triangulation topology = triangulate(input, points->track.size(), log);
   if (topology.triangles.empty()) return std::nullopt;
   const bool in_world = target.measure != nullptr;
-  if (in_world && points.is_still() && !transform.is_still() && !transform.is_singular_somewhere()) {
-    return in_moving_transform(input, points, transform, topology, target, log);
+  const MeshMotion motion{input, *points, transform, topology};
+  if (in_world && points->track.is_still() && !transform.is_still() && !transform.is_singular_somewhere()) {
+    return in_moving_transform(motion, target, log);
   }
-  return baked(input, points, transform, topology, target, log);
+  return baked(motion, target, log);
 }
 
 }  // namespace msbvh::translate

@@ -18,9 +18,10 @@ namespace msbvh::translate {
 
 // Where translated meshes go.
 struct MeshTarget {
-  // Null: a prototype's own space, of which it is not known yet how near to the camera it is instanced. A
-  // mesh is then measured as if it filled the image.
+  // Null: a prototype's own space.
   const ScreenMeasure* measure = nullptr;
+  // Of a prototype; 0: not known, so that a mesh is measured as if it filled the image.
+  double pixels_per_unit = 0.0;
   // Subtracted in double. A prototype's is chosen by its first mesh.
   std::optional<Vec3d> origin;
   std::uint32_t width = 1, height = 1;
@@ -31,15 +32,18 @@ struct MeshTarget {
 struct TranslatedMesh {
   Mesh mesh;
   TrackReport track;
-  // In a moving transform: the mesh stays in its object's space and these are its keys. Empty: baked into the
-  // target.
+  // In a moving transform: the mesh stays in its object's space and these are the track's controls. Empty:
+  // baked into the target.
   std::vector<Affine3f> world_from_mesh;
+  // Of whichever of both moves, with visibility; the shutter's own where neither asks for another.
+  Clock clock;
+  bool never_seen = false;  // invisible throughout the shutter
 };
 
 // The motion of a mesh is kept in one of three ways, the first that is exact:
 //   still points, still transform: baked, one key;
 //   still points, moving transform, in the world: one still mesh under the transform's track;
-//   else: baked, with keys that follow both.
+//   else: baked, with a track that follows both.
 // A transform that is singular at some time is baked too: it has no inverse to trace rays through.
 // Returns nothing for a mesh that cannot be used (an error in the log) or has nothing to draw.
 std::optional<TranslatedMesh> translate_mesh(const MeshInput& input, MeshTarget& target, PrimLog& log);

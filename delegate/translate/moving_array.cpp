@@ -1,14 +1,15 @@
 #include "delegate/translate/moving_array.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 
 #include "core/base/lerp.h"
 #include "core/base/parallel.h"
 #include "core/geometry/triangle_mesh.h"
-#include "core/motion/track.h"
+#include "core/motion/bezier.h"
+#include "core/motion/bezier_fit.h"
 #include "delegate/translate/box_corners.h"
-#include "delegate/translate/time_samples.h"
 
 namespace msbvh::translate {
 namespace {
@@ -16,103 +17,162 @@ namespace {
 // Elements handled at a time by one thread: enough to amortise the hand-over, few enough to stop early.
 constexpr std::size_t kGrain = 4096;
 
+// What the stage says at one time.
 struct PointInstant {
   Affine3d map;
   ArrayInstant values;
   Vec3d operator[](std::size_t i) const { return map.point(values[i]); }
 };
 
-struct NormalInstant {
-  Affine3d map;
-  ArrayInstant values;
-  Vec3d operator[](std::size_t i) const { return normalize(transform_normal(map, values[i])); }
-};
-
-template <typename Instant>
-Instant instant_at(const MovingArray& array, double time01) {
-  return {array.transform.at(time01), array.values.at(time01)};
+PointInstant point_instant(const MovingArray& array, double time01, double within) {
+  return {array.transform.at(time01, within), array.values.at(time01, within)};
 }
 
-// The stage's answer at a time beside the two keys that a track interpolates there.
-template <typename Instant>
-struct Comparison {
-  Instant truth, key0, key1;
-  double w;
+struct Test {
+  double w;  // in the segment
+  PointInstant truth;
   ScreenInstant screen;
-
-  Vec3d track(std::size_t i) const { return lerp(key0[i], key1[i], w); }
 };
 
-double deviation(const Comparison<PointInstant>& at, std::size_t i) {
-  const Vec3d truth = at.truth[i];
-  const double distance = length(truth - at.track(i));
-  return distance == 0.0 ? 0.0 : at.screen.at_point(distance, truth);
-}
+// A segment of a candidate's track: where it passes through the motion, and where it is compared.
+struct TestedSegment {
+  std::uint32_t degree;
+  std::array<PointInstant, kMaxDegree + 1> nodes;
+  std::vector<Test> tests;
 
-double deviation(const Comparison<NormalInstant>& at, std::size_t i) {
-  return length(at.truth[i] - normalize(at.track(i)));
-}
+  std::array<Vec3d, kMaxDegree + 1> controls(std::size_t i) const {
+    std::array<Vec3d, kMaxDegree + 1> c;
+    for (std::uint32_t k = 0; k <= degree; ++k) c[k] = nodes[k][i];
+    controls_from_values([&](std::uint32_t k) -> Vec3d& { return c[k]; }, degree);
+    return c;
+  }
+  // In pixels, at the tests.
+  double deviation(std::size_t i) const {
+    const auto c = controls(i);
+    double worst = 0.0;
+    for (const Test& test : tests) {
+      const Vec3d truth = test.truth[i];
+      const Vec3d track = bezier([&](std::uint32_t k) { return c[k]; }, degree, test.w);
+      const double distance = length(truth - track);
+      if (distance > 0.0) worst = std::max(worst, test.screen.at_point(distance, truth));
+    }
+    return worst;
+  }
+};
 
-template <typename Instant>
-std::vector<Comparison<Instant>> comparisons(const MovingArray& array, const ScreenMeasure& measure,
-                                             std::uint32_t segments) {
-  std::vector<double> times01 = array.values.times01();
-  const std::vector<double>& more = array.transform.times01();
-  times01.insert(times01.end(), more.begin(), more.end());
-  std::vector<Comparison<Instant>> result;
-  for (const double time01 : test_times(times01, segments, array.values.held())) {
-    const TrackTime at = locate_key(time01, segments);
-    if (segments > 0 && (at.w == 0.0 || at.w == 1.0)) continue;  // at its keys a track is exact
-    const std::uint32_t next = std::min(at.key + 1, segments);
-    result.push_back({instant_at<Instant>(array, time01),
-                      instant_at<Instant>(array, key_time(at.key, segments)),
-                      instant_at<Instant>(array, key_time(next, segments)), at.w, measure.at(time01)});
+TestedSegment nodes_of(const MovingArray& points, const Candidate& track, std::uint32_t index) {
+  const LayoutSegment segment = track.layout.segment(index);
+  TestedSegment result{track.degree, {}, {}};
+  const auto nodes = fit_nodes(track.degree);
+  for (std::uint32_t k = 0; k <= track.degree; ++k) {
+    result.nodes[k] = point_instant(points, segment.at(nodes[k]), segment.middle());
   }
   return result;
 }
 
-template <typename Instant>
-double largest_deviation(const MovingArray& array, const ScreenMeasure& measure, std::uint32_t segments,
-                         double limit) {
-  const std::vector<Comparison<Instant>> tests = comparisons<Instant>(array, measure, segments);
-  const std::size_t count = array.size();
+TestedSegment tested_segment(const MovingArray& points, const ScreenMeasure& measure, const Candidate& track,
+                             std::uint32_t index, std::span<const Bend> bends) {
+  const LayoutSegment segment = track.layout.segment(index);
+  TestedSegment result = nodes_of(points, track, index);
+  for (const double time01 : test_times01(segment, track.degree, bends)) {
+    const double w = (time01 - segment.begin01) / (segment.end01 - segment.begin01);
+    const double within = track.layout.is_even() ? time01 : segment.middle();
+    result.tests.push_back({w, point_instant(points, time01, within), measure.at(time01)});
+  }
+  return result;
+}
+
+// The largest of `deviation(i)`, or any value above `limit`.
+template <typename Deviation>
+double largest(std::size_t count, double limit, const Deviation& deviation) {
   std::vector<double> worst((count + kGrain - 1) / kGrain, 0.0);
   std::atomic<bool> exceeded = false;
   parallel_for_ranges(count, kGrain, [&](std::size_t begin, std::size_t end) {
     double mine = 0.0;
-    for (const Comparison<Instant>& test : tests) {
-      if (exceeded.load(std::memory_order_relaxed)) break;
-      for (std::size_t i = begin; i < end; ++i) mine = std::max(mine, deviation(test, i));
+    for (std::size_t i = begin; i < end && !exceeded.load(std::memory_order_relaxed); ++i) {
+      mine = std::max(mine, deviation(i));
       if (mine > limit) exceeded.store(true, std::memory_order_relaxed);
     }
     worst[begin / kGrain] = mine;
   });
-  return worst.empty() ? 0.0 : *std::max_element(worst.begin(), worst.end());
+  return worst.empty() ? 0.0 : *std::ranges::max_element(worst);
 }
 
-template <typename Instant>
-Fit fit_array(const MovingArray& array, const ScreenMeasure& measure, const FitSettings& settings) {
-  if (array.is_still()) return {};
-  return fewest_segments(settings, [&](std::uint32_t segments, double limit) {
-    return largest_deviation<Instant>(array, measure, segments, limit);
-  });
-}
-
-template <typename Instant>
-std::vector<Vec3f> array_keys(const MovingArray& array, std::uint32_t segments, std::size_t guard) {
-  const std::size_t count = array.size();
-  std::vector<Vec3f> keys(count * key_count(segments) + guard);
-  for (std::uint32_t key = 0; key < key_count(segments); ++key) {
-    const Instant instant = instant_at<Instant>(array, key_time(key, segments));
-    Vec3f* out = keys.data() + count * key;
-    parallel_for_ranges(count, kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) out[i] = Vec3f(instant[i]);
-    });
+// From the pose at the shutter's centre.
+double still_error(const MovingArray& points, const ScreenMeasure& measure, std::span<const Bend> bends,
+                   double limit) {
+  const PointInstant centre = point_instant(points, 0.5, 0.5);
+  std::vector<double> times01{0.0, 1.0, 0.25, 0.75, 0.113, 0.371, 0.629, 0.887};
+  for (const Bend& bend : bends) times01.push_back(bend.time01);
+  double worst = 0.0;
+  for (const double time01 : times01) {
+    const PointInstant other = point_instant(points, time01, time01);
+    const ScreenInstant screen = measure.at(time01);
+    worst = std::max(worst, largest(points.size(), limit, [&](std::size_t i) {
+                       const Vec3d truth = other[i];
+                       const double distance = length(truth - centre[i]);
+                       return distance == 0.0 ? 0.0 : screen.at_point(distance, truth);
+                     }));
+    if (worst > limit) break;
   }
-  return keys;
+  return worst;
+}
+
+double track_error(const MovingArray& points, const ScreenMeasure& measure, const Candidate& track,
+                   std::span<const Bend> bends, double limit) {
+  double worst = 0.0;
+  for (std::uint32_t s = 0; s < track.layout.segments(); ++s) {
+    if (!track.layout.segment(s).used) continue;
+    const TestedSegment segment = tested_segment(points, measure, track, s, bends);
+    worst = std::max(worst,
+                     largest(points.size(), limit, [&](std::size_t i) { return segment.deviation(i); }));
+    if (worst > limit) break;
+  }
+  return worst;
+}
+
+// One time for all normals: brackets are found once.
+struct NormalInstant {
+  NormalInstant(const MovingArray& normals, const TimeLayout& layout, double local01) {
+    const TimeLayout::Place place = layout.place(local01);
+    const double within = layout.is_even() ? place.time01 : place.segment.middle();
+    map = normals.transform.at(place.time01, within);
+    values = normals.values.at(place.time01, within);
+  }
+  Vec3d operator[](std::size_t i) const { return normalize(transform_normal(map, values[i])); }
+  Affine3d map;
+  ArrayInstant values;
+};
+
+double normals_error(const MovingArray& normals, const TimeLayout& layout, std::uint32_t segments,
+                     double limit) {
+  double worst = 0.0;
+  const std::uint32_t spans = std::max(segments, 1u);
+  for (std::uint32_t s = 0; s < spans; ++s) {
+    const NormalInstant a(normals, layout, segments == 0 ? 0.5 : double(s) / spans);
+    const NormalInstant b(normals, layout, segments == 0 ? 0.5 : double(s + 1) / spans);
+    for (const double w : segments == 0 ? std::vector{0.0, 0.13, 0.25, 0.37, 0.63, 0.75, 0.87, 1.0}
+                                        : std::vector{0.25, 0.5, 0.75}) {
+      const double local01 = (s + w) / spans;
+      if (!layout.place(local01).segment.used) continue;
+      const NormalInstant truth(normals, layout, local01);
+      worst = std::max(worst, largest(normals.size(), limit, [&](std::size_t i) {
+                         return length(truth[i] - normalize(lerp(a[i], b[i], w)));
+                       }));
+      if (worst > limit) return worst;
+    }
+  }
+  return worst;
 }
 
 }  // namespace
+
+std::vector<Bend> MovingArray::bends() const {
+  std::vector<Bend> result = values.bends();
+  const std::vector<Bend> more = transform.bends();
+  result.insert(result.end(), more.begin(), more.end());
+  return normalized_bends(std::move(result));
+}
 
 Box3d bounds(const Box3d& box, const TransformTrack& transform) {
   Box3d result;
@@ -122,28 +182,74 @@ Box3d bounds(const Box3d& box, const TransformTrack& transform) {
 
 Box3d bounds(const MovingArray& points) {
   Box3d box;
-  for (const double time01 : points.values.times01()) {
+  for (const double time01 : points.values.extreme_times01()) {
     const ArrayInstant values = points.values.at(time01);
     for (std::size_t i = 0; i < values.size(); ++i) box.grow(values[i]);
   }
   return bounds(box, points.transform);
 }
 
-Fit fit_points(const MovingArray& points, const ScreenMeasure& measure, const FitSettings& settings) {
-  return fit_array<PointInstant>(points, measure, settings);
+PointFit fit_points(const MovingArray& points, const ScreenMeasure& measure, const FitSettings& settings) {
+  PointFit result;
+  if (points.is_still()) return result;
+  const std::vector<Bend> bends = points.bends();
+  const double still_limit = kStillShare * settings.tolerance;
+  result.error = still_error(points, measure, bends, still_limit);
+  if (result.error <= still_limit) return result;
+  const double sampling = points.transform.error_pixels();
+  const double tolerance = std::max(settings.tolerance - sampling, 0.5 * settings.tolerance);
+  std::vector<Candidate> tracks = candidates(bends, settings);
+  const CandidateFit fit = cheapest_candidate(tracks.size(), tolerance, [&](std::size_t i, double limit) {
+    return track_error(points, measure, tracks[i], bends, limit);
+  });
+  return {std::move(tracks[fit.index]), fit.error + sampling};
 }
 
-Fit fit_normals(const MovingArray& normals, const FitSettings& settings) {
-  const ScreenMeasure unused = ScreenMeasure::filled_by({}, 1, 1);
-  return fit_array<NormalInstant>(normals, unused, settings);
+std::vector<Vec3f> point_controls(const MovingArray& points, const Candidate& track) {
+  const std::size_t count = points.size();
+  std::vector<Vec3f> out(count * track.form().controls() + TriangleMesh::kGuard);
+  const auto for_all = [&](const auto& body) {
+    parallel_for_ranges(count, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) body(i);
+    });
+  };
+  if (track.layout.segments() == 0) {
+    const PointInstant centre = point_instant(points, 0.5, 0.5);
+    for_all([&](std::size_t i) { out[i] = Vec3f(centre[i]); });
+  }
+  for (std::uint32_t s = 0; s < track.layout.segments(); ++s) {
+    Vec3f* first = out.data() + std::size_t(s) * track.degree * count;
+    if (!track.layout.segment(s).used) {  // never seen, but it counts among the bounds
+      for (std::uint32_t k = 1; k <= track.degree; ++k) std::copy(first, first + count, first + k * count);
+      continue;
+    }
+    const TestedSegment segment = nodes_of(points, track, s);
+    for_all([&](std::size_t i) {
+      const auto c = segment.controls(i);
+      for (std::uint32_t k = 0; k <= track.degree; ++k) first[k * count + i] = Vec3f(c[k]);
+    });
+  }
+  return out;
 }
 
-std::vector<Vec3f> point_keys(const MovingArray& points, std::uint32_t segments) {
-  return array_keys<PointInstant>(points, segments, TriangleMesh::kGuard);
+Fit fit_normals(const MovingArray& normals, const TimeLayout& layout, const FitSettings& settings) {
+  if (normals.is_still()) return {};
+  return fewest_segments(settings, [&](std::uint32_t segments, double limit) {
+    return normals_error(normals, layout, segments, limit);
+  });
 }
 
-std::vector<Vec3f> normal_keys(const MovingArray& normals, std::uint32_t segments) {
-  return array_keys<NormalInstant>(normals, segments, 0);
+std::vector<Vec3f> normal_keys(const MovingArray& normals, const TimeLayout& layout, std::uint32_t segments) {
+  const std::size_t count = normals.size();
+  std::vector<Vec3f> keys(count * key_count(segments));
+  for (std::uint32_t key = 0; key < key_count(segments); ++key) {
+    const NormalInstant instant(normals, layout, key_time(key, segments));
+    Vec3f* out = keys.data() + count * key;
+    parallel_for_ranges(count, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) out[i] = Vec3f(instant[i]);
+    });
+  }
+  return keys;
 }
 
 }  // namespace msbvh::translate

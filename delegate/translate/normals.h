@@ -7,19 +7,25 @@
 #include "core/scene/scene.h"
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/inputs.h"
+#include "delegate/translate/time_layout.h"
 #include "delegate/translate/transform_samples.h"
 #include "delegate/translate/triangulate.h"
 
 namespace msbvh::translate {
 
-// One a vertex at each of the mesh's keys: the sum of its triangles' normals, weighted by their areas. Zero
-// where they cancel.
-Primvar<Vec3f> smooth_normals(const TriangleMesh& mesh);
+// One a vertex at keys of the mesh's time: the sum of its triangles' normals, weighted by their areas. Zero
+// where they cancel. A linear mesh takes its own keys, a curved one as many as follow to kNormalTolerance.
+Primvar<Vec3f> smooth_normals(const TriangleMesh& mesh, std::uint32_t max_segments);
 
 // With the fewest segments that follow the stage to kNormalTolerance. Not authored, where there are none or
 // where they do not fit the mesh (with a warning).
 inline constexpr double kNormalTolerance = 0.01;  // radians
-Primvar<Vec3f> authored_normals(const MeshInput& input, const Triangulation& mesh,
-                                const TransformTrack& transform, std::uint32_t max_segments, PrimLog& log);
+struct NormalMotion {
+  const TransformTrack& transform;
+  const TimeLayout& layout;  // of the points
+  bool frame_only = false;   // the points are carried or held: so are their normals
+};
+Primvar<Vec3f> authored_normals(const MeshInput& input, const Triangulation& mesh, const NormalMotion& motion,
+                                std::uint32_t max_segments, PrimLog& log);
 
 }  // namespace msbvh::translate

@@ -58,10 +58,16 @@ ScreenMeasure::ScreenMeasure(const CameraInput& camera, const Vec3d& origin, std
 }
 
 ScreenMeasure ScreenMeasure::filled_by(const Box3d& box, std::uint32_t width, std::uint32_t height) {
+  double pixels_per_unit = 1.0;
+  const double size = box.empty() ? 0.0 : length(box.extent());
+  if (size > 0.0) pixels_per_unit = std::hypot(double(width), double(height)) / size;
+  return constant(pixels_per_unit);
+}
+
+ScreenMeasure ScreenMeasure::constant(double pixels_per_unit) {
   ScreenMeasure measure;
   ScreenInstant instant;
-  const double size = box.empty() ? 0.0 : length(box.extent());
-  if (size > 0.0) instant.pixels_per_unit = std::hypot(double(width), double(height)) / size;
+  instant.pixels_per_unit = pixels_per_unit;
   measure.times01_ = {0.0};
   measure.instants_ = {instant};
   return measure;

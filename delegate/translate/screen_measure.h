@@ -47,6 +47,9 @@ class ScreenMeasure {
   // For a prototype, whose instances are not known yet: as if `box` filled the image.
   static ScreenMeasure filled_by(const Box3d& box, std::uint32_t width, std::uint32_t height);
 
+  // For a prototype of whose instances the one that is seen largest is known.
+  static ScreenMeasure constant(double pixels_per_unit);
+
   ScreenInstant at(double time01) const;
 
  private:

@@ -1,45 +1,93 @@
-// Tracks of affine maps: how few keys a moving object, instance or light needs.
+// Tracks of affine maps: the cheapest that a moving object, instance or light needs.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <span>
+#include <memory>
+#include <mutex>
+#include <optional>
 #include <vector>
 
 #include "core/base/affine.h"
+#include "core/base/box.h"
 #include "delegate/translate/box_corners.h"
 #include "delegate/translate/fit.h"
+#include "delegate/translate/instance_chain.h"
 #include "delegate/translate/screen_measure.h"
-#include "delegate/translate/transform_samples.h"
 
 namespace msbvh::translate {
 
-// Fits maps that share their sample times: one object or a million instances. Thread-safe.
-//
-// The samples and a track are both linear by element between knots, so that their difference over a box is
-// largest at a corner of the box and at a sample time (at the keys it is zero): testing there is exhaustive.
+// Where the maps lead: from an object's stored coordinates to the frame's world, and how they are measured.
+struct MapTarget {
+  Vec3d object_origin;  // of the stored coordinates, in the object's own space
+  Vec3d world_origin;   // of the frame, in stage space
+  Box3d box;            // of the stored coordinates
+  double sampling_error_pixels = 0.0;  // of the maps themselves, counted against the tolerance
+};
+
+// Fits the maps of a chain, one instance after the other. Thread-safe: what instances share, the instants at
+// which candidates pass through the motion and are tested, is prepared once.
 class TransformFitter {
  public:
-  // `times01`: of the samples that the shutter sees.
-  TransformFitter(std::span<const double> times01, const ScreenMeasure& measure, const FitSettings& settings);
+  TransformFitter(const InstanceChain& chain, const MapTarget& target, const ScreenMeasure& measure,
+                  const FitSettings& settings);
 
-  // `maps`, one a sample time, take the box to the measure's world. Error in pixels.
-  Fit fit(std::span<const Affine3d> maps, const BoxCorners& box) const;
-  // The track's keys, key_count(segments) of them.
-  void keys(std::span<const Affine3d> maps, std::uint32_t segments, Affine3f* keys) const;
+  enum class Fate : std::uint8_t {
+    kDrawn,
+    kNotFinite,
+    kFlat,     // singular throughout, but not a line or a point
+    kVanished  // a line or a point throughout
+  };
+  struct Verdict {
+    Fate fate = Fate::kDrawn;
+    std::uint32_t track = 0;  // 0 still, else 1 + the index of a candidate
+    double error = 0.0;       // pixels
+  };
+  Verdict judge(std::size_t instance) const;
+  bool is_singular_somewhere(std::size_t instance) const;
+
+  std::uint32_t track_count() const { return std::uint32_t(candidates_.size() + 1); }
+  TrackForm form(std::uint32_t track) const;
+  Clock clock(std::uint32_t track) const;
+  // form(track).controls() maps.
+  void controls(std::size_t instance, std::uint32_t track, Affine3f* out) const;
 
  private:
   struct Test {
-    double time01;
+    double w;  // in the segment
+    InstanceChain::Instant instant;
     ScreenInstant screen;
   };
-  Affine3d sample(std::span<const Affine3d> maps, double time01) const;
-  Affine3d track(std::span<const Affine3d> maps, double time01, std::uint32_t segments) const;
-  double error(std::span<const Affine3d> maps, const BoxCorners& box, std::uint32_t segments,
-               double limit) const;
+  struct Segment {
+    bool used = true;
+    std::vector<InstanceChain::Instant> nodes;
+    std::vector<Test> tests;
+  };
+  struct Prepared {
+    std::once_flag once;
+    std::vector<Segment> segments;
+  };
+  struct Probe {
+    InstanceChain::Instant instant;
+    ScreenInstant screen;
+  };
 
-  std::vector<double> times01_;
-  std::vector<Test> tests_;
+  const std::vector<Segment>& prepared(std::size_t candidate) const;
+  void prepare(std::size_t candidate) const;
+  Affine3d map(const InstanceChain::Instant& instant, std::size_t instance) const;
+  double still_error(const std::vector<Affine3d>& probes) const;
+  double error(std::size_t instance, std::size_t candidate, double limit) const;
+  std::vector<Affine3d> probe_maps(std::size_t instance) const;
+
+  const InstanceChain& chain_;
+  MapTarget target_;
+  BoxCorners corners_;
+  const ScreenMeasure& measure_;
   FitSettings settings_;
+  std::vector<Bend> bends_;
+  std::vector<Candidate> candidates_;
+  std::vector<Probe> probes_;  // the first is the shutter's centre
+  mutable std::vector<Prepared> prepared_;
 };
 
 }  // namespace msbvh::translate

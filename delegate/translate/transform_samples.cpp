@@ -41,8 +41,11 @@ Affine3d rebased(Affine3d map, const Vec3d& from, const Vec3d& to) {
   return map;
 }
 
-TransformTrack::TransformTrack(const TransformSamples& samples) {
-  const SampleRange range = samples_of_shutter(samples.times01);
+TransformTrack::TransformTrack(const TransformSamples& samples)
+    : bends01_(samples.bends01.value_or(samples.times01)),
+      held_(samples.held),
+      error_pixels_(samples.error_pixels) {
+  const SampleRange range = samples_of_shutter(samples.times01, held_);
   for (std::size_t i = range.first; i <= range.last; ++i) {
     times01_.push_back(samples.times01[i]);
     maps_.push_back(affine_from(samples.matrices[i]));
@@ -57,13 +60,20 @@ TransformTrack TransformTrack::rebased(const Vec3d& from, const Vec3d& to) const
   return result;
 }
 
-Affine3d TransformTrack::at(double time01) const {
-  const Bracket at = bracket(times01_, time01);
+Affine3d TransformTrack::at(double time01, double within) const {
+  const Bracket at = bracket(times01_, held_ ? within : time01, held_);
   return at.first == at.second ? maps_[at.first] : lerp(maps_[at.first], maps_[at.second], at.w);
 }
 
 bool TransformTrack::is_still() const {
   return std::all_of(maps_.begin(), maps_.end(), [&](const Affine3d& map) { return map == maps_.front(); });
+}
+
+std::vector<Bend> TransformTrack::bends() const {
+  std::vector<Bend> result;
+  if (is_still()) return result;
+  for (const double time01 : bends01_) result.push_back({time01, held_});
+  return normalized_bends(std::move(result));
 }
 
 bool TransformTrack::is_singular_somewhere() const {

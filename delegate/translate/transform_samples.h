@@ -1,5 +1,5 @@
 // A transform over the shutter as the front-end sampled it: double precision, linear by element between
-// samples.
+// samples, or each sample held until the next.
 #pragma once
 
 #include <string>
@@ -8,6 +8,7 @@
 #include "core/base/affine.h"
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/inputs.h"
+#include "delegate/translate/time_layout.h"
 #include "delegate/translate/time_samples.h"
 
 namespace msbvh::translate {
@@ -30,16 +31,23 @@ class TransformTrack {
   // Every sample rebased.
   TransformTrack rebased(const Vec3d& from, const Vec3d& to) const;
 
-  Affine3d at(double time01) const;
+  // `within` is a time on the side of a jump that is meant.
+  Affine3d at(double time01, double within) const;
+  Affine3d at(double time01) const { return at(time01, time01); }
   // Compares values: a transform that does not change over many samples is still.
   bool is_still() const;
   bool is_singular_somewhere() const;
   const std::vector<double>& times01() const { return times01_; }
   const std::vector<Affine3d>& maps() const { return maps_; }
+  std::vector<Bend> bends() const;
+  double error_pixels() const { return error_pixels_; }
 
  private:
   std::vector<double> times01_;
   std::vector<Affine3d> maps_;
+  std::vector<double> bends01_;
+  bool held_ = false;
+  double error_pixels_ = 0.0;
 };
 
 // As many matrices as increasing times, all representable; a projective column is left out with a warning.

@@ -32,8 +32,11 @@ void check_settings(const TranslatorSettings& settings) {
 
 // What instances need to know of their prototype while the scene grows.
 struct PrototypeState {
+  std::string path;
   MeshTarget target;
-  Box3d box;  // of its meshes at all their keys
+  Box3d box;  // of its meshes at all their controls
+  // The scene's prototypes that it takes: one for each clock among its meshes.
+  std::vector<std::uint32_t> parts{};
 };
 
 Box3d box_of(const TriangleMesh& shape) {
@@ -60,7 +63,7 @@ Material checked_material(const Material& material, PrimLog& log) {
 struct Translator::Data {
   Data(const CameraInput& camera, const TranslatorSettings& settings_)
       : settings(settings_),
-        fit{settings.motion_tolerance_pixels, settings.max_segments},
+        fit{settings.motion_tolerance_pixels, settings.max_segments, settings.choice},
         origin(frame_origin(camera)),
         measure(camera, origin, settings.width, settings.height) {}
 
@@ -68,21 +71,22 @@ struct Translator::Data {
   std::optional<TranslatedMesh> translated(const MeshInput& input, MeshTarget& target);
   MeshTarget target(const ScreenMeasure* in_world);
   std::uint32_t add(Mesh mesh);
-  void add_moving(TranslatedMesh translated);
+  void add_instanced(TranslatedMesh translated);
+  std::uint32_t part_with(const Clock& clock, PrototypeState& state);
 
   TranslatorSettings settings;
   FitSettings fit;
   Vec3d origin;
   ScreenMeasure measure;
   Scene scene;
-  std::vector<PrototypeState> prototypes;  // beside scene.prototypes
+  std::vector<PrototypeState> prototypes;
   std::vector<Diagnostic> diagnostics;
   std::vector<TrackReport> tracks;
   std::size_t empty_meshes = 0;
 };
 
 MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
-  MeshTarget result{in_world, std::nullopt, settings.width, settings.height, fit, 0};
+  MeshTarget result{in_world, 0.0, std::nullopt, settings.width, settings.height, fit, 0};
   if (in_world) result.origin = origin;
   return result;
 }
@@ -104,12 +108,29 @@ std::uint32_t Translator::Data::add(Mesh mesh) {
   return std::uint32_t(scene.meshes.size() - 1);
 }
 
-void Translator::Data::add_moving(TranslatedMesh moving) {
-  const std::string name = moving.mesh.shape.name;
+// One instance, which carries the transform's track or, of a baked mesh, only brings it into the clock's time.
+void Translator::Data::add_instanced(TranslatedMesh translated) {
+  const std::string name = translated.mesh.shape.name;
   const auto prototype = std::uint32_t(scene.prototypes.size());
-  scene.prototypes.push_back({name, {add(std::move(moving.mesh))}});
-  prototypes.emplace_back();
-  scene.instances.push_back({name, prototype, moving.track.segments, std::move(moving.world_from_mesh), {}});
+  const bool baked = translated.world_from_mesh.empty();
+  scene.prototypes.push_back({name, {add(std::move(translated.mesh))}, baked ? translated.clock : Clock{}});
+  InstanceSet set{name, prototype, 0, {Affine3f{}}, {}};
+  if (!baked) {
+    set.segments = translated.track.segments;
+    set.degree = translated.track.degree;
+    set.world_from_prototype = std::move(translated.world_from_mesh);
+    set.clock = translated.clock;
+  }
+  scene.instances.push_back(std::move(set));
+}
+
+std::uint32_t Translator::Data::part_with(const Clock& clock, PrototypeState& state) {
+  for (const std::uint32_t part : state.parts) {
+    if (scene.prototypes[part].clock == clock) return part;
+  }
+  scene.prototypes.push_back({state.path, {}, clock});
+  state.parts.push_back(std::uint32_t(scene.prototypes.size() - 1));
+  return state.parts.back();
 }
 
 Translator::Translator(const CameraInput& camera, const TranslatorSettings& settings) {
@@ -118,6 +139,8 @@ Translator::Translator(const CameraInput& camera, const TranslatorSettings& sett
   data_ = std::make_unique<Data>(camera, settings);
   TrackReport track;
   data_->scene.camera = fit_camera(camera, data_->origin, settings, track);
+  track.source = "camera";
+  track.rule = track.segments == 0 ? "still" : "transform and optics by the stage's own evaluation";
   data_->tracks.push_back(track);
   PrimLog log(data_->diagnostics, camera.path);
   report_fit({track.segments, track.error_pixels}, settings.motion_tolerance_pixels, "xformOpOrder",
@@ -129,18 +152,22 @@ Translator::~Translator() = default;
 void Translator::add_mesh(const MeshInput& input) {
   MeshTarget world = data_->target(&data_->measure);
   std::optional<TranslatedMesh> translated = data_->translated(input, world);
-  if (!translated) return;
-  if (translated->world_from_mesh.empty()) {
+  if (!translated || translated->never_seen) return;
+  if (translated->world_from_mesh.empty() && translated->clock.is_shutter()) {
     data_->scene.world_meshes.push_back(data_->add(std::move(translated->mesh)));
   } else {
-    data_->add_moving(std::move(*translated));
+    data_->add_instanced(std::move(*translated));
   }
 }
 
-std::uint32_t Translator::begin_prototype(const std::string& path) {
-  data_->scene.prototypes.push_back({path, {}});
-  data_->prototypes.push_back({data_->target(nullptr), {}});
-  return std::uint32_t(data_->scene.prototypes.size() - 1);
+std::uint32_t Translator::begin_prototype(const std::string& path, double pixels_per_unit) {
+  data_->prototypes.push_back({path, data_->target(nullptr), {}});
+  data_->prototypes.back().target.pixels_per_unit = pixels_per_unit;
+  return std::uint32_t(data_->prototypes.size() - 1);
+}
+
+double Translator::pixels_per_unit(const InstancesInput& input, const Box3d& box) const {
+  return translate::pixels_per_unit(input, {data_->measure, data_->origin, {}, box, data_->fit});
 }
 
 void Translator::add_prototype_mesh(std::uint32_t prototype, const MeshInput& input) {
@@ -151,9 +178,10 @@ void Translator::add_prototype_mesh(std::uint32_t prototype, const MeshInput& in
   }
   PrototypeState& state = data_->prototypes[prototype];
   std::optional<TranslatedMesh> translated = data_->translated(input, state.target);
-  if (!translated) return;
+  if (!translated || translated->never_seen) return;
   state.box.grow(box_of(translated->mesh.shape));
-  data_->scene.prototypes[prototype].meshes.push_back(data_->add(std::move(translated->mesh)));
+  const std::uint32_t part = data_->part_with(translated->clock, state);
+  data_->scene.prototypes[part].meshes.push_back(data_->add(std::move(translated->mesh)));
 }
 
 void Translator::add_instances(const InstancesInput& input) {
@@ -164,12 +192,17 @@ void Translator::add_instances(const InstancesInput& input) {
     return;
   }
   const PrototypeState& state = data_->prototypes[input.prototype];
-  if (state.box.empty() || input.matrices.empty()) return;  // nothing to draw; its meshes have been reported
+  if (state.box.empty() || input.levels.empty()) return;  // nothing to draw; its meshes have been reported
   const Vec3d prototype_origin = state.target.origin.value_or(Vec3d{});
   TranslatedInstances result = translate_instances(
       input, {data_->measure, data_->origin, prototype_origin, state.box, data_->fit}, log);
   if (result.sets.empty()) return;
-  for (InstanceSet& set : result.sets) data_->scene.instances.push_back(std::move(set));
+  for (const std::uint32_t part : state.parts) {
+    for (InstanceSet& set : result.sets) {
+      set.prototype = part;
+      data_->scene.instances.push_back(set);
+    }
+  }
   data_->tracks.push_back(result.track);
 }
 

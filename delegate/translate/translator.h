@@ -13,7 +13,9 @@
 #include <vector>
 
 #include "core/scene/scene.h"
+#include "core/base/box.h"
 #include "delegate/translate/diagnostics.h"
+#include "delegate/translate/fit.h"
 #include "delegate/translate/inputs.h"
 
 namespace msbvh::translate {
@@ -22,15 +24,29 @@ struct TranslatorSettings {
   std::uint32_t width = 960, height = 540;  // pixels, for the tolerance
   double motion_tolerance_pixels = 0.1;
   std::uint32_t max_segments = kMaxSegments;
+  TrackChoice choice{};  // which tracks may be used
 };
 
-// How a prim's motion was kept: the camera's, then one for each mesh and each set of instances. For
+// How a prim's motion was kept: the camera's, then one for each mesh, set of instances and light. For
 // statistics and `msbvh motion`.
 struct TrackReport {
   std::string path;
+  std::string source{};  // what moves it: camera, points, velocities, accelerations, transform, instances, light
+  std::string rule{};    // which of USD's rules decided, in words
   std::uint32_t segments = 0;
-  bool moving_transform = false;  // a still mesh under a moving instance, not baked
-  double error_pixels = 0.0;      // largest deviation found from the samples
+  std::uint32_t degree = 1;
+  bool moving_transform = false;  // a still mesh under a moving transform, or instances; not baked
+  bool clock = false;             // keys where the motion bends or jumps, not at even times
+  bool hidden_partly = false;     // visible for a part of the shutter
+  double error_pixels = 0.0;      // largest deviation found from the stage's motion
+  std::size_t bytes = 0;          // of the controls
+  std::size_t count = 1;          // of instances
+
+  void set_form(const TrackForm& form, const Clock& own) {
+    segments = form.segments;
+    degree = form.degree;
+    clock = !own.is_shutter();
+  }
 };
 
 class Translator {
@@ -45,7 +61,12 @@ class Translator {
   void add_mesh(const MeshInput& input);  // into the world
   // Into a prototype made with begin_prototype(); in the prototype's space, no origin subtracted.
   void add_prototype_mesh(std::uint32_t prototype, const MeshInput& input);
-  std::uint32_t begin_prototype(const std::string& path);
+  // `pixels_per_unit`: of the instance that is seen largest, see pixels_per_unit(); 0: not known, and its
+  // motion is followed as if it filled the image.
+  std::uint32_t begin_prototype(const std::string& path, double pixels_per_unit = 0.0);
+  // How many pixels a unit of a prototype's space covers at most in any of its instances, at the sample times.
+  // `box` encloses the prototype.
+  double pixels_per_unit(const InstancesInput& input, const Box3d& box) const;
   // After the prototype's meshes, whose extent the tolerance is measured on.
   void add_instances(const InstancesInput& input);
   std::uint32_t add_material(const Material& material);

@@ -129,10 +129,6 @@ TEST_SUITE("translate: mesh") {
       fixture.points[1][2].y = kNan;
       check_rejected(fixture, "points", "value 2 at shutter time 0.5");
     }
-    SUBCASE("topology that changes") {
-      fixture.points[1].pop_back();
-      check_rejected(fixture, "points", "found 3 values at shutter time 0.5");
-    }
     SUBCASE("times that do not increase") {
       fixture.times01[1] = 0.0;
       check_rejected(fixture, "points", "sample 1 is at time 0");
@@ -149,6 +145,18 @@ TEST_SUITE("translate: mesh") {
       fixture.transform.times01.push_back(1.0);
       check_rejected(fixture, "xformOpOrder", "found 1 matrices");
     }
+  }
+
+  TEST_CASE("a number of points that changes holds the pose of the frame, with a warning") {
+    MeshFixture fixture;
+    fixture.frame01 = 0.25;
+    fixture.add_points(0.5, {{9, 9, 9}});
+    const OneMesh result(fixture.input());
+    REQUIRE(result.diagnostics.size() == 1);
+    CHECK(result.diagnostics[0].severity == Severity::kWarning);
+    CHECK(result.diagnostics[0].message.find("held the frame's pose") != std::string::npos);
+    CHECK(result.mesh().shape.segments == 0);
+    CHECK(result.mesh().shape.vertex_count == 4);
   }
 
   TEST_CASE("primvars of every interpolation land on the elements of the triangles") {

@@ -58,6 +58,21 @@ inline TranslatorSettings settings_of(std::uint32_t width = 1000) {
   return settings;
 }
 
+// Chords only, as the baselines have it.
+inline TranslatorSettings linear_settings(std::uint32_t width = 1000) {
+  TranslatorSettings settings = settings_of(width);
+  settings.choice.max_degree = 1;
+  return settings;
+}
+
+// Instances that share their sample times: [T][count] matrices.
+inline InstancesInput instances_of(std::string path, std::uint32_t prototype, std::vector<double> times01,
+                                   std::span<const Matrix4d> matrices, std::span<const Vec3f> colors = {}) {
+  InstancesInput input{std::move(path), prototype, {}, {}, colors};
+  input.levels.push_back({std::move(times01), matrices, {}, false, nullptr, {}});
+  return input;
+}
+
 // A mesh and what it borrows: a unit quad in the plane z = 0 until changed.
 struct MeshFixture {
   std::string path = "/mesh";
@@ -68,6 +83,7 @@ struct MeshFixture {
   std::vector<double> times01{0.0};
   std::deque<std::vector<Vec3f>> points{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
   bool held = false;
+  double frame01 = 0.5;
   TransformSamples transform = still();
 
   MeshInput input() const {
@@ -79,6 +95,7 @@ struct MeshFixture {
     mesh.left_handed = left_handed;
     for (std::size_t i = 0; i < points.size(); ++i) mesh.points.samples.push_back({times01[i], points[i]});
     mesh.points.held = held;
+    mesh.clock.frame01 = frame01;
     mesh.world_from_object = transform;
     return mesh;
   }

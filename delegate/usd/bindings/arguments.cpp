@@ -108,21 +108,47 @@ std::vector<translate::Matrix4d> Arguments::matrices(const char* name, std::size
   return {all.begin(), all.end()};
 }
 
-std::vector<translate::ArraySample> Arguments::samples(const char* name) {
-  std::vector<translate::ArraySample> result;
+std::optional<std::vector<double>> Arguments::optional_times(const char* name) {
+  if (optional(name).is_none()) return std::nullopt;
+  const std::span<const double> values = times(name);
+  return std::vector<double>(values.begin(), values.end());
+}
+
+// values(time01, timeless, array, the array's name) for each item.
+template <typename Values>
+void Arguments::for_samples(const char* name, const char* expected, const Values& values) {
   const nb::object list = optional(name);
-  if (list.is_none()) return result;
-  constexpr const char* kExpected = "a list of (time, float32[N, 3])";
-  if (!nb::isinstance<nb::sequence>(list)) fail(name, list, kExpected);
+  if (list.is_none()) return;
+  if (!nb::isinstance<nb::sequence>(list)) fail(name, list, expected);
+  std::size_t index = 0;
   for (const nb::handle item : list) {
-    translate::ArraySample sample;
-    if (!nb::isinstance<nb::tuple>(item) || nb::len(item) != 2 || !nb::try_cast(item[0], sample.time01)) {
-      fail(name, item, kExpected);
-    }
-    const std::string part = std::string(name) + "[" + std::to_string(result.size()) + "][1]";
-    sample.values = floats<Vec3f>(item[1], part);
-    result.push_back(sample);
+    if (!nb::isinstance<nb::tuple>(item) || nb::len(item) != 2) fail(name, item, expected);
+    const nb::object time = item[0];
+    double time01 = 0.0;
+    if (!time.is_none() && !nb::try_cast(time, time01)) fail(name, item, expected);
+    const std::string part = std::string(name) + "[" + std::to_string(index++) + "][1]";
+    values(time01, time.is_none(), nb::object(item[1]), part);
   }
+}
+
+translate::ArraySamples Arguments::samples(const char* name, bool held) {
+  translate::ArraySamples result{{}, held};
+  for_samples(name, "a list of (time, float32[N, 3])",
+              [&](double time01, bool timeless, const nb::object& array, const std::string& part) {
+                result.samples.push_back({time01, floats<Vec3f>(array, part)});
+                result.timeless = timeless;
+              });
+  return result;
+}
+
+translate::QuaternionSamples Arguments::quaternions(const char* name, bool held) {
+  translate::QuaternionSamples result{{}, held};
+  for_samples(name, "a list of (time, float32[N, 4])",
+              [&](double time01, bool timeless, const nb::object& array, const std::string& part) {
+                const AnyArray& kept = keep(checked_array<float>(array, part, {kAnySize, 4}));
+                result.samples.push_back({time01, elements<translate::Quatf>(kept)});
+                result.timeless = timeless;
+              });
   return result;
 }
 

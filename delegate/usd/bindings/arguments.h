@@ -56,11 +56,19 @@ class Arguments {
     if (!nanobind::try_cast(object, result)) fail(name, object, expected);
     return result;
   }
+  // `fallback` where it is None or not given.
+  template <typename T>
+  T value_or(const char* name, const T& fallback, const char* expected) {
+    return optional(name).is_none() ? fallback : value<T>(name, expected);
+  }
   // Empty where it is None or not given. The array lives as long as this object.
   std::span<const int> ints(const char* name);
   std::span<const double> times(const char* name);
   std::vector<translate::Matrix4d> matrices(const char* name, std::size_t count);
-  std::vector<translate::ArraySample> samples(const char* name);
+  std::optional<std::vector<double>> optional_times(const char* name);
+  // A list of (time01, values); one of (None, values) is timeless: authored, but not as time samples.
+  translate::ArraySamples samples(const char* name, bool held);
+  translate::QuaternionSamples quaternions(const char* name, bool held);
   template <typename Element>
   std::span<const Element> floats(nanobind::handle values, const std::string& name);
 
@@ -71,6 +79,9 @@ class Arguments {
   [[noreturn]] void fail(const char* name, nanobind::handle found, const char* expected) const;
 
  private:
+  template <typename Values>
+  void for_samples(const char* name, const char* expected, const Values& values);
+
   const nanobind::kwargs& keywords_;
   const char* function_;
   std::vector<std::string> taken_;

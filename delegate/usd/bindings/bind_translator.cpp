@@ -1,4 +1,5 @@
 // Translator: keyword arguments and numpy arrays to the structs of delegate/translate/inputs.h.
+#include <memory>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -47,7 +48,41 @@ Vec3f color_from(const std::tuple<float, float, float>& rgb) {
 
 TransformSamples transform_from(Arguments& arguments, const char* times, const char* matrices) {
   const std::span<const double> times01 = arguments.times(times);
-  return {{times01.begin(), times01.end()}, arguments.matrices(matrices, times01.size())};
+  return {{times01.begin(), times01.end()}, arguments.matrices(matrices, times01.size()), std::nullopt};
+}
+
+std::optional<std::vector<VisibleInterval>> visible_from(Arguments& arguments) {
+  const nb::object given = arguments.optional("visible");
+  if (given.is_none()) return std::nullopt;
+  const std::span<const VisibleInterval> all = elements<VisibleInterval>(
+      arguments.keep(checked_array<double>(given, "visible", {kAnySize, 2})));
+  return std::vector<VisibleInterval>(all.begin(), all.end());
+}
+
+RateClock clock_from(Arguments& arguments) {
+  RateClock clock;
+  clock.frame01 = arguments.value_or("frame01", clock.frame01, "a float");
+  clock.seconds_per_shutter = arguments.value_or("seconds_per_shutter", clock.seconds_per_shutter, "a float");
+  clock.velocity_scale = arguments.value_or("velocity_scale", clock.velocity_scale, "a float");
+  return clock;
+}
+
+TrackChoice choice_from(Arguments& arguments, std::uint32_t max_segments) {
+  TrackChoice choice;
+  const std::string name = arguments.value_or("interpolation", std::string("auto"), "a str");
+  if (name == "linear") choice.max_degree = 1;
+  if (name == "quadratic") choice.min_degree = choice.max_degree = 2;
+  if (name == "cubic") choice.min_degree = 3;
+  if (name != "auto" && name != "linear" && name != "quadratic" && name != "cubic") {
+    bad_choice("interpolation", name, "auto, linear, quadratic or cubic");
+  }
+  choice.segments = arguments.value_or("segments", choice.segments, "an int");
+  if (choice.segments != 0 && (!is_valid_segment_count(choice.segments) || choice.segments > max_segments)) {
+    throw nb::value_error(("segments: found " + std::to_string(choice.segments) +
+                           "; expected a power of two up to " + std::to_string(max_segments))
+                              .c_str());
+  }
+  return choice;
 }
 
 CameraInput camera_from(Arguments& arguments) {
@@ -76,6 +111,7 @@ TranslatorSettings settings_from(Arguments& arguments) {
   if (!arguments.optional("max_segments").is_none()) {
     settings.max_segments = arguments.value<std::uint32_t>("max_segments", "an int");
   }
+  settings.choice = choice_from(arguments, settings.max_segments);
   return settings;
 }
 
@@ -107,11 +143,18 @@ MeshInput mesh_from(Arguments& arguments) {
   mesh.hole_indices = arguments.ints("hole_indices");
   mesh.left_handed = arguments.value<bool>("left_handed", "a bool");
   arguments.required("points");
-  mesh.points.samples = arguments.samples("points");
-  mesh.points.held = arguments.value<bool>("points_held", "a bool");
+  const bool held = arguments.value<bool>("points_held", "a bool");
+  mesh.points = arguments.samples("points", held);
+  mesh.rates = {arguments.samples("velocities", held), arguments.samples("accelerations", held)};
+  mesh.clock = clock_from(arguments);
+  mesh.topology_varies = arguments.value_or("topology_varies", false, "a bool");
+  mesh.computed_points = arguments.value_or("computed_points", false, "a bool");
+  mesh.visible = visible_from(arguments);
   mesh.world_from_object = transform_from(arguments, "transform_times01", "transforms");
-  mesh.normals.samples = arguments.samples("normals");
-  mesh.normals.held = mesh.points.held;
+  mesh.world_from_object.bends01 = arguments.optional_times("transform_bends01");
+  mesh.world_from_object.held = arguments.value_or("transforms_held", false, "a bool");
+  mesh.world_from_object.error_pixels = arguments.value_or("transform_error_pixels", 0.0, "a float");
+  mesh.normals = arguments.samples("normals", held);
   mesh.normals_interpolation = arguments.value<std::string>("normals_interpolation", "a str");
   mesh.normals_indices = arguments.ints("normals_indices");
   mesh.computed_normals = computed_normals_from(arguments.value<std::string>("computed_normals", "a str"));
@@ -138,20 +181,93 @@ void add_prototype_mesh(Translator& translator, std::uint32_t prototype, const n
   translator.add_prototype_mesh(prototype, mesh);
 }
 
+// One level of instancing from a dict, with what it borrows.
+class LevelArguments {
+ public:
+  LevelArguments(nb::handle dict, const char* function)
+      : keywords_(nb::borrow<nb::kwargs>(dict)), arguments_(keywords_, function) {
+    const bool held = arguments_.value_or("held", false, "a bool");
+    if (arguments_.optional("selected").is_none()) {
+      read_matrices(held);
+    } else {
+      read_points(held);
+    }
+    arguments_.expect_no_more();
+  }
+  LevelArguments(const LevelArguments&) = delete;
+
+  InstanceLevel level() const {
+    InstanceLevel level = level_;
+    if (has_points_) level.points = &points_;
+    return level;
+  }
+
+ private:
+  void read_matrices(bool held) {
+    const std::span<const double> times01 = arguments_.times("times01");
+    level_.times01.assign(times01.begin(), times01.end());
+    level_.matrices = elements<Matrix4d>(arguments_.keep(checked_array<double>(
+        arguments_.required("matrices"), "matrices", {times01.size(), kAnySize, 4, 4})));
+    level_.bends01 = arguments_.optional_times("bends01");
+    level_.held = held;
+  }
+  void read_points(bool held) {
+    has_points_ = true;
+    level_.selected = arguments_.ints("selected");
+    points_.count = arguments_.value<std::uint64_t>("count", "an int");
+    points_.positions = arguments_.samples("positions", held);
+    points_.scales = arguments_.samples("scales", held);
+    points_.orientations = arguments_.quaternions("orientations", held);
+    points_.rates = {arguments_.samples("velocities", held), arguments_.samples("accelerations", held)};
+    points_.angular_velocities = arguments_.samples("angular_velocities", held);
+    points_.clock = clock_from(arguments_);
+  }
+
+  nb::kwargs keywords_;
+  Arguments arguments_;
+  InstanceLevel level_;
+  PointInstancerInput points_;
+  bool has_points_ = false;
+};
+
+using Levels = std::vector<std::unique_ptr<LevelArguments>>;
+
+Levels levels_from(Arguments& arguments, const char* function, InstancesInput& input) {
+  const nb::object list = arguments.required("levels");
+  if (!nb::isinstance<nb::sequence>(list)) arguments.fail("levels", list, "a list of dicts");
+  Levels levels;
+  for (const nb::handle item : list) {
+    if (!nb::isinstance<nb::dict>(item)) arguments.fail("levels", item, "a dict for each level");
+    levels.push_back(std::make_unique<LevelArguments>(item, function));
+    input.levels.push_back(levels.back()->level());
+  }
+  return levels;
+}
+
 void add_instances(Translator& translator, const nb::kwargs& keywords) {
   Arguments arguments(keywords, "add_instances");
   InstancesInput input;
   input.path = arguments.value<std::string>("path", "a str");
   input.prototype = arguments.value<std::uint32_t>("prototype", "an int");
-  const std::span<const double> times01 = arguments.times("times01");
-  input.times01.assign(times01.begin(), times01.end());
-  input.matrices = elements<Matrix4d>(arguments.keep(
-      checked_array<double>(arguments.required("matrices"), "matrices", {times01.size(), kAnySize, 4, 4})));
+  const Levels levels = levels_from(arguments, "add_instances", input);
+  input.visible = visible_from(arguments);
   const nb::object colors = arguments.optional("display_color");
   if (!colors.is_none()) input.display_color = arguments.floats<Vec3f>(colors, "display_color");
   arguments.expect_no_more();
   nb::gil_scoped_release release;
   translator.add_instances(input);
+}
+
+double pixels_per_unit(const Translator& translator, const nb::kwargs& keywords) {
+  Arguments arguments(keywords, "pixels_per_unit");
+  InstancesInput input;
+  const Levels levels = levels_from(arguments, "pixels_per_unit", input);
+  const AnyArray box = checked_array<double>(arguments.required("box"), "box", {2, 3});
+  arguments.expect_no_more();
+  const std::span<const Vec3d> ends = elements<Vec3d>(box);
+  const Box3d bounds{ends[0], ends[1]};
+  nb::gil_scoped_release release;
+  return translator.pixels_per_unit(input, bounds);
 }
 
 std::uint32_t add_material(Translator& translator, const nb::kwargs& keywords) {
@@ -191,7 +307,7 @@ nb::dict scene_statistics(const SceneHandle& handle) {
   std::size_t triangles = 0, keys = 0, instances = 0;
   for (const Mesh& mesh : scene.meshes) {
     triangles += mesh.shape.triangles.size();
-    keys += key_count(mesh.shape.segments);
+    keys += mesh.shape.form().controls();
   }
   for (const InstanceSet& set : scene.instances) {
     instances += instance_count(set);
@@ -215,7 +331,14 @@ void bind_reports(nb::module_& m) {
       .def_ro("message", &Diagnostic::message);
   nb::class_<TrackReport>(m, "TrackReport")
       .def_ro("path", &TrackReport::path)
+      .def_ro("source", &TrackReport::source)
+      .def_ro("rule", &TrackReport::rule)
       .def_ro("segments", &TrackReport::segments)
+      .def_ro("degree", &TrackReport::degree)
+      .def_ro("clock", &TrackReport::clock)
+      .def_ro("hidden_partly", &TrackReport::hidden_partly)
+      .def_ro("bytes", &TrackReport::bytes)
+      .def_ro("count", &TrackReport::count)
       .def_ro("moving_transform", &TrackReport::moving_transform)
       .def_ro("error_pixels", &TrackReport::error_pixels);
   nb::class_<SceneHandle>(m, "Scene").def("statistics", &scene_statistics);
@@ -235,7 +358,8 @@ void bind_translator(nb::module_& m) {
              new (self) Translator(camera, settings);
            })
       .def("add_mesh", &add_mesh)
-      .def("begin_prototype", &Translator::begin_prototype, nb::arg("path"))
+      .def("begin_prototype", &Translator::begin_prototype, nb::arg("path"), nb::arg("pixels_per_unit") = 0.0)
+      .def("pixels_per_unit", &pixels_per_unit)
       .def("add_prototype_mesh", &add_prototype_mesh, nb::arg("prototype"), nb::arg("mesh"))
       .def("add_instances", &add_instances)
       .def("add_material", &add_material)

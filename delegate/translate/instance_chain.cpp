@@ -1,0 +1,140 @@
+#include "delegate/translate/instance_chain.h"
+
+#include <algorithm>
+
+#include "core/base/lerp.h"
+#include "delegate/translate/time_samples.h"
+#include "delegate/translate/transform_samples.h"
+
+namespace msbvh::translate {
+namespace {
+
+constexpr const char* kMatrices = "instance transforms";
+
+// Matrices that the front-end evaluated.
+class MatrixLevel final : public ChainLevel {
+ public:
+  explicit MatrixLevel(const InstanceLevel& level)
+      : level_(level),
+        count_(level.matrices.size() / level.times01.size()),
+        range_(samples_of_shutter(level.times01, level.held)),
+        still_(compare()) {}
+
+  std::size_t count() const override { return count_; }
+  bool is_still() const override { return still_; }
+  std::vector<Bend> bends() const override {
+    std::vector<Bend> result;
+    if (still_) return result;
+    for (const double time01 : level_.bends01 ? *level_.bends01 : level_.times01) {
+      result.push_back({time01, level_.held});
+    }
+    return normalized_bends(std::move(result));
+  }
+  std::unique_ptr<LevelInstant> at(double time01, double within) const override {
+    const std::span<const double> times = std::span(level_.times01).subspan(range_.first, range_.count());
+    const Bracket at = bracket(times, level_.held ? within : time01, level_.held);
+    const auto matrices = [&](std::size_t time) {
+      return level_.matrices.subspan((range_.first + time) * count_, count_);
+    };
+    return std::make_unique<Instant>(matrices(at.first), matrices(at.second), at.w);
+  }
+  std::string rule() const override {
+    if (still_) return "still";
+    return level_.held ? "transforms held from sample to sample" : "transforms of the stage's own evaluation";
+  }
+
+ private:
+  class Instant final : public LevelInstant {
+   public:
+    Instant(std::span<const Matrix4d> first, std::span<const Matrix4d> second, double w)
+        : first_(first), second_(second), w_(w) {}
+    Affine3d map(std::size_t index) const override {
+      const Affine3d a = affine_from(first_[index]);
+      return w_ == 0.0 ? a : lerp(a, affine_from(second_[index]), w_);
+    }
+
+   private:
+    std::span<const Matrix4d> first_, second_;
+    double w_;
+  };
+
+  // Compares values: matrices that do not change over many samples are still.
+  bool compare() const {
+    const Matrix4d* first = level_.matrices.data() + range_.first * count_;
+    for (std::size_t i = range_.first + 1; i <= range_.last; ++i) {
+      if (!std::equal(first, first + count_, level_.matrices.data() + i * count_)) return false;
+    }
+    return true;
+  }
+
+  const InstanceLevel& level_;
+  std::size_t count_;
+  SampleRange range_;
+  bool still_;
+};
+
+}  // namespace
+
+std::unique_ptr<ChainLevel> make_matrix_level(const InstanceLevel& level, PrimLog& log) {
+  if (!check_times(level.times01, kMatrices, log)) return nullptr;
+  if (level.matrices.size() % level.times01.size() != 0) {
+    log.reject(kMatrices, message("found ", level.matrices.size(), " matrices; expected a multiple of ",
+                                  level.times01.size(), ", the number of times"));
+    return nullptr;
+  }
+  return std::make_unique<MatrixLevel>(level);
+}
+
+std::optional<InstanceChain> InstanceChain::make(const std::vector<InstanceLevel>& levels, PrimLog& log) {
+  InstanceChain chain;
+  for (const InstanceLevel& level : levels) {
+    chain.levels_.push_back(level.points ? make_point_level(level, log) : make_matrix_level(level, log));
+    if (!chain.levels_.back()) return std::nullopt;
+    chain.count_ *= chain.levels_.back()->count();
+  }
+  return chain;
+}
+
+bool InstanceChain::is_still() const {
+  return std::ranges::all_of(levels_, [](const auto& level) { return level->is_still(); });
+}
+
+std::vector<Bend> InstanceChain::bends() const {
+  std::vector<Bend> result;
+  for (const auto& level : levels_) {
+    const std::vector<Bend> more = level->bends();
+    result.insert(result.end(), more.begin(), more.end());
+  }
+  return normalized_bends(std::move(result));
+}
+
+std::string InstanceChain::rule() const {
+  std::string rule;
+  for (const auto& level : levels_) {
+    const std::string next = level->rule();
+    if (next == "still" || rule.find(next) != std::string::npos) continue;
+    rule += (rule.empty() ? "" : "; ") + next;
+  }
+  return rule.empty() ? "still" : rule;
+}
+
+InstanceChain::Instant InstanceChain::at(double time01, double within) const {
+  Instant instant;
+  for (const auto& level : levels_) {
+    instant.levels_.push_back(level->at(time01, within));
+    instant.counts_.push_back(level->count());
+  }
+  return instant;
+}
+
+Affine3d InstanceChain::Instant::map(std::size_t instance) const {
+  Affine3d result;
+  for (std::size_t i = 0; i < levels_.size(); ++i) {
+    const Affine3d own = levels_[i]->map(instance % counts_[i]);
+    result = i == 0 ? own : own * result;
+    instance /= counts_[i];
+  }
+  return result;
+}
+
+}  // namespace msbvh::translate

@@ -1,0 +1,69 @@
+// How a track's segments lie in the shutter, and which layouts a fit may choose from.
+//
+// Even layouts have keys at i / 2^k. A layout with bends puts keys where the motion bends, at whatever times
+// that is, and leaves out the segment between two keys where it jumps; it comes with the clock that the
+// renderer then needs (core/motion/clock.h).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/motion/clock.h"
+#include "core/motion/track.h"
+#include "delegate/translate/inputs.h"
+
+namespace msbvh::translate {
+
+// A time within (0, 1) at which motion changes its direction or, `jump`, its place.
+struct Bend {
+  double time01;
+  bool jump = false;
+  bool operator==(const Bend&) const = default;
+};
+
+// The shutter time that a segment covers. Unused ones lie between two pieces; no ray comes there.
+struct LayoutSegment {
+  double begin01, end01;
+  bool used = true;
+
+  double at(double w) const { return (1.0 - w) * begin01 + w * end01; }
+  double middle() const { return at(0.5); }
+};
+
+class TimeLayout {
+ public:
+  static TimeLayout even(std::uint32_t segments) { return TimeLayout(segments); }
+  // Each stretch between bends takes 2^split segments. Nothing if that takes more than `max_segments`.
+  static std::optional<TimeLayout> with_bends(std::span<const Bend> bends, std::uint32_t split,
+                                              std::uint32_t max_segments);
+
+  std::uint32_t segments() const { return segments_; }
+  bool is_even() const { return uneven_.empty(); }
+  LayoutSegment segment(std::uint32_t i) const;
+  // Shutter time of a place of the track's own time, and the segment whose side of a jump it is on.
+  struct Place {
+    double time01;
+    LayoutSegment segment;
+  };
+  Place place(double local01) const;
+  // The shutter's own for even layouts.
+  Clock clock() const;
+
+ private:
+  explicit TimeLayout(std::uint32_t segments) : segments_(segments) {}
+
+  std::uint32_t segments_;
+  std::vector<LayoutSegment> uneven_;  // of them; empty: even
+};
+
+// `clock`, hidden outside the intervals.
+Clock with_visibility(const Clock& clock, std::span<const VisibleInterval> visible);
+
+// Sorted, within (0, 1), those within kSameTime of each other one.
+inline constexpr double kSameTime = 1e-9;
+std::vector<Bend> normalized_bends(std::vector<Bend> bends);
+
+}  // namespace msbvh::translate
