@@ -10,7 +10,7 @@
 namespace msbvh {
 namespace {
 
-constexpr std::array<std::pair<Effect, const char*>, 9> kNames{{
+constexpr std::array<std::pair<Effect, const char*>, 10> kNames{{
     {Effect::kDeformingKeys, "deforming keys"},
     {Effect::kInstances, "instances"},
     {Effect::kMovingInstances, "moving instances"},
@@ -20,6 +20,7 @@ constexpr std::array<std::pair<Effect, const char*>, 9> kNames{{
     {Effect::kAreaLights, "area lights"},
     {Effect::kDomeLight, "dome light"},
     {Effect::kIndirectLight, "indirect light"},
+    {Effect::kLens, "lens"},
 }};
 
 // Collects the first reason of each effect.
@@ -105,6 +106,23 @@ void plan_light(const Light& light, Planner& planner) {
   }
 }
 
+std::string range_phrase(float a, float b) {
+  return a == b ? phrase(a, "") : phrase(a, " to ") + phrase(b, "");
+}
+
+void plan_camera(const Camera& camera, Planner& planner) {
+  if (camera.segments > 0) {
+    planner.add(Effect::kCameraMotion, camera.name, segments_phrase(camera.segments));
+  }
+  const bool open = std::any_of(camera.lens.begin(), camera.lens.end(),
+                                [](const Lens& lens) { return lens.radius > 0.0f; });
+  if (!open) return;
+  const Lens &first = camera.lens.front(), &last = camera.lens.back();
+  planner.add(Effect::kLens, camera.name,
+              "radius " + range_phrase(first.radius, last.radius) + ", focus at " +
+                  range_phrase(first.focus_distance, last.focus_distance));
+}
+
 }  // namespace
 
 const char* effect_name(Effect effect) {
@@ -118,9 +136,7 @@ EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings) {
   Planner planner;
   plan_meshes(scene, planner);
   plan_instances(scene, planner);
-  if (scene.camera.segments > 0) {
-    planner.add(Effect::kCameraMotion, scene.camera.name, segments_phrase(scene.camera.segments));
-  }
+  plan_camera(scene.camera, planner);
   for (const Light& light : scene.lights) plan_light(light, planner);
   if (settings.max_bounces > 0) {
     planner.add(Effect::kIndirectLight, "",

@@ -24,6 +24,8 @@ bool is_finite(const ScreenWindow& w) {
   return is_finite(w.left) && is_finite(w.right) && is_finite(w.bottom) && is_finite(w.top);
 }
 
+bool is_finite(const Lens& lens) { return is_finite(lens.radius) && is_finite(lens.focus_distance); }
+
 template <typename T>
 void expect_all_finite(const std::vector<T>& values, const std::string& part, const std::string& attribute) {
   const auto bad = std::find_if(values.begin(), values.end(), [](const T& v) { return !is_finite(v); });
@@ -124,11 +126,24 @@ void check_window(const ScreenWindow& window, const std::string& part) {
          "left and right, bottom and top to differ");
 }
 
+void check_lens(const Camera& camera, const std::string& part) {
+  if (camera.lens.empty()) return;
+  expect(camera.projection == Projection::kPerspective, part, "lens", "one on an orthographic camera",
+         "none: its rays are parallel");
+  expect_track(camera.lens, camera.segments, part, "lens");
+  for (const Lens& lens : camera.lens) {
+    expect(lens.radius >= 0.0f, part, "lens radius", std::to_string(lens.radius), "a number of at least 0");
+    expect(lens.focus_distance > 0.0f, part, "focusDistance", std::to_string(lens.focus_distance),
+           "a distance above 0");
+  }
+}
+
 void check_camera(const Camera& camera) {
   const std::string part = camera.name.empty() ? "camera" : camera.name;
   expect_track(camera.world_from_camera, camera.segments, part, "worldFromCamera");
   expect_track(camera.window, camera.segments, part, "window");
   for (const ScreenWindow& window : camera.window) check_window(window, part);
+  check_lens(camera, part);
   for (const Affine3f& m : camera.world_from_camera) {
     expect(m.determinant() != 0.0f, part, "worldFromCamera", "a singular matrix", "one that can be inverted");
   }

@@ -107,6 +107,12 @@ struct ScreenWindow {
   float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;
 };
 
+// A thin lens at the eye, across the camera's z axis, in camera space.
+struct Lens {
+  float radius = 0.0f;          // of its aperture, a disc
+  float focus_distance = 1.0f;  // along -z, of the plane in focus
+};
+
 enum class Projection : std::uint8_t { kPerspective, kOrthographic };
 
 // Looks along -z with y up, as USD cameras do.
@@ -116,7 +122,8 @@ struct Camera {
   std::uint32_t segments = 0;
   std::vector<Affine3f> world_from_camera;  // key_count(segments), rigid or not
   std::vector<ScreenWindow> window;         // key_count(segments)
-  float near_clip = 1.0f;                   // distances along -z; geometry outside is not seen by camera rays
+  std::vector<Lens> lens;                   // empty: a pinhole; else key_count(segments), perspective only
+  float near_clip = 1.0f;                   // distances along -z; what lies outside is not seen by camera rays
   float far_clip = 1.0e6f;
 };
 

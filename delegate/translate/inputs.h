@@ -74,11 +74,12 @@ struct InstancesInput {
   std::span<const Vec3f> display_color;  // empty, or one an instance
 };
 
-// One time of a camera; the window as in core/scene/scene.h.
+// One time of a camera; window and lens as in core/scene/scene.h.
 struct CameraSample {
   double time01 = 0.0;
   Matrix4d world_from_camera{};
   ScreenWindow window;
+  Lens lens{};  // radius 0: a pinhole, and so it must be for an orthographic camera
 };
 
 struct CameraInput {

@@ -201,6 +201,23 @@ TEST_CASE("camera: window, matrix and clipping range") {
     camera.far_clip = 1.0f;
     CHECK(complaint(scene).find("/camera: clippingRange: found 10.000000 to 1.000000") == 0);
   }
+  SUBCASE("lens keys") {
+    camera.lens.resize(2);
+    CHECK(complaint(scene) == "/camera: lens: found 2 keys; expected 1");
+  }
+  SUBCASE("lens radius") {
+    camera.lens = {{-1.0f, 2.0f}};
+    CHECK(complaint(scene) == "/camera: lens radius: found -1.000000; expected a number of at least 0");
+  }
+  SUBCASE("focus distance") {
+    camera.lens = {{1.0f, 0.0f}};
+    CHECK(complaint(scene) == "/camera: focusDistance: found 0.000000; expected a distance above 0");
+  }
+  SUBCASE("no lens for parallel rays") {
+    camera.projection = Projection::kOrthographic;
+    camera.lens = {{1.0f, 2.0f}};
+    CHECK(complaint(scene).find("/camera: lens: found one on an orthographic camera") == 0);
+  }
   SUBCASE("negative near distance: orthographic only") {
     camera.near_clip = -1.0f;
     CHECK(complaint(scene) != "");

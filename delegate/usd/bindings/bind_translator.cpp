@@ -50,6 +50,17 @@ TransformSamples transform_from(Arguments& arguments, const char* times, const c
   return {{times01.begin(), times01.end()}, arguments.matrices(matrices, times01.size())};
 }
 
+// Radius and focus distance at each time; a pinhole where none is given.
+std::vector<Lens> lenses_from(Arguments& arguments, std::size_t count) {
+  std::vector<Lens> lenses(count);
+  const nb::object given = arguments.optional("lenses");
+  if (given.is_none()) return lenses;
+  const AnyArray array = checked_array<float>(given, "lenses", {count, 2});
+  const std::span<const float> values = elements<float>(array);
+  for (std::size_t i = 0; i < count; ++i) lenses[i] = {values[2 * i], values[2 * i + 1]};
+  return lenses;
+}
+
 CameraInput camera_from(Arguments& arguments) {
   CameraInput camera;
   camera.path = arguments.value<std::string>("path", "a str");
@@ -59,9 +70,10 @@ CameraInput camera_from(Arguments& arguments) {
   const TransformSamples transform = transform_from(arguments, "times01", "world_from_camera");
   const AnyArray windows =
       checked_array<float>(arguments.required("windows"), "windows", {transform.times01.size(), 4});
+  const std::vector<Lens> lenses = lenses_from(arguments, transform.times01.size());
   for (std::size_t i = 0; i < transform.times01.size(); ++i) {
     const std::span<const float> w = elements<float>(windows).subspan(4 * i, 4);
-    camera.samples.push_back({transform.times01[i], transform.matrices[i], {w[0], w[1], w[2], w[3]}});
+    camera.samples.push_back({transform.times01[i], transform.matrices[i], {w[0], w[1], w[2], w[3]}, lenses[i]});
   }
   return camera;
 }

@@ -105,6 +105,7 @@ class Translator:
         times01: F64,
         world_from_camera: F64,
         windows: F32,
+        lenses: F32 | None = None,
         near_clip: float,
         far_clip: float,
         width: int,
@@ -113,7 +114,8 @@ class Translator:
         max_segments: int = 128,
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
-        bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one).
+        bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one),
+        ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
 
         Raises Error for a camera or settings that cannot be used.
         """
