@@ -89,20 +89,31 @@ void plan_instances(const Scene& scene, Planner& planner) {
   }
 }
 
+// The largest at any key, which is what asks for sampling an extent.
+float largest(const Light& light, float LightValues::*size) {
+  float result = light.moving_values.empty() ? light.*size : 0.0f;
+  for (const LightValues& values : light.moving_values) result = std::max(result, values.*size);
+  return result;
+}
+
 void plan_light(const Light& light, Planner& planner) {
   const bool placeless = light.kind == LightKind::kDome || light.kind == LightKind::kCamera;
-  if (light.segments > 0 && !placeless) {
+  if (light.segments > 0 && !(placeless && light.moving_values.empty())) {
     planner.add(Effect::kMovingLights, light.name, segments_phrase(light.segments));
   }
   if (light.kind == LightKind::kDome) planner.add(Effect::kDomeLight, light.name, "constant dome");
-  if (light.kind == LightKind::kDistant && light.angle_degrees > 0.0f) {
-    planner.add(Effect::kAreaLights, light.name, phrase(light.angle_degrees, " degrees across"));
+  const float angle = largest(light, &LightValues::angle_degrees);
+  const float radius = largest(light, &LightValues::radius);
+  if (light.kind == LightKind::kDistant && angle > 0.0f) {
+    planner.add(Effect::kAreaLights, light.name, phrase(angle, " degrees across"));
   }
-  if (light.kind == LightKind::kSphere && light.radius > 0.0f) {
-    planner.add(Effect::kAreaLights, light.name, "radius " + phrase(light.radius, ""));
+  if (light.kind == LightKind::kSphere && radius > 0.0f) {
+    planner.add(Effect::kAreaLights, light.name, "radius " + phrase(radius, ""));
   }
   if (light.kind == LightKind::kRect) {
-    planner.add(Effect::kAreaLights, light.name, phrase(light.width, " x ") + phrase(light.height, ""));
+    planner.add(Effect::kAreaLights, light.name,
+                phrase(largest(light, &LightValues::width), " x ") +
+                    phrase(largest(light, &LightValues::height), ""));
   }
 }
 

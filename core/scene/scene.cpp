@@ -101,21 +101,49 @@ void expect_size(float size, const std::string& part, const std::string& attribu
          "a finite number of at least 0");
 }
 
+void check_light_values(const LightValues& values, LightKind kind, const std::string& part) {
+  expect(is_finite(values.radiance), part, "radiance", "NaN or infinity", "a finite colour");
+  if (kind == LightKind::kDistant) {
+    expect(values.angle_degrees >= 0.0f && values.angle_degrees <= 360.0f, part, "angle",
+           std::to_string(values.angle_degrees), "0 to 360 degrees");
+  } else if (kind == LightKind::kSphere) {
+    expect_size(values.radius, part, "radius");
+  } else if (kind == LightKind::kRect) {
+    expect_size(values.width, part, "width");
+    expect_size(values.height, part, "height");
+  }
+}
+
+// Between a point and a light with an extent radiance would change its meaning.
+void expect_all_points_or_none(const std::vector<LightValues>& values, float LightValues::*size,
+                               const std::string& part, const std::string& attribute) {
+  const auto is_point = [&](const LightValues& v) { return v.*size == 0.0f; };
+  expect(std::all_of(values.begin(), values.end(), is_point) ||
+             std::none_of(values.begin(), values.end(), is_point),
+         part, attribute, "0 at some keys only", "0 at all keys or at none");
+}
+
+void check_moving_values(const Light& light, const std::string& part) {
+  if (light.moving_values.empty()) return;
+  expect_segments(light.segments, part, "radiance");
+  expect(light.moving_values.size() == key_count(light.segments), part, "radiance",
+         std::to_string(light.moving_values.size()) + " keys",
+         "none or " + std::to_string(key_count(light.segments)));
+  for (const LightValues& values : light.moving_values) check_light_values(values, light.kind, part);
+  if (light.kind == LightKind::kSphere) {
+    expect_all_points_or_none(light.moving_values, &LightValues::radius, part, "radius");
+  } else if (light.kind == LightKind::kDistant) {
+    expect_all_points_or_none(light.moving_values, &LightValues::angle_degrees, part, "angle");
+  }
+}
+
 void check_light(const Light& light, const std::string& part) {
-  expect(is_finite(light.radiance), part, "radiance", "NaN or infinity", "a finite colour");
+  check_light_values(light, light.kind, part);
+  check_moving_values(light, part);
   // Neither has a place of its own, so that it may come without a transform.
   const bool placeless = light.kind == LightKind::kDome || light.kind == LightKind::kCamera;
   if (!placeless || !light.world_from_light.empty()) {
     expect_track(light.world_from_light, light.segments, part, "worldFromLight");
-  }
-  if (light.kind == LightKind::kDistant) {
-    expect(light.angle_degrees >= 0.0f && light.angle_degrees <= 360.0f, part, "angle",
-           std::to_string(light.angle_degrees), "0 to 360 degrees");
-  } else if (light.kind == LightKind::kSphere) {
-    expect_size(light.radius, part, "radius");
-  } else if (light.kind == LightKind::kRect) {
-    expect_size(light.width, part, "width");
-    expect_size(light.height, part, "height");
   }
 }
 

@@ -87,9 +87,8 @@ enum class LightKind : std::uint8_t {
              // shadow
 };
 
-struct Light {
-  std::string name;
-  LightKind kind = LightKind::kDistant;
+// What a light gives, and how large it is.
+struct LightValues {
   // Radiance leaving the light (distant: see normalize in UsdLux; intensity, exposure, colour and
   // normalisation are already multiplied in by the front-end). Point lights (radius 0): radiant intensity.
   Vec3f radiance{1.0f, 1.0f, 1.0f};
@@ -97,8 +96,16 @@ struct Light {
   float radius = 0.5f;
   float width = 1.0f;
   float height = 1.0f;
+  bool operator==(const LightValues&) const = default;
+};
+
+struct Light : LightValues {  // its values while nothing but the transform moves
+  std::string name;
+  LightKind kind = LightKind::kDistant;
   std::uint32_t segments = 0;
   std::vector<Affine3f> world_from_light;  // key_count(segments)
+  // Empty, or key_count(segments): taken instead. A radius or angle that is 0 at one key is so at all of them.
+  std::vector<LightValues> moving_values;
 };
 
 // The part of the image plane that the image shows, at unit distance from the eye for a perspective camera,

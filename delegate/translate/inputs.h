@@ -91,8 +91,12 @@ struct CameraInput {
 };
 
 struct LightInput {
-  Light light;  // all but `segments` and `world_from_light`
+  Light light;  // name, kind, and its values where none are sampled
   TransformSamples world_from_light;
+  // Values at increasing times, linear between them; two within kJumpTime01 (value_track.h) make a jump. None:
+  // still. A radius or angle that is 0 in one sample must be so in all.
+  std::vector<double> values_times01;
+  std::vector<LightValues> values;
 };
 
 }  // namespace msbvh::translate

@@ -87,6 +87,22 @@ TEST_CASE("each effect comes with the first prim that asks for it") {
   }
 }
 
+TEST_CASE("a light whose values move is a moving light, a dome as well, and its largest size counts") {
+  Scene scene = still_scene();
+  scene.lights = {light("/dome", LightKind::kDome), light("/sphere", LightKind::kSphere)};
+  for (Light& moving : scene.lights) {
+    moving.segments = 1;
+    moving.world_from_light.resize(2);
+    moving.moving_values.resize(2);
+  }
+  scene.lights[1].moving_values[1].radius = 2.5f;
+  const EffectPlan plan = plan_effects(scene, {.max_bounces = 0});
+  REQUIRE(plan.why.size() == 3);
+  CHECK(plan.why[0].effect == Effect::kMovingLights);
+  CHECK(plan.why[0].prim == "/dome");
+  CHECK(plan.why[1].why == "radius 2.5");
+}
+
 TEST_CASE("a closed lens asks for nothing; one that moves says so") {
   Scene scene = still_scene();
   scene.camera.lens = {{0.0f, 5.0f}};

@@ -165,6 +165,22 @@ TEST_CASE("lights: tracks and sizes") {
     light.world_from_light.clear();
     CHECK(complaint(scene) == "");
   }
+  SUBCASE("values by key") {
+    light.moving_values.resize(2);
+    CHECK(complaint(scene) == "/light: radiance: found 2 keys; expected none or 1");
+    light.moving_values.resize(1);
+    CHECK(complaint(scene) == "");
+    light.moving_values[0].radiance.x = kNan;
+    CHECK(complaint(scene).find("/light: radiance: found NaN") == 0);
+  }
+  SUBCASE("a point that becomes a sphere") {
+    light.kind = LightKind::kSphere;
+    light.segments = 1;
+    light.world_from_light.resize(2);
+    light.moving_values.resize(2);
+    light.moving_values[0].radius = 0.0f;
+    CHECK(complaint(scene) == "/light: radius: found 0 at some keys only; expected 0 at all keys or at none");
+  }
   SUBCASE("angle") {
     light.angle_degrees = -1.0f;
     CHECK(complaint(scene) == "/light: angle: found -1.000000; expected 0 to 360 degrees");

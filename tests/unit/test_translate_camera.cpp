@@ -1,4 +1,4 @@
-// The camera's track and its checks, and lights.
+// The camera's track and its checks.
 #include <cmath>
 #include <doctest/doctest.h>
 #include <limits>
@@ -37,14 +37,6 @@ void check_throws(const CameraInput& camera, const TranslatorSettings& settings,
     CHECK(what.find("expected") != std::string::npos);
     CHECK(what.find('\n') == std::string::npos);
   }
-}
-
-LightInput light_of(LightKind kind, const TransformSamples& transform) {
-  LightInput input;
-  input.light.name = "/light";
-  input.light.kind = kind;
-  input.world_from_light = transform;
-  return input;
 }
 
 }  // namespace
@@ -206,54 +198,5 @@ TEST_SUITE("translate: camera") {
       settings.max_segments = 100;
       check_throws(camera, settings, "max_segments: found 100");
     }
-  }
-}
-
-TEST_SUITE("translate: lights") {
-  TEST_CASE("lights move with the fewest keys; the direction of a distant one does not depend on its place") {
-    Translator translator(camera_at({}), settings_of());
-    const auto slide = [](double u) { return translation({1e9 * u, 0, -5}); };
-    translator.add_light(light_of(LightKind::kDistant, sampled(slide, {0.0, 1.0})));
-    translator.add_light(light_of(LightKind::kSphere, sampled(
-                                                          [](double u) {
-                                                            return translation({u, 0, -5});
-                                                          },
-                                                          {0.0, 1.0})));
-    translator.add_light(
-        light_of(LightKind::kDome, sampled([](double u) { return rotation(90 * u); }, uniform_times(64))));
-    CHECK(translator.diagnostics().empty());
-    const auto scene = translator.finish();
-    validate(*scene);
-    REQUIRE(scene->lights.size() == 3);
-    CHECK(scene->lights[0].segments == 0);
-    CHECK(scene->lights[1].segments == 1);
-    CHECK(scene->lights[1].world_from_light[1].t == Vec3f{1, 0, -5});
-    CHECK(scene->lights[2].segments >= 16);
-  }
-
-  TEST_CASE("lights that cannot be used are left out with an error") {
-    Translator translator(camera_at({}), settings_of());
-    LightInput dark = light_of(LightKind::kSphere, still());
-    dark.light.radius = -1;
-    translator.add_light(dark);
-    LightInput blazing = light_of(LightKind::kDome, still());
-    blazing.light.radiance.x = std::numeric_limits<float>::infinity();
-    translator.add_light(blazing);
-    translator.add_light(light_of(LightKind::kRect, {}));
-    CHECK(count(translator, Severity::kError, "inputs:radius") == 1);
-    CHECK(count(translator, Severity::kError, "inputs:intensity") == 1);
-    CHECK(count(translator, Severity::kError, "xformOpOrder") == 1);
-    CHECK(translator.finish()->lights.empty());
-  }
-
-  TEST_CASE("a material that is not finite becomes the default one and keeps its index") {
-    Translator translator(camera_at({}), settings_of());
-    Material broken;
-    broken.name = "/broken";
-    broken.opacity = std::numeric_limits<float>::quiet_NaN();
-    CHECK(translator.add_material(broken) == 0);
-    CHECK(translator.add_material({}) == 1);
-    CHECK(count(translator, Severity::kWarning, "inputs") == 1);
-    validate(*translator.finish());
   }
 }

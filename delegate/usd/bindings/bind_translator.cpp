@@ -182,6 +182,20 @@ std::uint32_t add_material(Translator& translator, const nb::kwargs& keywords) {
   return translator.add_material(material);
 }
 
+// Radiance and sizes (angle in degrees, radius, width, height) at times; none: still.
+void add_light_samples(Arguments& arguments, LightInput& input) {
+  if (arguments.optional("values_times01").is_none()) return;
+  const std::span<const double> times01 = arguments.times("values_times01");
+  const AnyArray radiances =
+      checked_array<float>(arguments.required("radiances"), "radiances", {times01.size(), 3});
+  const AnyArray sizes = checked_array<float>(arguments.required("sizes"), "sizes", {times01.size(), 4});
+  input.values_times01.assign(times01.begin(), times01.end());
+  for (std::size_t i = 0; i < times01.size(); ++i) {
+    const std::span<const float> size = elements<float>(sizes).subspan(4 * i, 4);
+    input.values.push_back({elements<Vec3f>(radiances)[i], size[0], size[1], size[2], size[3]});
+  }
+}
+
 void add_light(Translator& translator, const nb::kwargs& keywords) {
   Arguments arguments(keywords, "add_light");
   LightInput input;
@@ -194,6 +208,7 @@ void add_light(Translator& translator, const nb::kwargs& keywords) {
   light.width = arguments.value<float>("width", "a float");
   light.height = arguments.value<float>("height", "a float");
   input.world_from_light = transform_from(arguments, "times01", "world_from_light");
+  add_light_samples(arguments, input);
   arguments.expect_no_more();
   translator.add_light(input);
 }

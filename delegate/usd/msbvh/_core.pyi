@@ -152,7 +152,13 @@ class Translator:
         height: float,
         times01: F64,
         world_from_light: F64,
-    ) -> None: ...
+        values_times01: F64 | None = None,
+        radiances: F32 | None = None,
+        sizes: F32 | None = None,
+    ) -> None:
+        """``world_from_light`` [T, 4, 4] at times01 [T]. Where a light's values change inside the shutter,
+        ``radiances`` [V, 3] and ``sizes`` [V, 4] (angle_degrees, radius, width, height) at
+        ``values_times01`` [V] are taken instead of the still ones. Two samples within 2e-6 make a jump."""
     @property
     def empty(self) -> bool:
         """Whether there is nothing that could be seen."""

@@ -46,6 +46,11 @@ class Shutter:
         return Usd.TimeCode.Default() if self.frame is None else Usd.TimeCode(self.frame)
 
     @property
+    def frame01(self) -> float:
+        """The frame's time, or the shutter's end that is next to it; 0 where nothing moves."""
+        return min(max(self.time01(self.frame), 0.0), 1.0) if self.moving else 0.0
+
+    @property
     def interval(self) -> Gf.Interval:
         """The open shutter in time codes. Only for a moving one."""
         return Gf.Interval(self.frame + self.open, self.frame + self.close)
