@@ -41,10 +41,18 @@ struct ArraySamples {
 };
 
 template <typename T>
+struct PrimvarSample {
+  double time01 = 0.0;
+  std::span<const T> values;
+};
+
+template <typename T>
 struct PrimvarInput {
   std::string interpolation = "constant";  // USD's token: constant, uniform, varying, vertex, faceVarying
-  std::span<const T> values;               // empty: not authored
-  std::span<const int> indices;            // empty: not indexed
+  std::span<const T> values;               // at the frame; empty: not authored
+  std::span<const int> indices;            // at the frame; empty: not indexed
+  // At increasing times, linear between them; two within kJumpTime01 (value_track.h) make a jump. None: still.
+  std::vector<PrimvarSample<T>> samples{};
 };
 
 enum class Normals : std::uint8_t { kFaceted, kSmooth };  // what to compute where none are authored

@@ -69,6 +69,21 @@ std::vector<Mix> key_mixes(std::span<const double> times01, std::uint32_t segmen
   return mixes;
 }
 
+Mix track_minus_samples(const std::vector<Mix>& keys, std::span<const double> times01, double time01) {
+  constexpr double kRounding = 1e-12;
+  std::vector<double> weights(times01.size(), 0.0);
+  const auto segments = std::uint32_t(keys.size() - 1);
+  const TrackTime at = locate_key(time01, segments);
+  for (const Share& share : keys[at.key]) weights[share.sample] += (1.0 - at.w) * share.weight;
+  for (const Share& share : keys[std::min(at.key + 1, segments)]) weights[share.sample] += at.w * share.weight;
+  for (const Share& share : mix_at(times01, time01)) weights[share.sample] -= share.weight;
+  Mix difference;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    if (std::abs(weights[i]) > kRounding) difference.push_back({i, weights[i]});
+  }
+  return difference;
+}
+
 void Deviation::add(double time01, const Vec3d& difference) {
   integral_ += (last_ + difference) * (0.5 * (time01 - last_time01_));
   last_time01_ = time01;

@@ -37,6 +37,10 @@ enum class Keys : std::uint8_t {
 // key_count(segments) mixes.
 std::vector<Mix> key_mixes(std::span<const double> times01, std::uint32_t segments, Keys keys);
 
+// What a track of these keys has at a time beyond what the samples say: weights that sum to 0. Empty where they
+// agree.
+Mix track_minus_samples(const std::vector<Mix>& keys, std::span<const double> times01, double time01);
+
 // How far a track strays from its samples, fed with their difference at increasing times that begin at 0. Of
 // sampled keys the largest difference. Of averaged keys, which a jump spreads in time, the largest of the
 // integrals from the shutter's opening: how much too early or too late light comes, in the difference's unit

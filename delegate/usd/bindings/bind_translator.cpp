@@ -91,7 +91,23 @@ TranslatorSettings settings_from(Arguments& arguments) {
   return settings;
 }
 
-// (interpolation, values, indices or None), or None.
+// A list of (time, array) in place of the values: samples over the shutter. The one in force at its centre
+// stands for the frame's.
+template <typename T>
+void primvar_samples_from(Arguments& arguments, const char* name, nb::handle list, PrimvarInput<T>& primvar) {
+  for (const nb::handle item : list) {
+    PrimvarSample<T> sample;
+    if (!nb::isinstance<nb::tuple>(item) || nb::len(item) != 2 || !nb::try_cast(item[0], sample.time01)) {
+      arguments.fail(name, item, "(time, array) for each sample");
+    }
+    const std::string part = std::string(name) + "[1][" + std::to_string(primvar.samples.size()) + "][1]";
+    sample.values = arguments.floats<T>(item[1], part);
+    if (primvar.samples.empty() || sample.time01 <= 0.5) primvar.values = sample.values;
+    primvar.samples.push_back(sample);
+  }
+}
+
+// (interpolation, values or samples, indices or None), or None.
 template <typename T>
 PrimvarInput<T> primvar_from(Arguments& arguments, const char* name) {
   PrimvarInput<T> primvar;
@@ -101,7 +117,11 @@ PrimvarInput<T> primvar_from(Arguments& arguments, const char* name) {
       !nb::try_cast(given[0], primvar.interpolation)) {
     arguments.fail(name, given, "(interpolation, values, indices or None)");
   }
-  primvar.values = arguments.floats<T>(given[1], std::string(name) + "[1]");
+  if (nb::isinstance<nb::list>(given[1])) {
+    primvar_samples_from(arguments, name, given[1], primvar);
+  } else {
+    primvar.values = arguments.floats<T>(given[1], std::string(name) + "[1]");
+  }
   if (!nb::object(given[2]).is_none()) {
     primvar.indices =
         elements<int>(arguments.keep(checked_array<int>(given[2], std::string(name) + "[2]", {kAnySize})));

@@ -86,10 +86,11 @@ class MeshArguments(TypedDict, total=False):
     normals_indices: I32 | None
     computed_normals: Literal["faceted", "smooth"]
     """What to take where no normals are authored."""
-    display_color: tuple[str, F32, I32 | None] | None
-    """(interpolation, float32[K, 3], indices)."""
-    display_opacity: tuple[str, F32, I32 | None] | None
-    """(interpolation, float32[K], indices)."""
+    display_color: tuple[str, F32 | list[tuple[float, F32]], I32 | None] | None
+    """(interpolation, float32[K, 3], indices); a list of (time01, float32[K, 3]) where it changes inside the
+    shutter. Two samples within 2e-6 make a jump."""
+    display_opacity: tuple[str, F32 | list[tuple[float, F32]], I32 | None] | None
+    """(interpolation, float32[K] or such samples, indices)."""
     material: int | None
     """From Translator.add_material."""
 

@@ -8,13 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
 
-from .times import FINEST_LEVEL, Shutter
+from .times import FINEST_LEVEL, JUMP_TIME01, Shutter
 
 SIZES = {"angle": 0.53, "radius": 0.5, "width": 1.0, "height": 1.0}
 """Inputs by which lights differ in size, with the values of those that have none. Degrees and stage units."""
-
-JUMP_TIME01 = 1e-6
-"""How long before a change at once its last old value is sampled: half the translator's kJumpTime01."""
 
 SMALLEST_SHARE = 1e-3
 """Of its largest value over the shutter: where a size passes 0, it is taken as that share of it. A light

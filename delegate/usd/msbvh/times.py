@@ -24,6 +24,9 @@ COARSE_LEVEL = 3
 FINEST_LEVEL = 7
 """2^7 intervals: the most segments a track has."""
 
+JUMP_TIME01 = 1e-6
+"""How long before a change at once its last old value is sampled: half the translator's kJumpTime01."""
+
 
 @dataclass(frozen=True)
 class Shutter:
@@ -107,7 +110,7 @@ class TimeGrid:
         self._levels: dict[int, list[float]] = {}
         if shutter.moving:
             inside = sorted({shutter.time01(time) for time in authored if shutter.interval.Contains(time)})
-            jumps = [time - 1e-6 for time in inside if held and time > 1e-6]
+            jumps = [time - JUMP_TIME01 for time in inside if held and time > JUMP_TIME01]
             if len(inside) <= 2**FINEST_LEVEL:
                 self._authored = inside + jumps
 
