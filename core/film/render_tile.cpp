@@ -8,15 +8,24 @@ namespace msbvh {
 namespace {
 
 template <EffectSet kEffects>
+Ray sample_ray(const TileJob& job, const Sampler& sampler, float screen_x, float screen_y) {
+  const Camera& camera = job.frame.index.scene().camera;
+  const float time = sampler.time(job.spp);
+  if constexpr (kEffects.has(Effect::kLens)) {
+    return lens_ray(camera, screen_x, screen_y, time, sampler.pair(Dimension::kLens, 0));
+  }
+  return camera_ray(camera, screen_x, screen_y, time);
+}
+
+template <EffectSet kEffects>
 PathResult render_sample(const TileJob& job, std::uint32_t x, std::uint32_t y, std::uint32_t sample,
                          std::uint64_t& rays) {
   const Sampler sampler(job.seed, x, y, sample);
   const Point2 in_pixel = sampler.pixel_position();
   const float screen_x = (static_cast<float>(x) + in_pixel.x) / static_cast<float>(job.width);
   const float screen_y = (static_cast<float>(y) + in_pixel.y) / static_cast<float>(job.height);
-  PathTracer<kEffects> path(job.frame, sampler);
-  const PathResult result =
-      path.trace(camera_ray(job.frame.index.scene().camera, screen_x, screen_y, sampler.time(job.spp)));
+  PathTracer<kEffects.without(Effect::kLens)> path(job.frame, sampler);
+  const PathResult result = path.trace(sample_ray<kEffects>(job, sampler, screen_x, screen_y));
   rays += path.rays();
   return result;
 }
@@ -45,17 +54,21 @@ std::uint64_t render_tile(const TileJob& job, const Tile& tile, float* rgba) {
   return rays;
 }
 
+// One kernel for every subset of the effects that change it.
+template <EffectSet kChosen>
+RenderTile choose(EffectSet) {
+  return render_tile<kChosen>;
+}
+template <EffectSet kChosen, Effect kNext, Effect... kRest>
+RenderTile choose(EffectSet effects) {
+  return effects.has(kNext) ? choose<kChosen.with(kNext), kRest...>(effects)
+                            : choose<kChosen, kRest...>(effects);
+}
+
 }  // namespace
 
 RenderTile choose_render_tile(EffectSet effects) {
-  constexpr EffectSet kNothing{};
-  constexpr EffectSet kOpaque = kNothing.with(Effect::kIndirectLight);
-  constexpr EffectSet kDirect = kNothing.with(Effect::kOpacity);
-  constexpr EffectSet kAll = kOpaque.with(Effect::kOpacity);
-  if (effects.has(Effect::kIndirectLight)) {
-    return effects.has(Effect::kOpacity) ? render_tile<kAll> : render_tile<kOpaque>;
-  }
-  return effects.has(Effect::kOpacity) ? render_tile<kDirect> : render_tile<kNothing>;
+  return choose<EffectSet{}, Effect::kIndirectLight, Effect::kOpacity, Effect::kLens>(effects);
 }
 
 }  // namespace msbvh

@@ -10,7 +10,7 @@
 namespace msbvh {
 namespace {
 
-constexpr std::array<std::pair<Effect, const char*>, 9> kNames{{
+constexpr std::array<std::pair<Effect, const char*>, 10> kNames{{
     {Effect::kDeformingKeys, "deforming keys"},
     {Effect::kInstances, "instances"},
     {Effect::kMovingInstances, "moving instances"},
@@ -20,6 +20,7 @@ constexpr std::array<std::pair<Effect, const char*>, 9> kNames{{
     {Effect::kAreaLights, "area lights"},
     {Effect::kDomeLight, "dome light"},
     {Effect::kIndirectLight, "indirect light"},
+    {Effect::kLens, "lens"},
 }};
 
 // Collects the first reason of each effect.
@@ -88,21 +89,49 @@ void plan_instances(const Scene& scene, Planner& planner) {
   }
 }
 
+// The largest at any key, which is what asks for sampling an extent.
+float largest(const Light& light, float LightValues::*size) {
+  float result = light.moving_values.empty() ? light.*size : 0.0f;
+  for (const LightValues& values : light.moving_values) result = std::max(result, values.*size);
+  return result;
+}
+
 void plan_light(const Light& light, Planner& planner) {
   const bool placeless = light.kind == LightKind::kDome || light.kind == LightKind::kCamera;
-  if (light.segments > 0 && !placeless) {
+  if (light.segments > 0 && !(placeless && light.moving_values.empty())) {
     planner.add(Effect::kMovingLights, light.name, segments_phrase(light.segments));
   }
   if (light.kind == LightKind::kDome) planner.add(Effect::kDomeLight, light.name, "constant dome");
-  if (light.kind == LightKind::kDistant && light.angle_degrees > 0.0f) {
-    planner.add(Effect::kAreaLights, light.name, phrase(light.angle_degrees, " degrees across"));
+  const float angle = largest(light, &LightValues::angle_degrees);
+  const float radius = largest(light, &LightValues::radius);
+  if (light.kind == LightKind::kDistant && angle > 0.0f) {
+    planner.add(Effect::kAreaLights, light.name, phrase(angle, " degrees across"));
   }
-  if (light.kind == LightKind::kSphere && light.radius > 0.0f) {
-    planner.add(Effect::kAreaLights, light.name, "radius " + phrase(light.radius, ""));
+  if (light.kind == LightKind::kSphere && radius > 0.0f) {
+    planner.add(Effect::kAreaLights, light.name, "radius " + phrase(radius, ""));
   }
   if (light.kind == LightKind::kRect) {
-    planner.add(Effect::kAreaLights, light.name, phrase(light.width, " x ") + phrase(light.height, ""));
+    planner.add(Effect::kAreaLights, light.name,
+                phrase(largest(light, &LightValues::width), " x ") +
+                    phrase(largest(light, &LightValues::height), ""));
   }
+}
+
+std::string range_phrase(float a, float b) {
+  return a == b ? phrase(a, "") : phrase(a, " to ") + phrase(b, "");
+}
+
+void plan_camera(const Camera& camera, Planner& planner) {
+  if (camera.segments > 0) {
+    planner.add(Effect::kCameraMotion, camera.name, segments_phrase(camera.segments));
+  }
+  const bool open = std::any_of(camera.lens.begin(), camera.lens.end(),
+                                [](const Lens& lens) { return lens.radius > 0.0f; });
+  if (!open) return;
+  const Lens &first = camera.lens.front(), &last = camera.lens.back();
+  planner.add(Effect::kLens, camera.name,
+              "radius " + range_phrase(first.radius, last.radius) + ", focus at " +
+                  range_phrase(first.focus_distance, last.focus_distance));
 }
 
 }  // namespace
@@ -118,9 +147,7 @@ EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings) {
   Planner planner;
   plan_meshes(scene, planner);
   plan_instances(scene, planner);
-  if (scene.camera.segments > 0) {
-    planner.add(Effect::kCameraMotion, scene.camera.name, segments_phrase(scene.camera.segments));
-  }
+  plan_camera(scene.camera, planner);
   for (const Light& light : scene.lights) plan_light(light, planner);
   if (settings.max_bounces > 0) {
     planner.add(Effect::kIndirectLight, "",

@@ -20,7 +20,8 @@ enum class Effect : std::uint32_t {
   kOpacity = 1u << 5,  // some surface lets light through
   kAreaLights = 1u << 6,
   kDomeLight = 1u << 7,
-  kIndirectLight = 1u << 8
+  kIndirectLight = 1u << 8,
+  kLens = 1u << 9  // depth of field
 };
 
 // A set of effects; usable as a template argument.
@@ -28,6 +29,7 @@ struct EffectSet {
   std::uint32_t bits = 0;
   constexpr bool has(Effect e) const { return (bits & static_cast<std::uint32_t>(e)) != 0; }
   constexpr EffectSet with(Effect e) const { return {bits | static_cast<std::uint32_t>(e)}; }
+  constexpr EffectSet without(Effect e) const { return {bits & ~static_cast<std::uint32_t>(e)}; }
   constexpr bool operator==(const EffectSet&) const = default;
 };
 

@@ -24,6 +24,8 @@ bool is_finite(const ScreenWindow& w) {
   return is_finite(w.left) && is_finite(w.right) && is_finite(w.bottom) && is_finite(w.top);
 }
 
+bool is_finite(const Lens& lens) { return is_finite(lens.radius) && is_finite(lens.focus_distance); }
+
 template <typename T>
 void expect_all_finite(const std::vector<T>& values, const std::string& part, const std::string& attribute) {
   const auto bad = std::find_if(values.begin(), values.end(), [](const T& v) { return !is_finite(v); });
@@ -107,21 +109,49 @@ void expect_size(float size, const std::string& part, const std::string& attribu
          "a finite number of at least 0");
 }
 
+void check_light_values(const LightValues& values, LightKind kind, const std::string& part) {
+  expect(is_finite(values.radiance), part, "radiance", "NaN or infinity", "a finite colour");
+  if (kind == LightKind::kDistant) {
+    expect(values.angle_degrees >= 0.0f && values.angle_degrees <= 360.0f, part, "angle",
+           std::to_string(values.angle_degrees), "0 to 360 degrees");
+  } else if (kind == LightKind::kSphere) {
+    expect_size(values.radius, part, "radius");
+  } else if (kind == LightKind::kRect) {
+    expect_size(values.width, part, "width");
+    expect_size(values.height, part, "height");
+  }
+}
+
+// Between a point and a light with an extent radiance would change its meaning.
+void expect_all_points_or_none(const std::vector<LightValues>& values, float LightValues::*size,
+                               const std::string& part, const std::string& attribute) {
+  const auto is_point = [&](const LightValues& v) { return v.*size == 0.0f; };
+  expect(std::all_of(values.begin(), values.end(), is_point) ||
+             std::none_of(values.begin(), values.end(), is_point),
+         part, attribute, "0 at some keys only", "0 at all keys or at none");
+}
+
+void check_moving_values(const Light& light, const std::string& part) {
+  if (light.moving_values.empty()) return;
+  expect_segments(light.segments, part, "radiance");
+  expect(light.moving_values.size() == key_count(light.segments), part, "radiance",
+         std::to_string(light.moving_values.size()) + " keys",
+         "none or " + std::to_string(key_count(light.segments)));
+  for (const LightValues& values : light.moving_values) check_light_values(values, light.kind, part);
+  if (light.kind == LightKind::kSphere) {
+    expect_all_points_or_none(light.moving_values, &LightValues::radius, part, "radius");
+  } else if (light.kind == LightKind::kDistant) {
+    expect_all_points_or_none(light.moving_values, &LightValues::angle_degrees, part, "angle");
+  }
+}
+
 void check_light(const Light& light, const std::string& part) {
-  expect(is_finite(light.radiance), part, "radiance", "NaN or infinity", "a finite colour");
+  check_light_values(light, light.kind, part);
+  check_moving_values(light, part);
   // Neither has a place of its own, so that it may come without a transform.
   const bool placeless = light.kind == LightKind::kDome || light.kind == LightKind::kCamera;
   if (!placeless || !light.world_from_light.empty()) {
     expect_track(light.world_from_light, light.segments, part, "worldFromLight");
-  }
-  if (light.kind == LightKind::kDistant) {
-    expect(light.angle_degrees >= 0.0f && light.angle_degrees <= 360.0f, part, "angle",
-           std::to_string(light.angle_degrees), "0 to 360 degrees");
-  } else if (light.kind == LightKind::kSphere) {
-    expect_size(light.radius, part, "radius");
-  } else if (light.kind == LightKind::kRect) {
-    expect_size(light.width, part, "width");
-    expect_size(light.height, part, "height");
   }
 }
 
@@ -132,11 +162,24 @@ void check_window(const ScreenWindow& window, const std::string& part) {
          "left and right, bottom and top to differ");
 }
 
+void check_lens(const Camera& camera, const std::string& part) {
+  if (camera.lens.empty()) return;
+  expect(camera.projection == Projection::kPerspective, part, "lens", "one on an orthographic camera",
+         "none: its rays are parallel");
+  expect_track(camera.lens, camera.segments, part, "lens");
+  for (const Lens& lens : camera.lens) {
+    expect(lens.radius >= 0.0f, part, "lens radius", std::to_string(lens.radius), "a number of at least 0");
+    expect(lens.focus_distance > 0.0f, part, "focusDistance", std::to_string(lens.focus_distance),
+           "a distance above 0");
+  }
+}
+
 void check_camera(const Camera& camera) {
   const std::string part = camera.name.empty() ? "camera" : camera.name;
   expect_track(camera.world_from_camera, camera.segments, part, "worldFromCamera");
   expect_track(camera.window, camera.segments, part, "window");
   for (const ScreenWindow& window : camera.window) check_window(window, part);
+  check_lens(camera, part);
   for (const Affine3f& m : camera.world_from_camera) {
     expect(m.determinant() != 0.0f, part, "worldFromCamera", "a singular matrix", "one that can be inverted");
   }

@@ -93,9 +93,8 @@ enum class LightKind : std::uint8_t {
              // shadow
 };
 
-struct Light {
-  std::string name;
-  LightKind kind = LightKind::kDistant;
+// What a light gives, and how large it is.
+struct LightValues {
   // Radiance leaving the light (distant: see normalize in UsdLux; intensity, exposure, colour and
   // normalisation are already multiplied in by the front-end). Point lights (radius 0): radiant intensity.
   Vec3f radiance{1.0f, 1.0f, 1.0f};
@@ -103,14 +102,28 @@ struct Light {
   float radius = 0.5f;
   float width = 1.0f;
   float height = 1.0f;
+  bool operator==(const LightValues&) const = default;
+};
+
+struct Light : LightValues {  // its values while nothing but the transform moves
+  std::string name;
+  LightKind kind = LightKind::kDistant;
   std::uint32_t segments = 0;
   std::vector<Affine3f> world_from_light;  // key_count(segments)
+  // Empty, or key_count(segments): taken instead. A radius or angle that is 0 at one key is so at all of them.
+  std::vector<LightValues> moving_values;
 };
 
 // The part of the image plane that the image shows, at unit distance from the eye for a perspective camera,
 // in scene units for an orthographic one. left < right, bottom < top, unless the camera mirrors.
 struct ScreenWindow {
   float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;
+};
+
+// A thin lens at the eye, across the camera's z axis, in camera space.
+struct Lens {
+  float radius = 0.0f;          // of its aperture, a disc
+  float focus_distance = 1.0f;  // along -z, of the plane in focus
 };
 
 enum class Projection : std::uint8_t { kPerspective, kOrthographic };
@@ -122,7 +135,8 @@ struct Camera {
   std::uint32_t segments = 0;
   std::vector<Affine3f> world_from_camera;  // key_count(segments), rigid or not
   std::vector<ScreenWindow> window;         // key_count(segments)
-  float near_clip = 1.0f;                   // distances along -z; geometry outside is not seen by camera rays
+  std::vector<Lens> lens;                   // empty: a pinhole; else key_count(segments), perspective only
+  float near_clip = 1.0f;                   // distances along -z; what lies outside is not seen by camera rays
   float far_clip = 1.0e6f;
 };
 

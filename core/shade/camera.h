@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/scene/scene.h"
+#include "core/shade/sampler.h"
 #include "core/trace/ray.h"
 
 namespace msbvh {
@@ -10,6 +11,10 @@ namespace msbvh {
 // parameter t is the distance along the camera's -z axis, in camera space, for both projections: the clipping
 // range is its range.
 Ray camera_ray(const Camera& camera, float screen_x, float screen_y, float time);
+
+// The same through a point of the lens that `random` chooses, uniformly by area: the rays of a point of the
+// image meet in the plane in focus. t still counts along -z, from the lens. The camera must have a lens.
+Ray lens_ray(const Camera& camera, float screen_x, float screen_y, float time, Point2 random);
 
 // The eye's position in the world.
 Vec3f camera_position(const Camera& camera, float time);

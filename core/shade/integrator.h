@@ -45,7 +45,7 @@ class PathTracer {
     for (std::uint32_t depth = 0;; ++depth) {
       SurfacePoint surface;
       if (!find_surface(ray, depth, surface)) {
-        if (depth > 0 || frame_.show_domes) result.radiance += throughput * frame_.lights.dome_radiance;
+        if (depth > 0 || frame_.show_domes) result.radiance += throughput * frame_.lights.dome_radiance(ray.time);
         return result;
       }
       if (depth == 0) result.alpha = 1.0f;
@@ -56,7 +56,7 @@ class PathTracer {
       if (!sample_bounce(surface, depth, ray)) return result;
       if (depth == max_bounces()) {
         if (frame_.lights.has_dome) {
-          result.radiance += throughput * frame_.lights.dome_radiance * transmittance(ray);
+          result.radiance += throughput * frame_.lights.dome_radiance(ray.time) * transmittance(ray);
         }
         return result;
       }

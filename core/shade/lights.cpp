@@ -14,7 +14,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // A disc of directions about the light's +z axis. Without an extent, radiance stands for irradiance, since
 // UsdLux's normalisation divides by nothing there.
-bool sample_distant(const Light& light, const Affine3f& world_from_light, Point2 random,
+bool sample_distant(const LightValues& light, const Affine3f& world_from_light, Point2 random,
                     LightSample& sample) {
   const Vec3f axis = normalize(world_from_light.z);
   if (axis == Vec3f{}) return false;
@@ -31,12 +31,12 @@ bool sample_distant(const Light& light, const Affine3f& world_from_light, Point2
 
 // UsdLux has no ellipsoids: a sphere under a transform that is not a similarity takes the radius of equal
 // volume.
-float world_radius(const Light& light, const Affine3f& world_from_light) {
+float world_radius(const LightValues& light, const Affine3f& world_from_light) {
   return light.radius * std::cbrt(std::abs(world_from_light.determinant()));
 }
 
 // Uniform in the cone that the sphere subtends (pbrt-v4, section 6.2.4), to the near side of the sphere.
-bool sample_sphere(const Light& light, const Affine3f& world_from_light, const Vec3f& point, Point2 random,
+bool sample_sphere(const LightValues& light, const Affine3f& world_from_light, const Vec3f& point, Point2 random,
                    LightSample& sample) {
   const Vec3f to_center = world_from_light.t - point;
   const float distance_squared = dot(to_center, to_center), distance = std::sqrt(distance_squared);
@@ -59,7 +59,7 @@ bool sample_sphere(const Light& light, const Affine3f& world_from_light, const V
 }
 
 // Uniform by area on the parallelogram that the transform makes of the rectangle.
-bool sample_rect(const Light& light, const Affine3f& world_from_light, const Vec3f& point, Point2 random,
+bool sample_rect(const LightValues& light, const Affine3f& world_from_light, const Vec3f& point, Point2 random,
                  LightSample& sample) {
   const Vec3f on_light =
       world_from_light.point({(random.x - 0.5f) * light.width, (random.y - 0.5f) * light.height, 0.0f});
@@ -76,7 +76,7 @@ bool sample_rect(const Light& light, const Affine3f& world_from_light, const Vec
 }
 
 // usdrecord's light: a white diffuse surface that faces the camera has the light's colour, at any distance.
-bool sample_camera_light(const Light& light, const Camera& camera, const Vec3f& point, float time,
+bool sample_camera_light(const LightValues& light, const Camera& camera, const Vec3f& point, float time,
                          LightSample& sample) {
   const Vec3f to_camera = camera_position(camera, time) - point;
   sample.distance = length(to_camera);
@@ -87,20 +87,27 @@ bool sample_camera_light(const Light& light, const Camera& camera, const Vec3f& 
   return true;
 }
 
-}  // namespace
+LightValues between(const LightValues& a, const LightValues& b, float w) {
+  return {lerp(a.radiance, b.radiance, w), lerp(a.angle_degrees, b.angle_degrees, w),
+          lerp(a.radius, b.radius, w), lerp(a.width, b.width, w), lerp(a.height, b.height, w)};
+}
 
-bool sample_light(const Light& light, const Camera& camera, const Vec3f& point, float time, Point2 random,
-                  LightSample& sample) {
-  sample.casts_shadow = true;
-  if (light.kind == LightKind::kCamera) return sample_camera_light(light, camera, point, time, sample);
-  const Affine3f world_from_light = evaluate(light.world_from_light, light.segments, time);
-  switch (light.kind) {
+// `light` must have moving values.
+LightValues values_at(const Light& light, float time) {
+  const SegmentTime at = locate(time, light.segments);
+  const LightValues& first = light.moving_values[at.key];
+  return light.segments == 0 ? first : between(first, light.moving_values[at.key + 1], at.w);
+}
+
+bool sample_placed(LightKind kind, const LightValues& values, const Affine3f& world_from_light,
+                   const Vec3f& point, Point2 random, LightSample& sample) {
+  switch (kind) {
     case LightKind::kDistant:
-      return sample_distant(light, world_from_light, random, sample);
+      return sample_distant(values, world_from_light, random, sample);
     case LightKind::kSphere:
-      return sample_sphere(light, world_from_light, point, random, sample);
+      return sample_sphere(values, world_from_light, point, random, sample);
     case LightKind::kRect:
-      return sample_rect(light, world_from_light, point, random, sample);
+      return sample_rect(values, world_from_light, point, random, sample);
     case LightKind::kDome:
     case LightKind::kCamera:
       break;
@@ -108,15 +115,45 @@ bool sample_light(const Light& light, const Camera& camera, const Vec3f& point, 
   return false;
 }
 
+bool sample_values(const Light& light, const LightValues& values, const Camera& camera, const Vec3f& point,
+                   float time, Point2 random, LightSample& sample) {
+  sample.casts_shadow = true;
+  if (light.kind == LightKind::kCamera) return sample_camera_light(values, camera, point, time, sample);
+  const Affine3f world_from_light = evaluate(light.world_from_light, light.segments, time);
+  return sample_placed(light.kind, values, world_from_light, point, random, sample);
+}
+
+}  // namespace
+
+bool sample_light(const Light& light, const Camera& camera, const Vec3f& point, float time, Point2 random,
+                  LightSample& sample) {
+  if (light.moving_values.empty()) {
+    return sample_values(light, light, camera, point, time, random, sample);
+  }
+  const LightValues values = values_at(light, time);
+  if (values.radiance == Vec3f{}) return false;  // switched off, which needs no shadow ray
+  return sample_values(light, values, camera, point, time, random, sample);
+}
+
 LightSet::LightSet(const Scene& scene) {
   for (const Light& light : scene.lights) {
-    if (light.kind == LightKind::kDome) {
-      dome_radiance += light.radiance;
-      has_dome = true;
-    } else {
+    if (light.kind != LightKind::kDome) {
       sampled.push_back(&light);
+      continue;
+    }
+    has_dome = true;
+    if (light.moving_values.empty()) {
+      still_dome_radiance_ += light.radiance;
+    } else {
+      moving_domes_.push_back(&light);
     }
   }
+}
+
+Vec3f LightSet::moving_dome_radiance(float time) const {
+  Vec3f sum = still_dome_radiance_;
+  for (const Light* dome : moving_domes_) sum += values_at(*dome, time).radiance;
+  return sum;
 }
 
 }  // namespace msbvh

@@ -22,11 +22,23 @@ bool sample_light(const Light& light, const Camera& camera, const Vec3f& point, 
                   LightSample& sample);
 
 // The scene's lights as an integrator wants them.
-struct LightSet {
+class LightSet {
+ public:
   explicit LightSet(const Scene& scene);
+
+  // The sum of all domes at a time; zero without.
+  Vec3f dome_radiance(float time) const {
+    return moving_domes_.empty() ? still_dome_radiance_ : moving_dome_radiance(time);
+  }
+
   std::vector<const Light*> sampled;
-  Vec3f dome_radiance;  // sum of all domes; zero without
   bool has_dome = false;
+
+ private:
+  Vec3f moving_dome_radiance(float time) const;
+
+  Vec3f still_dome_radiance_;
+  std::vector<const Light*> moving_domes_;
 };
 
 }  // namespace msbvh

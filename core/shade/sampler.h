@@ -23,7 +23,8 @@ enum class Dimension : std::uint32_t {
   kTime,     // jitter within the time stratum
   kOpacity,  // whether a surface is seen or seen through
   kLight,    // point on a light
-  kBounce    // direction of the next ray
+  kBounce,   // direction of the next ray
+  kLens      // point on the lens
 };
 
 namespace sobol {

@@ -30,13 +30,29 @@ WindowD lerp(const WindowD& a, const WindowD& b, double w) {
           msbvh::lerp(a.bottom, b.bottom, w), msbvh::lerp(a.top, b.top, w)};
 }
 
+struct LensD {
+  double radius, focus_distance;
+
+  // Of the disc that a point at a depth is spread over, at unit distance; the sign says on which side of the
+  // plane in focus the point lies.
+  double blur_radius(double depth) const { return radius * (1.0 / depth - 1.0 / focus_distance); }
+};
+
+LensD lens_of(const Lens& lens) { return {lens.radius, lens.focus_distance}; }
+
+LensD lerp(const LensD& a, const LensD& b, double w) {
+  return {msbvh::lerp(a.radius, b.radius, w), msbvh::lerp(a.focus_distance, b.focus_distance, w)};
+}
+
 struct CameraInstant {
   Affine3d world_from_camera;
   WindowD window;
+  LensD lens;
 };
 
 CameraInstant lerp(const CameraInstant& a, const CameraInstant& b, double w) {
-  return {msbvh::lerp(a.world_from_camera, b.world_from_camera, w), lerp(a.window, b.window, w)};
+  return {msbvh::lerp(a.world_from_camera, b.world_from_camera, w), lerp(a.window, b.window, w),
+          lerp(a.lens, b.lens, w)};
 }
 
 // The samples, rebased to the frame's origin and interpolated.
@@ -45,8 +61,8 @@ class CameraMotion {
   CameraMotion(const CameraInput& camera, const Vec3d& origin) {
     for (const CameraSample& sample : camera.samples) {
       times01_.push_back(sample.time01);
-      instants_.push_back(
-          {rebased(affine_from(sample.world_from_camera), {}, origin), window_of(sample.window)});
+      instants_.push_back({rebased(affine_from(sample.world_from_camera), {}, origin),
+                           window_of(sample.window), lens_of(sample.lens)});
     }
   }
   CameraInstant at(double time01) const {
@@ -72,13 +88,15 @@ Vec3d camera_point(const WindowD& w, double x01, double y01, double depth, bool 
   return std::isinf(depth) ? Vec3d{x, y, -1.0} : Vec3d{x * depth, y * depth, -depth};
 }
 
-// How far apart, in pixels, two cameras see what the first one sees at a place of its window and a depth.
+// How far apart, in pixels, two cameras see what the first one sees at a place of its window and a depth: the
+// rays through the lens's centre, and by how much the rim's rays differ from them.
 class ProjectionDifference {
  public:
   ProjectionDifference(const CameraInstant& truth, const CameraInstant& track,
                        const TranslatorSettings& settings, bool perspective)
       : truth_(truth),
         window_(track.window),
+        lens_(track.lens),
         track_from_truth_(inverse(track.world_from_camera) * truth.world_from_camera),
         settings_(settings),
         perspective_(perspective) {}
@@ -94,9 +112,21 @@ class ProjectionDifference {
     return std::hypot((x - x01) * settings_.width, (y - y01) * settings_.height);
   }
 
+  // Of the blur's size: the first camera's and the second's, each on its own window.
+  double blur_pixels(double depth) const {
+    const double truth = truth_.lens.blur_radius(depth), track = lens_.blur_radius(depth);
+    const auto difference = [&](double truth_size, double track_size, double pixels) {
+      return pixels * std::abs(truth / truth_size - track / track_size);
+    };
+    return std::max(
+        difference(truth_.window.right - truth_.window.left, window_.right - window_.left, settings_.width),
+        difference(truth_.window.top - truth_.window.bottom, window_.top - window_.bottom, settings_.height));
+  }
+
  private:
   CameraInstant truth_;
   WindowD window_;
+  LensD lens_;
   Affine3d track_from_truth_;
   const TranslatorSettings& settings_;
   bool perspective_;
@@ -105,15 +135,18 @@ class ProjectionDifference {
 double instant_error(const ProjectionDifference& difference, const CameraInput& camera) {
   const bool perspective = camera.projection == Projection::kPerspective;
   const double unit = perspective ? camera.near_clip : difference.window_width();
+  std::vector<double> depths;
+  for (const double multiple : kDepths) depths.push_back(multiple * unit);
+  if (perspective) depths.push_back(std::numeric_limits<double>::infinity());
   double worst = 0.0;
-  for (const double x01 : {0.0, 0.5, 1.0}) {
-    for (const double y01 : {0.0, 0.5, 1.0}) {
-      for (const double multiple : kDepths) {
-        worst = std::max(worst, difference.pixels(x01, y01, multiple * unit));
+  for (const double depth : depths) {
+    double at_depth = 0.0;
+    for (const double x01 : {0.0, 0.5, 1.0}) {
+      for (const double y01 : {0.0, 0.5, 1.0}) {
+        at_depth = std::max(at_depth, difference.pixels(x01, y01, depth));
       }
-      if (perspective)
-        worst = std::max(worst, difference.pixels(x01, y01, std::numeric_limits<double>::infinity()));
     }
+    worst = std::max(worst, at_depth + (perspective ? difference.blur_pixels(depth) : 0.0));
   }
   return worst;
 }
@@ -152,6 +185,23 @@ void check_sample(const CameraInput& camera, const CameraSample& sample) {
   }
 }
 
+void check_lens(const CameraInput& camera, const CameraSample& sample) {
+  const Lens& lens = sample.lens;
+  if (!std::isfinite(lens.radius) || lens.radius < 0.0f) {
+    fail(camera, "fStop",
+         message("the lens radius ", at_shutter_time(sample.time01), " is ", lens.radius,
+                 "; expected a finite number of at least 0"));
+  }
+  if (!std::isfinite(lens.focus_distance) || lens.focus_distance <= 0.0f) {
+    fail(camera, "focusDistance",
+         message("found ", lens.focus_distance, " ", at_shutter_time(sample.time01),
+                 "; expected a finite number above 0"));
+  }
+  if (lens.radius > 0.0f && camera.projection == Projection::kOrthographic) {
+    fail(camera, "fStop", "an orthographic camera has a lens; expected none: its rays are parallel");
+  }
+}
+
 }  // namespace
 
 void check_camera(const CameraInput& camera) {
@@ -160,7 +210,10 @@ void check_camera(const CameraInput& camera) {
   std::vector<Diagnostic> diagnostics;
   PrimLog log(diagnostics, camera.path);
   if (!check_times(times01, "shutter", log)) fail(camera, diagnostics[0].attribute, diagnostics[0].message);
-  for (const CameraSample& sample : camera.samples) check_sample(camera, sample);
+  for (const CameraSample& sample : camera.samples) {
+    check_sample(camera, sample);
+    check_lens(camera, sample);
+  }
   const bool perspective = camera.projection == Projection::kPerspective;
   if (!(camera.near_clip < camera.far_clip) || !std::isfinite(camera.near_clip) ||
       (perspective && camera.near_clip <= 0.0f)) {
@@ -194,11 +247,14 @@ Camera fit_camera(const CameraInput& input, const Vec3d& origin, const Translato
   camera.near_clip = input.near_clip;
   camera.far_clip = input.far_clip;
   camera.segments = fit.segments;
+  const bool open = std::any_of(input.samples.begin(), input.samples.end(),
+                                [](const CameraSample& sample) { return sample.lens.radius > 0.0f; });
   for (std::uint32_t key = 0; key < key_count(fit.segments); ++key) {
     const CameraInstant at = motion.at(key_time(key, fit.segments));
     camera.world_from_camera.push_back(Affine3f(at.world_from_camera));
     camera.window.push_back(
         {float(at.window.left), float(at.window.right), float(at.window.bottom), float(at.window.top)});
+    if (open) camera.lens.push_back({float(at.lens.radius), float(at.lens.focus_distance)});
   }
   return camera;
 }

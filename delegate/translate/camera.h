@@ -14,8 +14,9 @@ void check_camera(const CameraInput& camera);
 // Stage position of the camera at the shutter's centre: the origin of the frame's world.
 Vec3d frame_origin(const CameraInput& camera);
 
-// Fits matrix and window together, so that points at several depths from the near plane to infinity are seen
-// within a tenth of the tolerance of where the samples put them: the camera's error adds to every object's.
+// Fits matrix, window and lens together, so that points at several depths from the near plane to infinity are
+// seen within a tenth of the tolerance of where the samples put them, the edge of their circle of confusion
+// included: the camera's error adds to every object's.
 Camera fit_camera(const CameraInput& camera, const Vec3d& origin, const TranslatorSettings& settings,
                   TrackReport& track);
 

@@ -70,10 +70,18 @@ struct VisibleInterval {
 };
 
 template <typename T>
+struct PrimvarSample {
+  double time01 = 0.0;
+  std::span<const T> values;
+};
+
+template <typename T>
 struct PrimvarInput {
   std::string interpolation = "constant";  // USD's token: constant, uniform, varying, vertex, faceVarying
-  std::span<const T> values;               // empty: not authored
-  std::span<const int> indices;            // empty: not indexed
+  std::span<const T> values;               // at the frame; empty: not authored
+  std::span<const int> indices;            // at the frame; empty: not indexed
+  // At increasing times, linear between them; two within kJumpTime01 (value_track.h) make a jump. None: still.
+  std::vector<PrimvarSample<T>> samples{};
 };
 
 enum class Normals : std::uint8_t { kFaceted, kSmooth };  // what to compute where none are authored
@@ -144,11 +152,12 @@ struct InstancesInput {
   std::span<const Vec3f> display_color;                 // empty, or one an instance
 };
 
-// One time of a camera; the window as in core/scene/scene.h.
+// One time of a camera; window and lens as in core/scene/scene.h.
 struct CameraSample {
   double time01 = 0.0;
   Matrix4d world_from_camera{};
   ScreenWindow window;
+  Lens lens{};  // radius 0: a pinhole, and so it must be for an orthographic camera
 };
 
 struct CameraInput {
@@ -160,8 +169,12 @@ struct CameraInput {
 };
 
 struct LightInput {
-  Light light;  // all but `segments` and `world_from_light`
+  Light light;  // name, kind, and its values where none are sampled
   TransformSamples world_from_light;
+  // Values at increasing times, linear between them; two within kJumpTime01 (value_track.h) make a jump. None:
+  // still. A radius or angle that is 0 in one sample must be so in all.
+  std::vector<double> values_times01;
+  std::vector<LightValues> values;
 };
 
 }  // namespace msbvh::translate

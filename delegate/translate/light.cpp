@@ -1,9 +1,12 @@
 #include "delegate/translate/light.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/motion/track.h"
 #include "delegate/translate/linear_transform_fit.h"
+#include "delegate/translate/moving_light.h"
+#include "delegate/translate/time_samples.h"
 
 namespace msbvh::translate {
 namespace {
@@ -33,17 +36,46 @@ bool check_size(float value, const char* attribute, PrimLog& log) {
   return log.reject(attribute, message("found ", value, "; expected a finite number that is not negative"));
 }
 
-bool check(const LightInput& input, PrimLog& log) {
-  const Light& light = input.light;
-  if (!is_finite(light.radiance)) {
+bool check_values(const LightValues& values, PrimLog& log) {
+  if (!is_finite(values.radiance)) {
     return log.reject("inputs:intensity",
                       "the radiance is not finite; expected finite intensity, exposure and colour");
   }
-  if (!(light.angle_degrees >= 0.0f && light.angle_degrees <= 360.0f)) {
-    return log.reject("inputs:angle", message("found ", light.angle_degrees, "; expected 0 to 360 degrees"));
+  if (!(values.angle_degrees >= 0.0f && values.angle_degrees <= 360.0f)) {
+    return log.reject("inputs:angle", message("found ", values.angle_degrees, "; expected 0 to 360 degrees"));
   }
-  return check_size(light.radius, "inputs:radius", log) && check_size(light.width, "inputs:width", log) &&
-         check_size(light.height, "inputs:height", log) &&
+  return check_size(values.radius, "inputs:radius", log) && check_size(values.width, "inputs:width", log) &&
+         check_size(values.height, "inputs:height", log);
+}
+
+bool check_all_points_or_none(const LightInput& input, float LightValues::*size, const char* attribute,
+                              PrimLog& log) {
+  const auto is_point = [&](const LightValues& v) { return v.*size == 0.0f; };
+  const auto points = std::count_if(input.values.begin(), input.values.end(), is_point);
+  if (points == 0 || std::size_t(points) == input.values.size()) return true;
+  return log.reject(attribute, message("found 0 in ", points, " of ", input.values.size(),
+                                       " samples; expected 0 in all or in none"));
+}
+
+bool check_samples(const LightInput& input, PrimLog& log) {
+  if (input.values.empty() && input.values_times01.empty()) return true;
+  if (!check_times(input.values_times01, "inputs:intensity", log)) return false;
+  if (input.values.size() != input.values_times01.size()) {
+    return log.reject("inputs:intensity",
+                      message("found ", input.values.size(), " values; expected one for each of ",
+                              input.values_times01.size(), " times"));
+  }
+  for (const LightValues& values : input.values) {
+    if (!check_values(values, log)) return false;
+  }
+  return (input.light.kind != LightKind::kSphere ||
+          check_all_points_or_none(input, &LightValues::radius, "inputs:radius", log)) &&
+         (input.light.kind != LightKind::kDistant ||
+          check_all_points_or_none(input, &LightValues::angle_degrees, "inputs:angle", log));
+}
+
+bool check(const LightInput& input, PrimLog& log) {
+  return check_values(input.light, log) && check_samples(input, log) &&
          check_transform(input.world_from_light, "xformOpOrder", log);
 }
 
@@ -64,11 +96,15 @@ std::optional<Light> translate_light(const LightInput& input, const ScreenMeasur
   const Box3d box = box_of(input.light);
   const TransformTrack transform = at_infinity ? without_translation(input.world_from_light)
                                                : TransformTrack(input.world_from_light).rebased({}, origin);
-  const LinearTransformFitter fitter(
-      transform, at_infinity ? ScreenMeasure::filled_by(box, width, height) : measure, settings);
+  const ScreenMeasure seen = at_infinity ? ScreenMeasure::filled_by(box, width, height) : measure;
+  Light light = input.light;
+  if (!input.values.empty()) {
+    fit_moving_light(input, transform, seen, settings, light, log);
+    return light;
+  }
+  const LinearTransformFitter fitter(transform, seen, settings);
   const Fit fit = fitter.fit(corners_of(box));
   report_fit(fit, settings.tolerance, "xformOpOrder", "the light's motion", "", log);
-  Light light = input.light;
   light.segments = fit.segments;
   light.world_from_light.resize(key_count(fit.segments));
   fitter.keys(fit.segments, light.world_from_light.data());

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "delegate/translate/primvar_track.h"
+
 namespace msbvh::translate {
 namespace {
 
@@ -84,7 +86,7 @@ std::optional<PrimvarMap> map_primvar(const std::string& token, std::size_t valu
 
 template <typename T>
 Primvar<T> flattened(const PrimvarInput<T>& input, const Triangulation& mesh, const std::string& attribute,
-                     PrimLog& log) {
+                     PrimLog& log, std::uint32_t max_segments) {
   if (input.values.empty()) return {};
   const auto bad = std::ranges::find_if(input.values, [](const T& value) { return !is_finite(value); });
   if (bad != input.values.end()) {
@@ -95,16 +97,21 @@ Primvar<T> flattened(const PrimvarInput<T>& input, const Triangulation& mesh, co
   const std::optional<PrimvarMap> map =
       map_primvar(input.interpolation, input.values.size(), input.indices, mesh, attribute, log);
   if (!map) return {};
+  const PrimvarTrack<T> track = fit_primvar(input, max_segments, attribute, log);
   Primvar<T> result;
   result.interpolation = map->interpolation;
-  result.values.reserve(map->source.size());
-  for (const std::uint32_t source : map->source) result.values.push_back(input.values[source]);
+  result.segments = track.segments;
+  result.values.reserve(map->source.size() * key_count(track.segments));
+  for (std::uint32_t key = 0; key < key_count(track.segments); ++key) {
+    const T* values = track.values.data() + key * input.values.size();
+    for (const std::uint32_t source : map->source) result.values.push_back(values[source]);
+  }
   return result;
 }
 
 template Primvar<Vec3f> flattened(const PrimvarInput<Vec3f>&, const Triangulation&, const std::string&,
-                                  PrimLog&);
+                                  PrimLog&, std::uint32_t);
 template Primvar<float> flattened(const PrimvarInput<float>&, const Triangulation&, const std::string&,
-                                  PrimLog&);
+                                  PrimLog&, std::uint32_t);
 
 }  // namespace msbvh::translate

@@ -29,15 +29,16 @@ std::optional<PrimvarMap> map_primvar(const std::string& token, std::size_t valu
                                       std::span<const int> indices, const Triangulation& mesh,
                                       const std::string& attribute, PrimLog& log);
 
-// A still primvar, ready for the scene. One that does not fit or has a value that is not finite is left out,
-// with a warning.
+// A primvar, ready for the scene: with one key, or with as many as it takes to follow its samples
+// (primvar_track.h). One that does not fit or has a value at the frame that is not finite is left out, with a
+// warning.
 template <typename T>
 Primvar<T> flattened(const PrimvarInput<T>& input, const Triangulation& mesh, const std::string& attribute,
-                     PrimLog& log);
+                     PrimLog& log, std::uint32_t max_segments);
 
 extern template Primvar<Vec3f> flattened(const PrimvarInput<Vec3f>&, const Triangulation&, const std::string&,
-                                         PrimLog&);
+                                         PrimLog&, std::uint32_t);
 extern template Primvar<float> flattened(const PrimvarInput<float>&, const Triangulation&, const std::string&,
-                                         PrimLog&);
+                                         PrimLog&, std::uint32_t);
 
 }  // namespace msbvh::translate

@@ -220,11 +220,3 @@ def test_camera_inside_a_moving_parent():
     read = shot.read().camera
     assert read.world_from_camera[-1, 3, 0] == pytest.approx(2.0)
     assert read.shutter.time_code(1.0) == Usd.TimeCode(10.5)
-
-
-def test_depth_of_field_is_named():
-    shot = Shot()
-    assert not messages(shot.read(), "warning")
-    shot.camera.CreateFStopAttr(2.8)
-    (warning,) = messages(shot.read(), "warning")
-    assert warning.startswith("/Camera.fStop: found 2.8; depth of field is not supported yet")

@@ -177,5 +177,73 @@ TEST_CASE("a sphere light at the foot of its perpendicular") {
   pixel.check(0.5 * 4.0 / 9.0, 2e-5);  // albedo / pi * pi L r^2 / d^2; the pixel is 0.02 wide
 }
 
+// A white card that fills the picture, and a light whose radiance is `first` at the shutter's opening and
+// `second` at its closing.
+Scene card_under(Light light, float first, float second) {
+  Scene scene;
+  scene.camera = pixel_camera(8, 8);
+  light.segments = 1;
+  light.world_from_light.resize(2, translation({4, 4, 30}));
+  LightValues values = light;
+  values.radiance = {first, first, first};
+  light.moving_values = {values, values};
+  light.moving_values[1].radiance = {second, second, second};
+  scene.lights = {light};
+  add(scene, polygon({rectangle(-100, -100, 200, 200)}));
+  scene.meshes[0].display_color.values = {{1, 1, 1}};
+  return scene;
+}
+
+double mean_red(const Image& image) {
+  double sum = 0;
+  for (std::size_t i = 0; i < image.rgba.size(); i += 4) sum += image.rgba[i];
+  return sum / double(image.rgba.size() / 4);
+}
+
+TEST_CASE("a light that ramps from 0 to 1 within the shutter gives half its light") {
+  RenderSettings settings{.width = 8, .height = 8, .spp = 64, .max_bounces = 0, .build = {}};
+  double full = 1.0;
+  Light light;
+  SUBCASE("distant, without an extent") {
+    light.angle_degrees = 0.0f;
+    full = 1.0 / kPi;
+  }
+  SUBCASE("distant") {
+    light.angle_degrees = 90.0f;
+    full = 0.5;  // sin^2 of the half angle
+  }
+  SUBCASE("dome") { light.kind = LightKind::kDome; }
+  SUBCASE("dome, met by bounces") {
+    light.kind = LightKind::kDome;
+    settings.max_bounces = 2;
+  }
+  const Image image = render(card_under(light, 0.0f, 1.0f), settings);
+  CHECK(mean_red(image) == doctest::Approx(0.5 * full).epsilon(0.002));
+  // The mean of a linear ramp by stratified times: within a stratum of the closed form in every pixel.
+  CHECK(channel(image, 3, 3, 0) == doctest::Approx(0.5 * full).epsilon(0.02));
+}
+
+TEST_CASE("a ramp of a light is seen by what moves: its streak shows the ramp") {
+  // A thin card sweeps the picture at a pixel each 1/32 of the shutter: at pixel x it is met at time x / 32.
+  Light sun;
+  sun.angle_degrees = 0.0f;
+  Scene scene = card_under(sun, 0.0f, kPi);
+  scene.camera = pixel_camera(32, 8);
+  scene.meshes.clear();
+  scene.world_meshes.clear();
+  add(scene, polygon({rectangle(-2, -9, 0, 99), rectangle(32, -9, 34, 99)}));
+  scene.meshes[0].display_color.values = {{1, 1, 1}};
+  const Image image = render(scene, {.width = 32, .height = 8, .spp = 1024, .max_bounces = 0, .build = {}});
+  for (std::uint32_t x = 2; x < 30; ++x) {
+    double red = 0, alpha = 0;
+    for (std::uint32_t y = 0; y < 8; ++y) {
+      red += channel(image, x, y, 0);
+      alpha += channel(image, x, y, kAlpha);
+    }
+    // The card covers [34 u - 2, 34 u]: the mean time at which it covers the pixel's centre.
+    CHECK(red / alpha == doctest::Approx((x + 0.5 + 1.0) / 34).epsilon(0.02));
+  }
+}
+
 }  // namespace
 }  // namespace msbvh

@@ -81,5 +81,54 @@ TEST_CASE("a threshold makes a cut-out") {
   check_columns(render(scene, kSettings), [](std::uint32_t) { return 1.0; });
 }
 
+TEST_CASE("an opacity that fades within the shutter gives its mean, and a moving card a streak that fades") {
+  Scene scene;
+  scene.camera = pixel_camera(16, 16);
+  Mesh card = polygon({rectangle(0, 0, 16, 16)});
+  card.display_opacity.segments = 2;
+  card.display_opacity.values = {1.0f, 0.5f, 0.0f};
+  SUBCASE("still: the mean of 1, 0.5, 0 by halves") {
+    add(scene, card);
+    const Image image = render(scene, {.width = 16, .height = 16, .spp = 64, .max_bounces = 0, .build = {}});
+    Estimates pixels;
+    for (std::uint32_t i = 0; i < 256; ++i) pixels.add(image.rgba[4 * i + kAlpha]);
+    pixels.check(0.5, kSinglePrecision);
+  }
+  SUBCASE("a thin card sweeps the picture: at x it is as opaque as at the time it is there") {
+    Mesh sweep = polygon({rectangle(-1, 0, 0, 16), rectangle(16, 0, 17, 16)});
+    sweep.display_opacity = card.display_opacity;
+    add(scene, sweep);
+    const Image image =
+        render(scene, {.width = 16, .height = 16, .spp = 4096, .max_bounces = 0, .build = {}});
+    for (std::uint32_t x = 1; x < 15; ++x) {
+      Estimates column;
+      for (std::uint32_t y = 0; y < 16; ++y) column.add(channel(image, x, y, kAlpha));
+      // Over [17 u - 1, 17 u]: for 1 / 17 of the shutter, about the time (x + 1) / 17.
+      column.check((1.0 - (x + 1.0) / 17) / 17, kSinglePrecision);
+    }
+  }
+}
+
+TEST_CASE("a colour that changes within the shutter gives its mean") {
+  Scene scene;
+  scene.camera = pixel_camera(8, 8);
+  scene.lights = {camera_light()};
+  Mesh card = polygon({rectangle(-50, -50, 60, 60)});
+  card.display_color.segments = 1;
+  card.display_color.values = {{1, 0, 0.25f}, {0, 1, 0.25f}};
+  add(scene, card);
+  scene.camera.world_from_camera = {translation({0, 0, 1e6f})};
+  scene.camera.far_clip = 1e7f;
+  const Image image = render(scene, {.width = 8, .height = 8, .spp = 64, .max_bounces = 0, .build = {}});
+  Estimates red, green;
+  for (std::uint32_t i = 0; i < 64; ++i) {
+    red.add(image.rgba[4 * i]);
+    green.add(image.rgba[4 * i + 1]);
+    CHECK(image.rgba[4 * i + 2] == doctest::Approx(0.25).epsilon(1e-5));
+  }
+  red.check(0.5, 1e-5);
+  green.check(0.5, 1e-5);
+}
+
 }  // namespace
 }  // namespace msbvh

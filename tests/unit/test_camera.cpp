@@ -50,5 +50,36 @@ TEST_CASE("the camera and its window move by key") {
   CHECK(camera_ray(camera, 0.5f, 0.5f, 0.75f).time == 0.75f);
 }
 
+TEST_CASE("rays through a lens meet in the plane in focus and start on the disc") {
+  Camera camera = still_camera(Projection::kPerspective);
+  camera.lens = {{0.5f, 4.0f}};
+  const Ray pinhole = camera_ray(camera, 0.25f, 0.75f, 0.0f);
+  const Vec3f in_focus = pinhole.org + pinhole.dir * 4.0f;
+  double sum = 0;
+  for (int i = 0; i < 256; ++i) {
+    const Ray ray = lens_ray(camera, 0.25f, 0.75f, 0.0f, Sampler(0, i, 0, 0).pair(Dimension::kLens, 0));
+    CHECK(length(ray.org + ray.dir * 4.0f - in_focus) <= 1e-5f);
+    const Vec3f on_lens = ray.org - pinhole.org;
+    CHECK(length(on_lens) <= 0.5f + 1e-5f);
+    CHECK(on_lens.z == 0.0f);
+    CHECK(ray.dir.z == -1.0f);
+    CHECK(ray.tnear == 0.5f);
+    sum += dot(on_lens, on_lens);
+  }
+  CHECK(sum / 256 == doctest::Approx(0.125).epsilon(0.1));  // half the radius squared: uniform by area
+}
+
+TEST_CASE("lens radius and focus move by key") {
+  Camera camera = still_camera(Projection::kPerspective);
+  camera.segments = 1;
+  camera.world_from_camera.resize(2, camera.world_from_camera[0]);
+  camera.window.resize(2, camera.window[0]);
+  camera.lens = {{0.0f, 2.0f}, {1.0f, 6.0f}};
+  const Ray pinhole = camera_ray(camera, 0.0f, 0.0f, 0.5f);
+  const Ray ray = lens_ray(camera, 0.0f, 0.0f, 0.5f, {1.0f, 0.5f});  // the rim, along +x
+  CHECK(length(ray.org - pinhole.org - Vec3f{0.5f, 0, 0}) <= 1e-6f);
+  CHECK(length(ray.dir - pinhole.dir - Vec3f{-0.125f, 0, 0}) <= 1e-6f);
+}
+
 }  // namespace
 }  // namespace msbvh

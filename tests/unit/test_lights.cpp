@@ -149,13 +149,62 @@ TEST_CASE("a moving light is where its track says") {
   check_estimate(irradiance(light, {}, 0.5f), 3.0 / 4.0);
 }
 
+// `light` at its two keys, otherwise as it is.
+Light with_keys(Light light, const LightValues& first, const LightValues& second) {
+  light.segments = 1;
+  light.world_from_light.resize(2, light.world_from_light[0]);
+  light.moving_values = {first, second};
+  return light;
+}
+
+TEST_CASE("radiance and sizes are linear between their keys") {
+  Light light = light_at(LightKind::kSphere, {0, 0, 4});
+  LightValues small = light, large = light;
+  small.radius = 0.5f;
+  large.radius = 1.5f;
+  large.radiance = small.radiance * 3.0f;
+  light = with_keys(light, small, large);
+  check_estimate(irradiance(light, {}, 0.0f), 3.0 * kPi * 0.25 / 16);
+  check_estimate(irradiance(light, {}, 0.5f), 6.0 * kPi * 1.0 / 16);
+  check_estimate(irradiance(light, {}, 1.0f), 9.0 * kPi * 2.25 / 16);
+
+  Light sun = light_at(LightKind::kDistant, {});
+  LightValues narrow = sun, wide = sun;
+  narrow.angle_degrees = 10.0f;
+  wide.angle_degrees = 110.0f;
+  sun = with_keys(sun, narrow, wide);
+  check_estimate(irradiance(sun, {}, 0.5f), 3.0 * kPi * 0.25);  // 60 degrees: sin^2(30) is a quarter
+}
+
+TEST_CASE("a light that is off at a time is not sampled then") {
+  Light light = light_at(LightKind::kRect, {0, 0, 2});
+  LightValues off = light;
+  off.radiance = {};
+  light = with_keys(light, off, light);
+  LightSample sample;
+  CHECK_FALSE(sample_light(light, {}, {}, 0.0f, {0.5f, 0.5f}, sample));
+  CHECK(sample_light(light, {}, {}, 0.1f, {0.5f, 0.5f}, sample));
+}
+
+TEST_CASE("domes that fade are summed with still ones at the time") {
+  Scene scene;
+  Light still = light_at(LightKind::kDome, {});
+  LightValues off = still;
+  off.radiance = {};
+  scene.lights = {still, with_keys(still, off, still)};
+  const LightSet lights(scene);
+  CHECK(lights.dome_radiance(0.0f) == Vec3f{3, 1, 1});
+  CHECK(lights.dome_radiance(0.5f) == Vec3f{4.5f, 1.5f, 1.5f});
+  CHECK(lights.dome_radiance(1.0f) == Vec3f{6, 2, 2});
+}
+
 TEST_CASE("domes are summed, the rest is sampled") {
   Scene scene;
   scene.lights = {light_at(LightKind::kDome, {}), light_at(LightKind::kRect, {}),
                   light_at(LightKind::kDome, {})};
   const LightSet lights(scene);
   CHECK(lights.has_dome);
-  CHECK(lights.dome_radiance == Vec3f{6, 2, 2});
+  CHECK(lights.dome_radiance(0.5f) == Vec3f{6, 2, 2});
   CHECK(lights.sampled.size() == 1);
 }
 

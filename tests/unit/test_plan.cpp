@@ -65,6 +65,11 @@ TEST_CASE("each effect comes with the first prim that asks for it") {
     scene.camera.segments = 1;
     check_only(scene, Effect::kCameraMotion, "/camera", "1 segment");
   }
+  SUBCASE("lens") {
+    scene.camera.name = "/camera";
+    scene.camera.lens = {{0.25f, 5.0f}};
+    check_only(scene, Effect::kLens, "/camera", "radius 0.25, focus at 5");
+  }
   SUBCASE("opacity") {
     scene.meshes[0].display_opacity.values = {0.25f};
     check_only(scene, Effect::kOpacity, "/still", "opacity down to 0.25");
@@ -80,6 +85,31 @@ TEST_CASE("each effect comes with the first prim that asks for it") {
     scene.lights[0].segments = 4;  // a constant dome looks the same from everywhere
     check_only(scene, Effect::kDomeLight, "/dome", "constant dome");
   }
+}
+
+TEST_CASE("a light whose values move is a moving light, a dome as well, and its largest size counts") {
+  Scene scene = still_scene();
+  scene.lights = {light("/dome", LightKind::kDome), light("/sphere", LightKind::kSphere)};
+  for (Light& moving : scene.lights) {
+    moving.segments = 1;
+    moving.world_from_light.resize(2);
+    moving.moving_values.resize(2);
+  }
+  scene.lights[1].moving_values[1].radius = 2.5f;
+  const EffectPlan plan = plan_effects(scene, {.max_bounces = 0});
+  REQUIRE(plan.why.size() == 3);
+  CHECK(plan.why[0].effect == Effect::kMovingLights);
+  CHECK(plan.why[0].prim == "/dome");
+  CHECK(plan.why[1].why == "radius 2.5");
+}
+
+TEST_CASE("a closed lens asks for nothing; one that moves says so") {
+  Scene scene = still_scene();
+  scene.camera.lens = {{0.0f, 5.0f}};
+  CHECK(plan_effects(scene, {.max_bounces = 0}).set == EffectSet{});
+  scene.camera.segments = 1;
+  scene.camera.lens = {{0.25f, 5.0f}, {0.25f, 8.0f}};
+  CHECK(plan_effects(scene, {.max_bounces = 0}).why.back().why == "radius 0.25, focus at 5 to 8");
 }
 
 TEST_CASE("indirect light is asked for by a setting") {
@@ -141,7 +171,7 @@ TEST_CASE("opacity follows UsdPreviewSurface") {
 }
 
 TEST_CASE("every effect has a name") {
-  for (std::uint32_t bit = 0; bit < 9; ++bit) {
+  for (std::uint32_t bit = 0; bit < 10; ++bit) {
     CHECK(std::string(effect_name(static_cast<Effect>(1u << bit))) != "unknown effect");
   }
 }

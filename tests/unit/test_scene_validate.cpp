@@ -168,6 +168,22 @@ TEST_CASE("lights: tracks and sizes") {
     light.world_from_light.clear();
     CHECK(complaint(scene) == "");
   }
+  SUBCASE("values by key") {
+    light.moving_values.resize(2);
+    CHECK(complaint(scene) == "/light: radiance: found 2 keys; expected none or 1");
+    light.moving_values.resize(1);
+    CHECK(complaint(scene) == "");
+    light.moving_values[0].radiance.x = kNan;
+    CHECK(complaint(scene).find("/light: radiance: found NaN") == 0);
+  }
+  SUBCASE("a point that becomes a sphere") {
+    light.kind = LightKind::kSphere;
+    light.segments = 1;
+    light.world_from_light.resize(2);
+    light.moving_values.resize(2);
+    light.moving_values[0].radius = 0.0f;
+    CHECK(complaint(scene) == "/light: radius: found 0 at some keys only; expected 0 at all keys or at none");
+  }
   SUBCASE("angle") {
     light.angle_degrees = -1.0f;
     CHECK(complaint(scene) == "/light: angle: found -1.000000; expected 0 to 360 degrees");
@@ -203,6 +219,23 @@ TEST_CASE("camera: window, matrix and clipping range") {
     camera.near_clip = 10.0f;
     camera.far_clip = 1.0f;
     CHECK(complaint(scene).find("/camera: clippingRange: found 10.000000 to 1.000000") == 0);
+  }
+  SUBCASE("lens keys") {
+    camera.lens.resize(2);
+    CHECK(complaint(scene) == "/camera: lens: found 2 keys; expected 1");
+  }
+  SUBCASE("lens radius") {
+    camera.lens = {{-1.0f, 2.0f}};
+    CHECK(complaint(scene) == "/camera: lens radius: found -1.000000; expected a number of at least 0");
+  }
+  SUBCASE("focus distance") {
+    camera.lens = {{1.0f, 0.0f}};
+    CHECK(complaint(scene) == "/camera: focusDistance: found 0.000000; expected a distance above 0");
+  }
+  SUBCASE("no lens for parallel rays") {
+    camera.projection = Projection::kOrthographic;
+    camera.lens = {{1.0f, 2.0f}};
+    CHECK(complaint(scene).find("/camera: lens: found one on an orthographic camera") == 0);
   }
   SUBCASE("negative near distance: orthographic only") {
     camera.near_clip = -1.0f;

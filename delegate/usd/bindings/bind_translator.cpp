@@ -85,6 +85,17 @@ TrackChoice choice_from(Arguments& arguments, std::uint32_t max_segments) {
   return choice;
 }
 
+// Radius and focus distance at each time; a pinhole where none is given.
+std::vector<Lens> lenses_from(Arguments& arguments, std::size_t count) {
+  std::vector<Lens> lenses(count);
+  const nb::object given = arguments.optional("lenses");
+  if (given.is_none()) return lenses;
+  const AnyArray array = checked_array<float>(given, "lenses", {count, 2});
+  const std::span<const float> values = elements<float>(array);
+  for (std::size_t i = 0; i < count; ++i) lenses[i] = {values[2 * i], values[2 * i + 1]};
+  return lenses;
+}
+
 CameraInput camera_from(Arguments& arguments) {
   CameraInput camera;
   camera.path = arguments.value<std::string>("path", "a str");
@@ -94,9 +105,10 @@ CameraInput camera_from(Arguments& arguments) {
   const TransformSamples transform = transform_from(arguments, "times01", "world_from_camera");
   const AnyArray windows =
       checked_array<float>(arguments.required("windows"), "windows", {transform.times01.size(), 4});
+  const std::vector<Lens> lenses = lenses_from(arguments, transform.times01.size());
   for (std::size_t i = 0; i < transform.times01.size(); ++i) {
     const std::span<const float> w = elements<float>(windows).subspan(4 * i, 4);
-    camera.samples.push_back({transform.times01[i], transform.matrices[i], {w[0], w[1], w[2], w[3]}});
+    camera.samples.push_back({transform.times01[i], transform.matrices[i], {w[0], w[1], w[2], w[3]}, lenses[i]});
   }
   return camera;
 }
@@ -115,7 +127,23 @@ TranslatorSettings settings_from(Arguments& arguments) {
   return settings;
 }
 
-// (interpolation, values, indices or None), or None.
+// A list of (time, array) in place of the values: samples over the shutter. The one in force at its centre
+// stands for the frame's.
+template <typename T>
+void primvar_samples_from(Arguments& arguments, const char* name, nb::handle list, PrimvarInput<T>& primvar) {
+  for (const nb::handle item : list) {
+    PrimvarSample<T> sample;
+    if (!nb::isinstance<nb::tuple>(item) || nb::len(item) != 2 || !nb::try_cast(item[0], sample.time01)) {
+      arguments.fail(name, item, "(time, array) for each sample");
+    }
+    const std::string part = std::string(name) + "[1][" + std::to_string(primvar.samples.size()) + "][1]";
+    sample.values = arguments.floats<T>(item[1], part);
+    if (primvar.samples.empty() || sample.time01 <= 0.5) primvar.values = sample.values;
+    primvar.samples.push_back(sample);
+  }
+}
+
+// (interpolation, values or samples, indices or None), or None.
 template <typename T>
 PrimvarInput<T> primvar_from(Arguments& arguments, const char* name) {
   PrimvarInput<T> primvar;
@@ -125,7 +153,11 @@ PrimvarInput<T> primvar_from(Arguments& arguments, const char* name) {
       !nb::try_cast(given[0], primvar.interpolation)) {
     arguments.fail(name, given, "(interpolation, values, indices or None)");
   }
-  primvar.values = arguments.floats<T>(given[1], std::string(name) + "[1]");
+  if (nb::isinstance<nb::list>(given[1])) {
+    primvar_samples_from(arguments, name, given[1], primvar);
+  } else {
+    primvar.values = arguments.floats<T>(given[1], std::string(name) + "[1]");
+  }
   if (!nb::object(given[2]).is_none()) {
     primvar.indices =
         elements<int>(arguments.keep(checked_array<int>(given[2], std::string(name) + "[2]", {kAnySize})));
@@ -286,6 +318,20 @@ std::uint32_t add_material(Translator& translator, const nb::kwargs& keywords) {
   return translator.add_material(material);
 }
 
+// Radiance and sizes (angle in degrees, radius, width, height) at times; none: still.
+void add_light_samples(Arguments& arguments, LightInput& input) {
+  if (arguments.optional("values_times01").is_none()) return;
+  const std::span<const double> times01 = arguments.times("values_times01");
+  const AnyArray radiances =
+      checked_array<float>(arguments.required("radiances"), "radiances", {times01.size(), 3});
+  const AnyArray sizes = checked_array<float>(arguments.required("sizes"), "sizes", {times01.size(), 4});
+  input.values_times01.assign(times01.begin(), times01.end());
+  for (std::size_t i = 0; i < times01.size(); ++i) {
+    const std::span<const float> size = elements<float>(sizes).subspan(4 * i, 4);
+    input.values.push_back({elements<Vec3f>(radiances)[i], size[0], size[1], size[2], size[3]});
+  }
+}
+
 void add_light(Translator& translator, const nb::kwargs& keywords) {
   Arguments arguments(keywords, "add_light");
   LightInput input;
@@ -298,6 +344,7 @@ void add_light(Translator& translator, const nb::kwargs& keywords) {
   light.width = arguments.value<float>("width", "a float");
   light.height = arguments.value<float>("height", "a float");
   input.world_from_light = transform_from(arguments, "times01", "world_from_light");
+  add_light_samples(arguments, input);
   arguments.expect_no_more();
   translator.add_light(input);
 }

@@ -86,10 +86,11 @@ class MeshArguments(TypedDict, total=False):
     normals_indices: I32 | None
     computed_normals: Literal["faceted", "smooth"]
     """What to take where no normals are authored."""
-    display_color: tuple[str, F32, I32 | None] | None
-    """(interpolation, float32[K, 3], indices)."""
-    display_opacity: tuple[str, F32, I32 | None] | None
-    """(interpolation, float32[K], indices)."""
+    display_color: tuple[str, F32 | list[tuple[float, F32]], I32 | None] | None
+    """(interpolation, float32[K, 3], indices); a list of (time01, float32[K, 3]) where it changes inside the
+    shutter. Two samples within 2e-6 make a jump."""
+    display_opacity: tuple[str, F32 | list[tuple[float, F32]], I32 | None] | None
+    """(interpolation, float32[K] or such samples, indices)."""
     material: int | None
     """From Translator.add_material."""
 
@@ -105,6 +106,7 @@ class Translator:
         times01: F64,
         world_from_camera: F64,
         windows: F32,
+        lenses: F32 | None = None,
         near_clip: float,
         far_clip: float,
         width: int,
@@ -113,7 +115,8 @@ class Translator:
         max_segments: int = 128,
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
-        bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one).
+        bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one),
+        ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
 
         Raises Error for a camera or settings that cannot be used.
         """
@@ -150,7 +153,13 @@ class Translator:
         height: float,
         times01: F64,
         world_from_light: F64,
-    ) -> None: ...
+        values_times01: F64 | None = None,
+        radiances: F32 | None = None,
+        sizes: F32 | None = None,
+    ) -> None:
+        """``world_from_light`` [T, 4, 4] at times01 [T]. Where a light's values change inside the shutter,
+        ``radiances`` [V, 3] and ``sizes`` [V, 4] (angle_degrees, radius, width, height) at
+        ``values_times01`` [V] are taken instead of the still ones. Two samples within 2e-6 make a jump."""
     @property
     def empty(self) -> bool:
         """Whether there is nothing that could be seen."""

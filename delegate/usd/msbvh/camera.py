@@ -12,6 +12,7 @@ from pxr import Gf, Usd, UsdGeom, UsdUtils
 from .conform import Window, conformed
 from .errors import Diagnostics, SceneError
 from .framing import framing_camera
+from .lens import read_lenses
 from .metadata import world_to_camera, world_to_ndc
 from .times import FINEST_LEVEL, Shutter, TimeGrid, checked_shutter, is_held
 from .transforms import Box, PixelSize, authored_xform_times
@@ -32,6 +33,8 @@ class RenderCamera:
     """float64[T, 4, 4]."""
     windows: np.ndarray
     """float32[T, 4]: left, right, bottom, top of the image at unit distance (orthographic: stage units)."""
+    lenses: np.ndarray
+    """float32[T, 2]: radius and focus distance, in the camera's space; radius 0: a pinhole."""
     near_clip: float
     far_clip: float
     width: int
@@ -80,17 +83,15 @@ def read_camera(
     if prim is None:
         framing = framing_camera(stage, frame, purposes, diagnostics)
         shutter = checked_shutter(frame, 0.0, 0.0, "", diagnostics) if frame is None else Shutter(frame)
-        return _sampled("", shutter, TimeGrid(shutter), lambda _: framing, image_size, conform)
+        return _sampled(
+            "", shutter, TimeGrid(shutter), lambda _: framing, image_size, conform, diagnostics
+        )
     camera = UsdGeom.Camera(prim)
     code = Shutter(frame).frame_code
     opening, closing = camera.GetShutterOpenAttr().Get(code), camera.GetShutterCloseAttr().Get(code)
     shutter = checked_shutter(frame, opening or 0.0, closing or 0.0, str(prim.GetPath()), diagnostics)
-    f_stop = camera.GetFStopAttr().Get(code) or 0.0
-    if f_stop > 0.0:
-        message = f"found {f_stop:g}; depth of field is not supported yet, everything is in focus"
-        diagnostics.warning(str(prim.GetPath()), "fStop", message)
     grid = TimeGrid(shutter, _authored_times(prim, shutter), is_held(stage))
-    return _sampled(str(prim.GetPath()), shutter, grid, camera.GetCamera, image_size, conform)
+    return _sampled(str(prim.GetPath()), shutter, grid, camera.GetCamera, image_size, conform, diagnostics)
 
 
 def find_camera(stage: Usd.Stage, name: str | None, diagnostics: Diagnostics) -> Usd.Prim | None:
@@ -136,6 +137,8 @@ def _authored_times(prim: Usd.Prim, shutter: Shutter) -> set[float]:
         camera.GetVerticalApertureAttr(),
         camera.GetHorizontalApertureOffsetAttr(),
         camera.GetVerticalApertureOffsetAttr(),
+        camera.GetFStopAttr(),
+        camera.GetFocusDistanceAttr(),
     )
     return times.union(*(attribute.GetTimeSamplesInInterval(shutter.interval) for attribute in optics))
 
@@ -147,6 +150,7 @@ def _sampled(
     camera_at: Callable[[Usd.TimeCode], Gf.Camera],
     image_size: tuple[int, int | None],
     conform: str,
+    diagnostics: Diagnostics,
 ) -> RenderCamera:
     """Evaluates `camera_at` at the grid's finest times, or once if it does not move."""
     at_frame = camera_at(shutter.frame_code)
@@ -161,8 +165,9 @@ def _sampled(
         _check_optics(path, camera)
     matrices = np.array([np.array(camera.transform) for camera in cameras])
     windows = np.float32([conformed(_window(camera), width / height, conform)[0] for camera in cameras])
+    lenses = read_lenses(path, at_frame, cameras, diagnostics)
     keep = len(times01)
-    if (matrices == matrices[0]).all() and (windows == windows[0]).all():
+    if all((values == values[0]).all() for values in (matrices, windows, lenses)):
         keep = 1
     return RenderCamera(
         path=path,
@@ -171,6 +176,7 @@ def _sampled(
         times01=np.array(times01[:keep]),
         world_from_camera=matrices[:keep],
         windows=windows[:keep],
+        lenses=lenses[:keep],
         near_clip=at_frame.clippingRange.min,
         far_clip=at_frame.clippingRange.max,
         width=width,

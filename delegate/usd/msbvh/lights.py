@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 from pxr import Sdf, Usd, UsdLux
 
 from .context import FrameContext
+from .light_values import LightSamples, NotANumber, radiances, sample_light
+from .times import FINEST_LEVEL, Shutter
 from .transforms import Motion
 
 SUPPORTED_LIGHTS = {
@@ -25,11 +26,17 @@ def is_light(prim: Usd.Prim) -> bool:
     return prim.HasAPI(UsdLux.LightAPI)
 
 
-def read_light(prim: Usd.Prim, world_from_light: np.ndarray, context: FrameContext) -> dict | None:
-    """The translator's keywords of a light at the frame, without its motion; None, with a warning, if
-    unsupported.
+def add_lights(
+    translator: Any,
+    prim: Usd.Prim,
+    visibility: tuple[Usd.Attribute, ...],
+    motion: Motion,
+    context: FrameContext,
+) -> int:
+    """Hands a light down once for each of the motion's places, over the shutter. Returns how many shine: none,
+    with a warning, if it is unsupported.
 
-    `world_from_light` is float64[4, 4] at the frame: normalisation is by the area in the world.
+    `visibility`: attributes above and on the prim that switch it on or off inside the shutter.
     """
     kind = SUPPORTED_LIGHTS.get(str(prim.GetTypeName()))
     path = str(prim.GetPath())
@@ -37,91 +44,62 @@ def read_light(prim: Usd.Prim, world_from_light: np.ndarray, context: FrameConte
         context.diagnostics.group(
             path, "", f"lights of type {prim.GetTypeName() or 'none'} are not supported yet; left out"
         )
-        return None
+        return 0
     try:
-        light = _emitter(kind, prim, world_from_light, context.code)
-    except _NotANumber as error:
+        samples, at_frame = sample_light(prim, visibility, context.shutter)
+    except NotANumber as error:
         context.diagnostics.error(
             path, error.attribute, f"found {error.found!r}, expected {error.expected}; left out"
         )
-        return None
+        return 0
     _warn_of_the_rest(prim, context)
-    if kind == "sphere" and not _is_similarity(world_from_light):
+    if kind == "sphere" and not all(map(_is_similarity, motion.at_time(context.shutter.frame01))):
         message = "found a transform that shears or scales unevenly; lit as the sphere of equal volume"
         context.diagnostics.group(path, "xformOpOrder", message)
+    for index in range(motion.count):
+        light = _keywords(kind, samples, at_frame, motion, index, context.shutter)
+        translator.add_light(name=path, kind=kind, **light, **_place(motion, index))
+    return motion.count
+
+
+def _place(motion: Motion, index: int) -> dict:
+    """One of the motion's transforms, at the grid's finest times."""
+    times01, place = motion.times01(FINEST_LEVEL), motion.at_level(FINEST_LEVEL)[:, index]
+    last = 1 if (place == place[0]).all() else len(times01)
+    return {"times01": np.array(times01[:last]), "world_from_light": np.ascontiguousarray(place[:last])}
+
+
+def _keywords(
+    kind: str, samples: LightSamples, at_frame: LightSamples, motion: Motion, index: int, shutter: Shutter
+) -> dict:
+    """The values at the frame, and over the shutter where they change."""
+    frame_matrix = motion.at_time(shutter.frame01)[index]
+    if samples.still:
+        at_frame = samples
+    radiance = radiances(kind, at_frame, frame_matrix[None])[0]
+    angle, radius, width, height = at_frame.sizes[0].tolist()
+    light = {
+        "radiance": tuple(radiance.tolist()),
+        "angle_degrees": angle,
+        "radius": radius,
+        "width": width,
+        "height": height,
+    }
+    if samples.still and samples.normalize[0] and not motion.still:
+        samples = samples.at(motion.times01(FINEST_LEVEL))
+    if samples.still:
+        return light
+    matrices = np.repeat(frame_matrix[None], len(samples.times01), axis=0)
+    if samples.normalize.any():
+        matrices = np.array([motion.at_time(time01)[index] for time01 in samples.times01.tolist()])
+    over_shutter = radiances(kind, samples, matrices)
+    if (over_shutter == over_shutter[0]).all() and (samples.sizes == samples.sizes[0]).all():
+        return light
+    with np.errstate(over="ignore"):  # The translator says what is not finite.
+        light["radiances"] = over_shutter.astype(np.float32)
+    light["values_times01"] = samples.times01
+    light["sizes"] = samples.sizes.astype(np.float32)
     return light
-
-
-class _NotANumber(Exception):
-    """An attribute holds a value of another type."""
-
-    def __init__(self, attribute: Usd.Attribute, found: object, expected: str) -> None:
-        self.attribute, self.found, self.expected = attribute.GetName(), found, expected
-
-
-def _number(attribute: Usd.Attribute, code: Usd.TimeCode) -> float:
-    value = attribute.Get(code)
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise _NotANumber(attribute, value, "a number") from None
-
-
-def _colour(attribute: Usd.Attribute, code: Usd.TimeCode) -> np.ndarray:
-    value = attribute.Get(code)
-    try:
-        return np.array(value, np.float64).reshape(3)
-    except (TypeError, ValueError):
-        raise _NotANumber(attribute, value, "three numbers") from None
-
-
-def _emitter(kind: str, prim: Usd.Prim, world_from_light: np.ndarray, code: Usd.TimeCode) -> dict:
-    light = {"angle_degrees": 0.53, "radius": 0.5, "width": 1.0, "height": 1.0}
-    for name in light:
-        attribute = prim.GetAttribute("inputs:" + ("angle" if name == "angle_degrees" else name))
-        if attribute:
-            light[name] = _number(attribute, code)
-    radiance = emission(UsdLux.LightAPI(prim), code)
-    if UsdLux.LightAPI(prim).GetNormalizeAttr().Get(code):
-        radiance = radiance / normalization(kind, light, world_from_light)
-    if kind == "sphere" and light["radius"] == 0.0:
-        radiance = (
-            radiance / 4.0
-        )  # Radiant intensity: what a small normalised sphere, pi r^2 L / (4 pi r^2), tends to.
-    return {"name": str(prim.GetPath()), "kind": kind, "radiance": tuple(radiance.tolist()), **light}
-
-
-def emission(light: UsdLux.LightAPI, code: Usd.TimeCode) -> np.ndarray:
-    """intensity * 2^exposure * color, times the black body's colour where enabled: float64[3], infinite where
-    it is too large."""
-    with np.errstate(over="ignore", invalid="ignore"):  # The translator says what is not finite.
-        strength = _number(light.GetIntensityAttr(), code) * np.exp2(_number(light.GetExposureAttr(), code))
-        colour = strength * _colour(light.GetColorAttr(), code)
-    if light.GetEnableColorTemperatureAttr().Get(code):
-        kelvin = _number(light.GetColorTemperatureAttr(), code)
-        colour = colour * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin), np.float64)
-    return colour
-
-
-def normalization(kind: str, light: dict[str, float], world_from_light: np.ndarray) -> float:
-    """What inputs:normalize divides by (UsdLux, "Light Contributions"): the world's area, for distant lights
-    the cosine-weighted solid angle; 1 where that is 0."""
-    axes = np.linalg.norm(world_from_light[:3, :3], axis=1)
-    if kind == "sphere":
-        a, b, c = light["radius"] * axes
-        # Knud Thomsen's formula for ellipsoids, exact for spheres, otherwise within 1.1 %.
-        p = 1.6075
-        size = 4 * math.pi * (((a * b) ** p + (a * c) ** p + (b * c) ** p) / 3) ** (1 / p)
-    elif kind == "rect":
-        across = np.cross(world_from_light[0, :3], world_from_light[1, :3])
-        size = light["width"] * light["height"] * float(np.linalg.norm(across))
-    elif kind == "distant":
-        half = math.radians(light["angle_degrees"]) / 2
-        sine = math.sin(half) ** 2
-        size = math.pi * (sine if half <= math.pi / 2 else 2.0 - sine)
-    else:
-        size = 1.0
-    return size if size > 0.0 else 1.0
 
 
 def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
@@ -167,17 +145,6 @@ def _is_similarity(matrix: np.ndarray) -> bool:
         gram = matrix[:3, :3] @ matrix[:3, :3].T
         uneven = np.abs(gram - np.eye(3) * gram.trace() / 3).max()
     return not uneven > 1e-5 * gram.trace()
-
-
-def add_lights(translator: Any, light: dict, motion: Motion, level: int) -> None:
-    """Hands a light down once for each of the motion's places, each sampled at a level of the grid."""
-    times01, matrices = motion.times01(level), motion.at_level(level)
-    for index in range(motion.count):
-        place = matrices[:, index]
-        last = 1 if (place == place[0]).all() else len(times01)
-        translator.add_light(
-            **light, times01=np.array(times01[:last]), world_from_light=np.ascontiguousarray(place[:last])
-        )
 
 
 def camera_light(times01: np.ndarray, world_from_camera: np.ndarray) -> dict:

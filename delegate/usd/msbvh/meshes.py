@@ -8,7 +8,7 @@ from pxr import Usd, UsdGeom
 from .context import FrameContext, array
 from .implicit import IMPLICIT_TYPES, read_implicit
 from .points import Samples, changes, sample_array, sample_points, velocities_apply
-from .primvars import PrimvarInput, read_primvar
+from .primvars import MovingPrimvar, sample_primvar
 
 
 def is_shape(prim: Usd.Prim) -> bool:
@@ -32,8 +32,8 @@ def read_shape(prim: Usd.Prim, context: FrameContext) -> dict | None:
     mesh.setdefault("normals_interpolation", "vertex")
     mesh.setdefault("normals_indices", None)
     mesh["path"] = path
-    mesh["display_color"] = read_primvar(prim, "displayColor", 3, context)
-    mesh["display_opacity"] = read_primvar(prim, "displayOpacity", None, context)
+    mesh["display_color"] = sample_primvar(prim, "displayColor", 3, context)
+    mesh["display_opacity"] = sample_primvar(prim, "displayOpacity", None, context)
     if not prim.IsA(UsdGeom.Mesh):
         mesh["display_color"] = _constant(mesh["display_color"], "primvars:displayColor", path, context)
         mesh["display_opacity"] = _constant(mesh["display_opacity"], "primvars:displayOpacity", path, context)
@@ -91,16 +91,19 @@ def _normals(mesh: UsdGeom.Mesh, topology_varies: bool, context: FrameContext) -
 
 
 def _constant(
-    primvar: PrimvarInput | None, name: str, path: str, context: FrameContext
-) -> PrimvarInput | None:
+    primvar: MovingPrimvar | None, name: str, path: str, context: FrameContext
+) -> MovingPrimvar | None:
     """An implicit shape has no vertices of its own that a primvar could vary over."""
     if primvar is None or primvar[0] == "constant":
         return primvar
-    _, values, indices = primvar
-    if len(values) > 1:
-        message = f"found {len(values)} {primvar[0]} values on an implicit shape; drew the first"
+    interpolation, values, indices = primvar
+    samples = values if isinstance(values, list) else [(0.0, values)]
+    count = len(samples[0][1])
+    if count > 1:
+        message = f"found {count} {interpolation} values on an implicit shape; drew the first"
         context.diagnostics.warning(path, name, message)
-    return "constant", values[:1] if indices is None else values[indices[:1]], None
+    first = [(time01, v[:1] if indices is None else v[indices[:1]]) for time01, v in samples]
+    return "constant", first if isinstance(values, list) else first[0][1], None
 
 
 _DEGRADED = {

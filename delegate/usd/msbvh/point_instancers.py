@@ -10,7 +10,7 @@ from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
 from .points import changes, rates_apply
-from .primvars import read_primvar
+from .primvars import read_primvar, warn_of_change
 from .transforms import Motion, XformCaches
 
 _NOT_DRAWN = -1
@@ -178,6 +178,7 @@ def _display_color(instancer: UsdGeom.PointInstancer, count: int, context: Frame
     primvar = read_primvar(instancer.GetPrim(), "displayColor", 3, context)
     if primvar is None or primvar[0] == "constant":
         return None
+    warn_of_change(instancer.GetPrim(), "displayColor", 3, context)
     _, values, indices = primvar
     indices = np.arange(len(values)) if indices is None else indices
     if len(indices) != count or indices.min() < 0 or indices.max() >= len(values):

@@ -6,9 +6,14 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
+from .times import JUMP_TIME01, sample_times
 
 PrimvarInput = tuple[str, np.ndarray, np.ndarray | None]
 """Interpolation, float32[K] or float32[K, 3], int32 indices or None."""
+
+MovingPrimvar = tuple[str, np.ndarray | list[tuple[float, np.ndarray]], np.ndarray | None]
+"""The same; where the values change inside the shutter, (time01, values) at increasing times, linear between
+them. Two samples within JUMP_TIME01 make a jump."""
 
 
 def read_primvar(
@@ -33,6 +38,70 @@ def read_primvar(
         return None
     indices = array(primvar.GetIndices(context.code), np.int32) if primvar.IsIndexed() else None
     return str(primvar.GetInterpolation()), values, indices
+
+
+def sample_primvar(
+    prim: Usd.Prim, name: str, columns: int | None, context: FrameContext
+) -> MovingPrimvar | None:
+    """Like read_primvar(), over the shutter. Indices are those of the frame.
+
+    Values that cannot be interpolated, since their number changes or one is not finite, are held, with a
+    warning.
+    """
+    at_frame = read_primvar(prim, name, columns, context)
+    if at_frame is None or not context.shutter.moving:
+        return at_frame
+    interpolation, values, indices = at_frame
+    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
+    path = str(prim.GetPath())
+    if indices is not None and _changes(primvar.GetIndicesAttr(), np.int32, None, context):
+        message = "the indices change within the shutter; held those of the frame"
+        context.diagnostics.warning(path, primvar.GetName(), message)
+    samples = _samples(primvar.GetAttr(), np.float32, columns, context)
+    if all(np.array_equal(sample, values) for _, sample in samples):
+        return at_frame
+    if any(len(sample) != len(values) for _, sample in samples):
+        message = f"the number of values changes within the shutter; held the frame's {len(values)}"
+        context.diagnostics.warning(path, primvar.GetName(), message)
+        return at_frame
+    if not all(np.isfinite(sample).all() for _, sample in samples):
+        message = "found a value within the shutter that is not finite; held the frame's values"
+        context.diagnostics.warning(path, primvar.GetName(), message)
+        return at_frame
+    return interpolation, _with_jumps(samples) if context.held else samples, indices
+
+
+def warn_of_change(prim: Usd.Prim, name: str, columns: int | None, context: FrameContext) -> None:
+    """For primvars that are read at the frame only."""
+    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
+    if _changes(primvar.GetAttr(), np.float32, columns, context):
+        message = "changes within the shutter, which is not supported for instances; held the frame's values"
+        context.diagnostics.warning(str(prim.GetPath()), primvar.GetName(), message)
+
+
+def _samples(
+    attribute: Usd.Attribute, dtype: type, columns: int | None, context: FrameContext
+) -> list[tuple[float, np.ndarray]]:
+    """time01 and values; none where the attribute does not vary over the shutter."""
+    shutter = context.shutter
+    return [
+        (shutter.time01(time), array(attribute.Get(time), dtype, columns))
+        for time in sample_times([attribute], shutter)
+    ]
+
+
+def _changes(attribute: Usd.Attribute, dtype: type, columns: int | None, context: FrameContext) -> bool:
+    """Compares values, not sample counts."""
+    samples = _samples(attribute, dtype, columns, context)
+    return any(not np.array_equal(values, samples[0][1]) for _, values in samples)
+
+
+def _with_jumps(samples: list[tuple[float, np.ndarray]]) -> list[tuple[float, np.ndarray]]:
+    """Each value until an instant before the next."""
+    result = samples[:1]
+    for (_, old), (time01, new) in zip(samples, samples[1:], strict=False):
+        result += [(time01 - JUMP_TIME01, old), (time01, new)]
+    return result
 
 
 def primvar_source(prim: Usd.Prim, name: str) -> str:

@@ -15,12 +15,12 @@ from .camera import RenderCamera, read_camera
 from .context import FrameContext
 from .errors import Diagnostics, SceneError
 from .instances import Placement, Placer
-from .lights import add_lights, camera_light, read_light
+from .lights import add_lights, camera_light
 from .materials import Materials
 from .meshes import faces_by_material, read_shape
 from .stage import tf_messages
-from .times import FINEST_LEVEL, TimeGrid, is_held
-from .transforms import Box, Motion, XformCaches, dense_samples
+from .times import TimeGrid, is_held
+from .transforms import Box, XformCaches, dense_samples
 from .traversal import WORLD, Group, Part, Traversal
 
 
@@ -146,6 +146,7 @@ class _FrameReader:
             "times01": camera.times01,
             "world_from_camera": camera.world_from_camera,
             "windows": camera.windows,
+            "lenses": camera.lenses,
             "near_clip": camera.near_clip,
             "far_clip": camera.far_clip,
             "width": camera.width,
@@ -226,19 +227,12 @@ class _FrameReader:
         for placement in placements:
             group = self._traversal.groups[placement.key]
             for part in group.lights:
-                self._add_light(
-                    part, self._caches.motion([part.prim], group.root, part.varying).inside(placement.motion)
+                motion = self._caches.motion([part.prim], group.root, part.varying).inside(placement.motion)
+                self._light_count += add_lights(
+                    self._translator, part.prim, part.blinking, motion, self._context
                 )
         if self._light_count == 0 and not self._settings.disable_camera_light:
             self._translator.add_light(**camera_light(self._camera.times01, self._camera.world_from_camera))
-
-    def _add_light(self, part: Part, motion: Motion) -> None:
-        shutter = self._context.shutter
-        at_frame = min(max(shutter.time01(shutter.frame), 0.0), 1.0) if shutter.moving else 0.0
-        light = read_light(part.prim, motion.at_time(at_frame)[0], self._context)
-        if light is not None:
-            add_lights(self._translator, light, motion, FINEST_LEVEL)
-            self._light_count += motion.count
 
     def _finish(self) -> ReadResult:
         diagnostics = self._context.diagnostics

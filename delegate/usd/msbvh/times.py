@@ -24,6 +24,9 @@ COARSE_LEVEL = 3
 FINEST_LEVEL = 7
 """2^7 intervals: the most segments a track has."""
 
+JUMP_TIME01 = 1e-6
+"""How long before a change at once its last old value is sampled: half the translator's kJumpTime01."""
+
 
 @dataclass(frozen=True)
 class Shutter:
@@ -44,6 +47,11 @@ class Shutter:
     def frame_code(self) -> Usd.TimeCode:
         """Where everything is read that is not sampled over the shutter."""
         return Usd.TimeCode.Default() if self.frame is None else Usd.TimeCode(self.frame)
+
+    @property
+    def frame01(self) -> float:
+        """The frame's time, or the shutter's end that is next to it; 0 where nothing moves."""
+        return min(max(self.time01(self.frame), 0.0), 1.0) if self.moving else 0.0
 
     @property
     def interval(self) -> Gf.Interval:
@@ -102,7 +110,7 @@ class TimeGrid:
         self._levels: dict[int, list[float]] = {}
         if shutter.moving:
             inside = sorted({shutter.time01(time) for time in authored if shutter.interval.Contains(time)})
-            jumps = [time - 1e-6 for time in inside if held and time > 1e-6]
+            jumps = [time - JUMP_TIME01 for time in inside if held and time > JUMP_TIME01]
             if len(inside) <= 2**FINEST_LEVEL:
                 self._authored = inside + jumps
 

@@ -31,6 +31,8 @@ class Part:
     prim: Usd.Prim
     varying: bool
     """Whether a transform between the group's root and the prim, its own included, may change over time."""
+    blinking: tuple[Usd.Attribute, ...] = ()
+    """Visibilities, likewise, that change inside the shutter: lights are switched by them."""
 
 
 @dataclass
@@ -53,6 +55,9 @@ class _State:
 
     varying: bool
     purpose: str
+    blinking: tuple[Usd.Attribute, ...] = ()
+    hidden: bool = False
+    """Invisible at the frame, but not for the whole shutter: only lights are drawn then."""
 
 
 class Traversal:
@@ -91,8 +96,9 @@ class Traversal:
             here = self._state(prim, above, is_root)
             if here is None:
                 continue
-            self._warn_of_reset(prim, group, is_root)
-            self._warn_of_draw_mode(prim)
+            if not here.hidden:
+                self._warn_of_reset(prim, group, is_root)
+                self._warn_of_draw_mode(prim)
             yield prim, here
             if (prim.IsInstance() and not is_root) or prim.IsA(UsdGeom.PointInstancer):
                 continue
@@ -107,14 +113,30 @@ class Traversal:
         if not prim.IsA(UsdGeom.Imageable):
             return above
         imageable = UsdGeom.Imageable(prim)
-        if not is_root and imageable.GetVisibilityAttr().Get(self._context.code) == UsdGeom.Tokens.invisible:
-            return None
+        blinking, hidden = above.blinking, above.hidden
+        if not is_root:
+            visibility = imageable.GetVisibilityAttr()
+            blinks = self._blinks(visibility)
+            if visibility.Get(self._context.code) == UsdGeom.Tokens.invisible:
+                if not blinks:
+                    return None
+                hidden = True
+            blinking += (visibility,) if blinks else ()
         purpose = imageable.GetPurposeAttr()
         name = str(purpose.Get()) if purpose.HasAuthoredValue() else above.purpose
         varying = above.varying
         if not is_root and prim.IsA(UsdGeom.Xformable):
             varying = self._varies(UsdGeom.Xformable(prim), above.varying)
-        return _State(varying, name)
+        return _State(varying, name, blinking, hidden)
+
+    def _blinks(self, visibility: Usd.Attribute) -> bool:
+        """Whether a visibility changes inside the shutter, for more than its last instant."""
+        shutter = self._context.shutter
+        if not shutter.moving or not visibility.ValueMightBeTimeVarying():
+            return False
+        opening, closing = shutter.interval.min, shutter.interval.max
+        inside = visibility.GetTimeSamplesInInterval(shutter.interval)
+        return len({visibility.Get(time) for time in (opening, *inside) if time < closing}) > 1
 
     def _varies(self, xformable: UsdGeom.Xformable, above: bool) -> bool:
         shutter = self._context.shutter
@@ -125,7 +147,11 @@ class Traversal:
 
     def _sort(self, prim: Usd.Prim, state: _State, group: Group) -> None:
         """Puts a prim where it belongs, or says that it is not drawn."""
-        part = Part(prim, state.varying)
+        part = Part(prim, state.varying, state.blinking)
+        if is_light(prim):
+            group.lights.append(part)
+        if state.hidden:
+            return
         if prim.IsInstance() and prim != group.root:
             group.instances.setdefault(self._instanced(prim, state), []).append(part)
         elif prim.IsA(UsdGeom.PointInstancer):
@@ -141,8 +167,6 @@ class Traversal:
         elif prim.GetTypeName() and not prim.GetPrimTypeInfo().GetSchemaType():
             message = f"prim type '{prim.GetTypeName()}' is unknown; not drawn"
             self._context.diagnostics.group(str(prim.GetPath()), "", message)
-        if is_light(prim):
-            group.lights.append(part)
 
     def _add_instancer(self, part: Part, group: Group) -> None:
         group.instancers.append(part)
