@@ -16,6 +16,7 @@ from .lights import is_light
 from .meshes import is_shape
 from .point_instancers import moving_attributes, prototypes
 from .primvars import primvar_source
+from .skeletons import inherited_binding
 
 WORLD: Hashable = "world"
 
@@ -180,13 +181,15 @@ class Traversal:
             self._context.diagnostics.group(str(prim.GetPath()), "model:drawMode", message)
 
     def _instanced(self, prim: Usd.Prim, state: _State) -> Hashable:
-        """The group that a native instance shows; one for each set of looks that instances inherit."""
+        """The group that a native instance shows; one for each set of looks and skeletal bindings that
+        instances inherit."""
         material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
         inherited = (
             state.purpose,
             str(material.GetPath()) if material else "",
             primvar_source(prim, "displayColor"),
             primvar_source(prim, "displayOpacity"),
+            inherited_binding(prim),
         )
         key = ("instance", str(prim.GetPrototype().GetPath()), inherited)
         if key not in self.groups:
