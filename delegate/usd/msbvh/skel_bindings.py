@@ -22,8 +22,9 @@ class SkelBinding:
     """All that is needed to pose a mesh at any time."""
 
     prim: Usd.Prim
-    query: UsdSkel.SkinningQuery
-    skeleton: UsdSkel.SkeletonQuery
+    skeleton: UsdSkel.Skeleton
+    animation: UsdSkel.AnimQuery
+    """Of the skeleton; invalid where it rests."""
     shapes: BlendShapes | None
     influences: dict
     """Keywords of skin_points that no time changes."""
@@ -44,7 +45,8 @@ def read_binding(prim: Usd.Prim, context: FrameContext) -> SkelBinding | None:
     skeleton = _read_skeleton(prim, query, context)
     if skeleton is None:
         return None
-    shapes = read_blend_shapes(query, skeleton.GetAnimQuery(), context)
+    bound = context.skeletons.skeleton_query(skeleton)
+    shapes = read_blend_shapes(query, bound.GetAnimQuery(), context)
     influences, joints = _no_influences(), None
     if query.HasJointInfluences():
         if not prim.IsA(UsdGeom.PointBased) and not query.IsRigidlyDeformed():
@@ -54,12 +56,12 @@ def read_binding(prim: Usd.Prim, context: FrameContext) -> SkelBinding | None:
         influences, joints = _read_influences(query, context), _joint_order(query, skeleton, context)
     elif shapes is None:
         return None
-    return SkelBinding(prim, query, skeleton, shapes, influences, joints)
+    return SkelBinding(prim, skeleton, bound.GetAnimQuery(), shapes, influences, joints)
 
 
 def _read_skeleton(
     prim: Usd.Prim, query: UsdSkel.SkinningQuery, context: FrameContext
-) -> UsdSkel.SkeletonQuery | None:
+) -> UsdSkel.Skeleton | None:
     path = str(prim.GetPath())
     skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
     if not skeleton:
@@ -74,18 +76,18 @@ def _read_skeleton(
         context.diagnostics.warning(skeleton_path, "joints", f"{message}; {_REST}")
         return None
     if not query.HasJointInfluences():
-        return bound
+        return skeleton
     if not bound.HasBindPose():
         found = len(skeleton.GetBindTransformsAttr().Get() or ())
         message = f"found {found} matrices, expected {len(bound.GetJointOrder())}, one a joint, to skin {path}"
         context.diagnostics.warning(skeleton_path, "bindTransforms", f"{message}; {_REST}")
         return None
-    if context.skeletons.pose(bound, context.code) is None:
+    if context.skeletons.pose(skeleton, context.code) is None:
         found = len(skeleton.GetRestTransformsAttr().Get() or ())
         message = f"found {found} matrices and no animation of all joints, expected {len(bound.GetJointOrder())}"
         context.diagnostics.warning(skeleton_path, "restTransforms", f"{message}, to skin {path}; {_REST}")
         return None
-    return bound
+    return skeleton
 
 
 def _bound_targets(prim: Usd.Prim) -> list:
@@ -134,17 +136,17 @@ def _read_influences(query: UsdSkel.SkinningQuery, context: FrameContext) -> dic
 
 
 def _joint_order(
-    query: UsdSkel.SkinningQuery, skeleton: UsdSkel.SkeletonQuery, context: FrameContext
+    query: UsdSkel.SkinningQuery, skeleton: UsdSkel.Skeleton, context: FrameContext
 ) -> np.ndarray:
     """The skeleton's index of each joint that the mesh's indices count; -1 for those it does not have."""
-    known = {str(name): index for index, name in enumerate(skeleton.GetJointOrder())}
+    known = {str(name): index for index, name in enumerate(context.skeletons.skeleton_query(skeleton).GetJointOrder())}
     order = query.GetJointOrder()
     if order is None:
         return np.arange(len(known))
     unknown = [str(name) for name in order if str(name) not in known]
     if unknown:
         path = str(query.GetPrim().GetPath())
-        message = f"found {len(unknown)} joints that {skeleton.GetPrim().GetPath()} does not have ('{unknown[0]}')"
+        message = f"found {len(unknown)} joints that {skeleton.GetPath()} does not have ('{unknown[0]}')"
         context.diagnostics.warning(path, "skel:joints", f"{message}; they stay as they are bound")
     return np.array([known.get(str(name), -1) for name in order], int)
 

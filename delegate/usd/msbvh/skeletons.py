@@ -41,11 +41,15 @@ class Skeletons:
         """Invalid for a skeleton whose joints make no hierarchy."""
         return self._cache.GetSkelQuery(skeleton)
 
-    def pose(self, query: UsdSkel.SkeletonQuery, code: Usd.TimeCode) -> np.ndarray | None:
+    def pose(self, skeleton: UsdSkel.Skeleton, code: Usd.TimeCode) -> np.ndarray | None:
         """The skinning transforms of all joints, in the skeleton's order: float64[J, 4, 4]; None where UsdSkel
-        has none."""
-        key = (query.GetPrim().GetPath(), code)
+        has none.
+
+        Each instance's skeleton has a pose of its own; queries name that of the prototype.
+        """
+        key = (skeleton.GetPath(), code)
         if key not in self._poses:
+            query = self.skeleton_query(skeleton)
             matrices = query.ComputeSkinningTransforms(code)
             whole = matrices is not None and len(matrices) == len(query.GetJointOrder())
             self._poses[key] = np.array(matrices, np.float64).reshape(-1, 4, 4) if whole else None

@@ -105,7 +105,7 @@ class _Poser:
         times: set[float] = set()
         if not shutter.moving:
             return False, []
-        animation = binding.skeleton.GetAnimQuery()
+        animation = binding.animation
         varying = self._moving_rest is not None
         if varying:
             times.update(self._moving_rest.GetTimeSamplesInInterval(shutter.interval))
