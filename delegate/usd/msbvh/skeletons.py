@@ -10,13 +10,14 @@ from pxr import Sdf, Usd, UsdSkel
 EVERY_PRIM = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
 """Prototypes of point instancers may be mere overs."""
 
-BINDING_PROPERTIES = (
+INHERITED = (
     "primvars:skel:jointIndices",
     "primvars:skel:jointWeights",
     "primvars:skel:geomBindTransform",
     "skel:joints",
 )
 """What prims inherit of a binding beside the skeleton and its animation."""
+BINDING_PROPERTIES = frozenset(("skel:skeleton", "skel:animationSource", *INHERITED))
 
 
 class Skeletons:
@@ -25,6 +26,7 @@ class Skeletons:
     def __init__(self) -> None:
         self._cache = UsdSkel.Cache()
         self._populated: set[Sdf.Path] = set()
+        self._binding_parents: dict[Sdf.Path, bool] = {}
         self._poses: dict[tuple[Sdf.Path, Usd.TimeCode], np.ndarray | None] = {}
 
     def skinning_query(self, prim: Usd.Prim) -> UsdSkel.SkinningQuery | None:
@@ -55,6 +57,36 @@ class Skeletons:
             self._poses[key] = np.array(matrices, np.float64).reshape(-1, 4, 4) if whole else None
         return self._poses[key]
 
+    def inherited_binding(self, prim: Usd.Prim) -> Hashable:
+        """What the prims inside a native instance inherit of skeletal bindings: equal where two instances look
+        the same; None where nothing binds.
+
+        A skeleton outside places what is bound to it by itself: such an instance resembles no other.
+        """
+        if not self._binds_at_or_above(prim):
+            return None
+        path, binding = prim.GetPath(), UsdSkel.BindingAPI(prim)
+        skeleton, animation = binding.GetInheritedSkeleton().GetPrim(), binding.GetInheritedAnimationSource()
+        outside = bool(skeleton) and not skeleton.GetPath().HasPrefix(path)
+        return (
+            _seen_from(path, skeleton),
+            _seen_from(path, animation),
+            _skel_root(prim) is not None,
+            tuple(_source(prim, name) for name in INHERITED),
+            str(path) if outside else "",
+        )
+
+    def _binds_at_or_above(self, prim: Usd.Prim) -> bool:
+        """Remembered for parents: instances come by the thousand."""
+        if not prim or prim.IsPseudoRoot():
+            return False
+        if prim.IsA(UsdSkel.Root) or not BINDING_PROPERTIES.isdisjoint(prim.GetAuthoredPropertyNames()):
+            return True
+        parent = prim.GetParent()
+        if parent.GetPath() not in self._binding_parents:
+            self._binding_parents[parent.GetPath()] = self._binds_at_or_above(parent)
+        return self._binding_parents[parent.GetPath()]
+
 
 def _skel_root(prim: Usd.Prim) -> Usd.Prim | None:
     """The outermost SkelRoot at or above a prim."""
@@ -64,28 +96,6 @@ def _skel_root(prim: Usd.Prim) -> Usd.Prim | None:
             found = prim
         prim = prim.GetParent()
     return found
-
-
-def inherited_binding(prim: Usd.Prim) -> Hashable:
-    """What the prims inside a native instance inherit of skeletal bindings: equal where two instances look the
-    same.
-
-    A skeleton outside places what is bound to it by itself: such an instance resembles no other.
-    """
-    skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton().GetPrim()
-    animation = UsdSkel.BindingAPI(prim).GetInheritedAnimationSource()
-    root = _skel_root(prim)
-    if not skeleton and not animation and root is None:
-        return None
-    path = prim.GetPath()
-    outside = bool(skeleton) and not skeleton.GetPath().HasPrefix(path)
-    return (
-        _seen_from(path, skeleton),
-        _seen_from(path, animation),
-        root is not None,
-        tuple(_source(prim, name) for name in BINDING_PROPERTIES),
-        str(path) if outside else "",
-    )
 
 
 def _seen_from(path: Sdf.Path, prim: Usd.Prim) -> str:

@@ -16,7 +16,6 @@ from .lights import is_light
 from .meshes import is_shape
 from .point_instancers import moving_attributes, prototypes
 from .primvars import primvar_source
-from .skeletons import inherited_binding
 
 WORLD: Hashable = "world"
 
@@ -189,7 +188,7 @@ class Traversal:
             str(material.GetPath()) if material else "",
             primvar_source(prim, "displayColor"),
             primvar_source(prim, "displayOpacity"),
-            inherited_binding(prim),
+            self._context.skeletons.inherited_binding(prim),
         )
         key = ("instance", str(prim.GetPrototype().GetPath()), inherited)
         if key not in self.groups:
