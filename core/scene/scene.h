@@ -42,7 +42,9 @@ std::size_t value_count(Interpolation interpolation, const TriangleMesh& shape);
 
 struct Mesh {
   TriangleMesh shape;      // with its guard: accelerators share it as it stands
-  Primvar<Vec3f> normals;  // shading normals, need not be unit length; not authored: the triangle's own
+  // Shading normals, need not be unit length; not authored: the triangle's own. In the mesh's time; the other
+  // primvars are in the shutter's.
+  Primvar<Vec3f> normals;
   Primvar<Vec3f> display_color;
   Primvar<float> display_opacity;
   std::uint32_t material = kNone;  // kNone: diffuse in display_color (0.18 grey where not authored)

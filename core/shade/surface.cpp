@@ -143,7 +143,7 @@ SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& 
     surface.self_hit_margin = Vec3f(triangle.margin());
     set_normals(source, hit, ray, Affine3d{}, cross(edge1, edge2), surface);
   }
-  set_colors(material_of(scene, *source.mesh), source, hit, time, surface);
+  set_colors(material_of(scene, *source.mesh), source, hit, ray.time, surface);
   return surface;
 }
 
@@ -151,7 +151,7 @@ float opacity_at(const Scene& scene, const HitSource& source, const Hit& hit, fl
   const Mesh& mesh = *source.mesh;
   if (!reads_display_opacity(scene, mesh)) return constant_opacity(scene, mesh);
   const float value = interpolate(mesh.display_opacity, mesh.shape, hit.triangle,
-                                  Barycentrics::of(hit.u, hit.v), source.mesh_time(time));
+                                  Barycentrics::of(hit.u, hit.v), time);
   return rendered_opacity(material_of(scene, mesh), value);
 }
 

@@ -47,6 +47,12 @@ class PrimLog {
     log.optional_ = true;
     return log;
   }
+  // The same for a part that is a prim of its own: messages name it.
+  PrimLog of_part(std::string path) const {
+    PrimLog log = of_optional_part();
+    log.path_ = std::move(path);
+    return log;
+  }
   const std::string& path() const { return path_; }
 
   void warn(const std::string& attribute, const std::string& message) {

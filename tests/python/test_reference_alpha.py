@@ -23,6 +23,8 @@ from shared_scenes import SCENES
         ("arnold_2231", 1002, 0.006),
         ("arnold_0216", 0, 0.014),
         ("arnold_2254", 5, 0.030),
+        ("arnold_1443", 3, 0.006),  # skinned
+        ("arnold_1352", 1600, 0.010),  # a skinned crowd, without blur
     ],
 )
 def test_alpha(msbvh: Run, tmp_path: Path, name: str, frame: int, bound: float) -> None:
@@ -32,7 +34,7 @@ def test_alpha(msbvh: Run, tmp_path: Path, name: str, frame: int, bound: float) 
     reference = oiio.ImageInput.open(str(folder / "ref" / "reference.tif")).read_image(oiio.FLOAT)[..., 3]
     height, width = reference.shape
     done = msbvh(
-        *("record", folder / "data" / "test.usda", "a.exr", "--frames", frame, "--spp", 256),
+        *("record", next((folder / "data").glob("test.usd*")), "a.exr", "--frames", frame, "--spp", 256),
         *("--resolution", width, height, "--conform", "adjustApertureHeight", "--max-bounces", 0),
     )
     assert done.returncode == 0, done.stderr

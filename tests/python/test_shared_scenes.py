@@ -10,7 +10,7 @@ import pytest
 from conftest import Run
 from shared_scenes import MOTION_GROUPS, SharedScene, shared_scenes
 
-SCENES = shared_scenes(*MOTION_GROUPS)
+SCENES = shared_scenes(*MOTION_GROUPS, "skinned")
 
 
 @pytest.mark.slow

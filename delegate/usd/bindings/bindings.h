@@ -14,6 +14,7 @@ struct SceneHandle {
 };
 
 void bind_translator(nanobind::module_& m);
+void bind_skinning(nanobind::module_& m);
 void bind_renderer(nanobind::module_& m);
 
 }  // namespace msbvh::python

@@ -15,6 +15,7 @@ NB_MODULE(_core, m) {
   m.attr("__version__") = MSBVH_VERSION;
   nb::exception<msbvh::Error>(m, "Error");
   msbvh::python::bind_translator(m);
+  msbvh::python::bind_skinning(m);
   msbvh::python::bind_renderer(m);
   m.def(
       "supported_instruction_sets",

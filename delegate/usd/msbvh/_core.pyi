@@ -232,5 +232,39 @@ class Renderer:
     @property
     def statistics(self) -> RenderStatistics: ...
 
+SubShape: TypeAlias = tuple[str, F32 | None, F32 | None, I32 | None]
+"""(path of the blend shape, offsets [K, 3], normal offsets [K, 3], the points [K] that they move or None for all of
+them in their order)."""
+
+def skin_points(
+    *,
+    path: str,
+    times01: F64,
+    points: F32,
+    normals: F32 | None = None,
+    normal_points: I32 | None = None,
+    method: Literal["classicLinear", "dualQuaternion"],
+    joint_indices: I32 | None = None,
+    joint_weights: F32 | None = None,
+    influences_per_point: int,
+    constant_influences: bool,
+    geom_bind: F64,
+    joints: F64 | None = None,
+    sub_shapes: Sequence[SubShape],
+    sub_shape_weights: F32 | None = None,
+) -> tuple[F32 | None, F32 | None, list[Diagnostic]]:
+    """Blend shapes, then joints, at ``times01`` [T]: points [T, N, 3] and normals [T, M, 3].
+
+    ``points`` [N, 3] and ``normals`` [M, 3] are in the mesh's space at rest; ``normal_points`` [M] says which
+    point each normal belongs to (None: one normal a point). ``joint_indices`` and ``joint_weights`` are
+    [N * influences_per_point], or [influences_per_point] for ``constant_influences``; ``geom_bind`` is [4, 4]
+    and ``joints``, the skinning transforms in the order that the indices count in, [T, J, 4, 4]. Results are in
+    the skeleton's space; in the mesh's where there are no ``joint_indices``. ``sub_shape_weights`` is
+    [T, len(sub_shapes)].
+
+    Points are None where the input cannot be used (an error among the diagnostics); normals also where there
+    are none. See delegate/translate/skinning.h. Releases the GIL.
+    """
+
 def supported_instruction_sets() -> list[str]:
     """Those that the kernels are compiled for and this machine has; worst first."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from pxr import Usd
 
 from .errors import Diagnostics
+from .skeletons import Skeletons
 from .times import Shutter
 
 
@@ -20,6 +21,7 @@ class FrameContext:
     held: bool
     """The stage's values jump from sample to sample."""
     diagnostics: Diagnostics
+    skeletons: Skeletons = field(default_factory=Skeletons)
 
     @property
     def code(self) -> Usd.TimeCode:

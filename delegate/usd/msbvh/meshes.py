@@ -107,8 +107,6 @@ def _constant(
 
 
 _DEGRADED = {
-    "primvars:skel:jointIndices": "skinning is not supported yet; drawn in its rest pose",
-    "skel:blendShapes": "blend shapes are not supported yet; drawn in its rest pose",
     "motion:blurScale": "not supported yet; blurred as the shutter says",
 }
 

@@ -18,9 +18,11 @@ from .instances import Placement, Placer
 from .lights import add_lights, camera_light
 from .materials import Materials
 from .meshes import faces_by_material, read_shape
+from .points import CHORD_TOLERANCE
+from .skinning import read_skinning
 from .stage import tf_messages
 from .times import TimeGrid, is_held
-from .transforms import Box, XformCaches, dense_samples
+from .transforms import Box, XformCaches, dense_samples, may_move
 from .traversal import WORLD, Group, Part, Traversal
 
 
@@ -167,9 +169,17 @@ class _FrameReader:
         mesh = read_shape(part.prim, self._context)
         if mesh is None:
             return Box.empty()
+        placed_by, varying = part.prim, part.varying
+        skinned = read_skinning(part.prim, mesh, self._context, self._skinning_tolerance(root, tolerance))
         samples = mesh.pop("samples")
+        if skinned is not None:
+            if skinned.samples is None:
+                return Box.empty()
+            samples, placed_by = skinned.samples, skinned.placed_by
+            varying = may_move(placed_by, root)
+            mesh.update(normals=skinned.normals, normals_indices=None)
         box = samples.box()
-        motion = self._caches.motion([part.prim], root, part.varying)
+        motion = self._caches.motion([placed_by], root, varying)
         ((_, times01, matrices),) = dense_samples(motion, box, self._pixel, tolerance)
         mesh.update(
             points=samples.values,
@@ -186,6 +196,22 @@ class _FrameReader:
                 holes = outside if holes is None else np.union1d(holes, outside).astype(np.int32)
             add(**{**mesh, "hole_indices": holes, "material": self._materials.bound_to(prim)})
         return Box.around((box.corners() @ matrices[:, 0, :, :3]).reshape(-1, 3))
+
+    def _skinning_tolerance(
+        self, root: Usd.Prim | None, tolerance_pixels: float
+    ) -> Callable[[Usd.Prim, Box], float]:
+        """How far skinned points may stray between samples: a quarter of the tolerance, the rest of which the
+        track has. In a prototype, whose size in pixels is not known, as for points under acceleration."""
+
+        def tolerance(placed_by: Usd.Prim, box: Box) -> float:
+            if root is not None:
+                return CHORD_TOLERANCE * float(np.max(box.hi - box.lo))
+            matrices = np.array([self._caches.matrix(time, placed_by, None) for time in (0.0, 0.5, 1.0)])
+            stretch = np.linalg.norm(matrices[:, :3, :3], ord=2, axis=(1, 2)).max()
+            corners = (box.corners() @ matrices[..., :3])[:, None]
+            return 0.25 * tolerance_pixels * float(self._pixel.nearest(corners)[0]) / max(stretch, 1e-30)
+
+        return tolerance
 
     def _prototype(self, key: Hashable) -> tuple[int, Box] | None:
         """The translator's id of a group and its box; None if it shows nothing. Hands its meshes down at

@@ -69,10 +69,16 @@ class XformCaches:
         return self._caches[time01]
 
     def matrix(self, time01: float, prim: Usd.Prim, root: Usd.Prim | None) -> np.ndarray:
-        """root_from_prim without the root's own transform, float64[4, 4]; root None: world_from_prim."""
+        """root_from_prim without the root's own transform, float64[4, 4]; root None: world_from_prim.
+
+        A prim that is not below the root (a skeleton may lie anywhere) is seen from where the root is.
+        """
         cache = self.cache(time01)
         if root is None:
             return np.array(cache.GetLocalToWorldTransform(prim))
+        if not prim.GetPath().HasPrefix(root.GetPath()):
+            root_from_world = cache.GetLocalToWorldTransform(root).GetInverse()
+            return np.array(cache.GetLocalToWorldTransform(prim) * root_from_world)
         return np.array(cache.ComputeRelativeTransform(prim, root)[0])
 
     def motion(self, prims: list[Usd.Prim], root: Usd.Prim | None, varying: bool) -> Motion:
@@ -188,6 +194,21 @@ def dense_samples(
             remaining = remaining[~dense]
         if not len(remaining):
             return
+
+
+def may_move(prim: Usd.Prim, root: Usd.Prim | None) -> bool:
+    """Whether the transform of a prim in the space of `root` may change over time. For prims that no traversal
+    has come by."""
+    if root is not None and not prim.GetPath().HasPrefix(root.GetPath()):
+        return may_move(prim, None) or may_move(root, None)
+    while prim and not prim.IsPseudoRoot() and prim != root:
+        xformable = UsdGeom.Xformable(prim)
+        if xformable and xformable.TransformMightBeTimeVarying():
+            return True
+        if xformable and xformable.GetResetXformStack():
+            return False
+        prim = prim.GetParent()
+    return False
 
 
 def authored_xform_times(xformables: list[UsdGeom.Xformable], shutter: Shutter) -> set[float]:

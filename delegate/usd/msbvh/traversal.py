@@ -204,13 +204,15 @@ class Traversal:
             self._context.diagnostics.group(str(prim.GetPath()), "model:drawMode", message)
 
     def _instanced(self, prim: Usd.Prim, state: _State) -> Hashable:
-        """The group that a native instance shows; one for each set of looks that instances inherit."""
+        """The group that a native instance shows; one for each set of looks and skeletal bindings that
+        instances inherit."""
         material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
         inherited = (
             state.purpose,
             str(material.GetPath()) if material else "",
             primvar_source(prim, "displayColor"),
             primvar_source(prim, "displayOpacity"),
+            self._context.skeletons.inherited_binding(prim),
         )
         key = ("instance", str(prim.GetPrototype().GetPath()), inherited)
         if key not in self.groups:

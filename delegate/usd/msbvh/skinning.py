@@ -1,0 +1,242 @@
+"""Skinned meshes: UsdSkel's bindings read, its poses sampled over the shutter, the arithmetic left to the core.
+
+Skinned points lie in the skeleton's space: the skeleton's transform places them, the mesh's own does not count
+(UsdSkel). Joints rotate between their samples on arcs, so poses are sampled until straight lines between them
+follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from .context import FrameContext, array
+from .points import Samples
+from .skel_bindings import SkelBinding, read_binding
+from .times import FINEST_LEVEL, TimeGrid
+from .transforms import Box
+
+COARSEST_LEVEL = 2
+"""Poses are sampled at 2^2 intervals at least: between authored samples a joint turns by less than half a turn."""
+
+
+@dataclass
+class Skinned:
+    """A mesh over the shutter as its skeleton moves it."""
+
+    samples: Samples | None
+    """Points; None: the binding is wrong (an error), and the mesh is not drawn."""
+    normals: list[tuple[float, np.ndarray]] | None
+    """float32[M, 3] each, with the interpolation that the mesh has authored but no indices."""
+    placed_by: Usd.Prim
+    """Whose transform counts: the skeleton, or the mesh itself where blend shapes alone act."""
+
+
+def read_skinning(
+    prim: Usd.Prim, mesh: dict, context: FrameContext, tolerance_units: Callable[[Usd.Prim, Box], float]
+) -> Skinned | None:
+    """The skinned points and normals of a mesh; None where no skinning applies and it is drawn at rest.
+
+    `mesh` holds the translator's keywords with the rest points as "samples". Between the returned samples the
+    straight line strays from UsdSkel's pose by at most `tolerance_units(placed_by, box of the points)`, in units
+    of the space of `placed_by`, measured at the middles of the sampling intervals. Warns, naming prim and
+    property, where a binding does not resolve.
+    """
+    binding = read_binding(prim, context)
+    if binding is None:
+        return None
+    placed_by = prim if binding.joints is None else binding.skeleton.GetPrim()
+    poser = _Poser(binding, mesh, context)
+    times01, held = _sample(poser, context, lambda box: tolerance_units(placed_by, box))
+    if times01 is None:
+        return Skinned(None, None, placed_by)
+    points = [(time01, poser.points[time01]) for time01 in times01]
+    normals = [(time01, poser.normals[time01]) for time01 in times01 if time01 in poser.normals]
+    return Skinned(Samples(points, held), normals or None, placed_by)
+
+
+def _sample(
+    poser: _Poser, context: FrameContext, tolerance_units: Callable[[Box], float]
+) -> tuple[list[float] | None, bool]:
+    """The sample times and whether each holds until the next; no times where the core rejects the binding."""
+    varying, authored = poser.contributing_times()
+    if not varying:
+        return ([0.0] if poser.evaluate([0.0]) else None), False
+    grid = TimeGrid(context.shutter, authored)
+    times01 = sorted({0.0, *map(context.shutter.time01, authored)}) if context.held else grid.times01(COARSEST_LEVEL)
+    if not poser.evaluate(times01):
+        return None, False
+    if poser.still(times01):
+        return times01[:1], False
+    if context.held:
+        return times01, True
+    tolerance = tolerance_units(poser.box())
+    for level in range(COARSEST_LEVEL + 1, FINEST_LEVEL + 1):
+        finer = grid.times01(level)
+        if not poser.evaluate(finer):
+            return None, False
+        if poser.bend(times01, finer) <= tolerance:
+            return times01, False
+        times01 = finer
+    return times01, False
+
+
+class _Poser:
+    """Poses a mesh at times of the shutter, each once."""
+
+    def __init__(self, binding: SkelBinding, mesh: dict, context: FrameContext) -> None:
+        self.points: dict[float, np.ndarray] = {}
+        self.normals: dict[float, np.ndarray] = {}
+        self._binding = binding
+        self._context = context
+        self._moving_rest = _moving_points(binding.prim, context)
+        self._rest = mesh["samples"].values[0][1]
+        if self._moving_rest is not None or binding.prim.IsA(UsdGeom.Mesh):
+            self._rest = array(UsdGeom.PointBased(binding.prim).GetPointsAttr().Get(context.code), np.float32, 3)
+        self._normals, self._normal_points = _rest_normals(binding, mesh, len(self._rest), context)
+
+    def contributing_times(self) -> tuple[bool, list[float]]:
+        """Whether anything that acts on the mesh may change over the shutter, and the time codes within it where
+        that has samples."""
+        shutter, binding = self._context.shutter, self._binding
+        times: set[float] = set()
+        if not shutter.moving:
+            return False, []
+        animation = binding.animation
+        varying = self._moving_rest is not None
+        if varying:
+            times.update(self._moving_rest.GetTimeSamplesInInterval(shutter.interval))
+        if binding.joints is not None and animation and animation.JointTransformsMightBeTimeVarying():
+            varying = True
+            times.update(animation.GetJointTransformTimeSamplesInInterval(shutter.interval))
+        if binding.shapes is not None and animation.BlendShapeWeightsMightBeTimeVarying():
+            varying = True
+            times.update(animation.GetBlendShapeWeightTimeSamplesInInterval(shutter.interval))
+        return varying, sorted(times)
+
+    def evaluate(self, times01: list[float]) -> bool:
+        """Poses the mesh at those of the times that it has not been at; False where the core rejects it."""
+        new = [time01 for time01 in times01 if time01 not in self.points]
+        if self._moving_rest is None:
+            return not new or self._skin(new, self._rest)
+        return all(self._skin([time01], self._rest_at(time01)) for time01 in new)
+
+    def still(self, times01: list[float]) -> bool:
+        """Whether all poses are the same but for rounding: UsdSkel interpolates between equal rotations too."""
+        first = self.points[times01[0]]
+        rounding = 4 * np.finfo(np.float32).eps * np.abs(first).max(initial=0.0)
+        return all(np.abs(self.points[time] - first).max(initial=0.0) <= rounding for time in times01[1:])
+
+    def box(self) -> Box:
+        """Around all poses so far."""
+        return Samples(list(self.points.items())).box()
+
+    def bend(self, times01: list[float], finer: list[float]) -> float:
+        """How far the poses at the finer times stray from the straight lines between the others."""
+        worst = 0.0
+        for time01 in sorted(set(finer) - set(times01)):
+            after = int(np.searchsorted(times01, time01))
+            begin, end = times01[after - 1], times01[after]
+            weight = (time01 - begin) / (end - begin)
+            straight = (1.0 - weight) * self.points[begin] + weight * self.points[end]
+            deviation = np.linalg.norm(self.points[time01] - straight, axis=1)
+            worst = max(worst, float(deviation.max(initial=0.0)))
+        return worst
+
+    def _rest_at(self, time01: float) -> np.ndarray:
+        code = self._context.shutter.time_code(time01)
+        rest = array(self._moving_rest.Get(code), np.float32, 3)
+        if len(rest) == len(self._rest):
+            return rest
+        message = f"found {len(rest)} points within the shutter, expected {len(self._rest)}; held the frame's"
+        self._context.diagnostics.warning(str(self._binding.prim.GetPath()), "points", message)
+        return self._rest
+
+    def _skin(self, times01: list[float], rest: np.ndarray) -> bool:
+        from . import _core
+
+        binding, context = self._binding, self._context
+        codes = [context.shutter.time_code(time01) for time01 in times01]
+        shapes = [] if binding.shapes is None else binding.shapes.shapes
+        weights = [binding.shapes.weights(code, context) for code in codes] if shapes else None
+        points, normals, diagnostics = _core.skin_points(
+            path=str(binding.prim.GetPath()),
+            times01=np.array(times01),
+            points=rest,
+            normals=self._normals,
+            normal_points=self._normal_points,
+            joints=_joints(binding, codes, context),
+            sub_shapes=shapes,
+            sub_shape_weights=None if weights is None else np.array(weights),
+            **binding.influences,
+        )
+        for found in diagnostics:
+            if found.severity == "error":
+                message = f"{found.message}; the prim is not drawn"
+                context.diagnostics.error(found.path, found.attribute, message)
+            else:
+                context.diagnostics.warning(found.path, found.attribute, found.message)
+        if points is None:
+            return False
+        self.points.update(zip(times01, points, strict=True))
+        if normals is not None:
+            self.normals.update(zip(times01, normals, strict=True))
+        return True
+
+
+def _joints(binding: SkelBinding, codes: list[Usd.TimeCode], context: FrameContext) -> np.ndarray | None:
+    """The skinning transforms in the mesh's joint order, float64[T, J, 4, 4]: the identity for joints that the
+    skeleton does not have (UsdSkelAnimMapper)."""
+    if binding.joints is None:
+        return None
+    poses = np.array([context.skeletons.pose(binding.skeleton, code) for code in codes])
+    identity = np.broadcast_to(np.eye(4), (len(codes), 1, 4, 4))
+    return np.ascontiguousarray(np.concatenate([poses, identity], axis=1)[:, binding.joints])
+
+
+def _moving_points(prim: Usd.Prim, context: FrameContext) -> Usd.Attribute | None:
+    """The points of a mesh whose rest pose changes over the shutter."""
+    if not prim.IsA(UsdGeom.PointBased) or not context.shutter.moving:
+        return None
+    attribute = UsdGeom.PointBased(prim).GetPointsAttr()
+    return attribute if attribute.ValueMightBeTimeVarying() else None
+
+
+def _rest_normals(
+    binding: SkelBinding, mesh: dict, point_count: int, context: FrameContext
+) -> tuple[np.ndarray | None, np.ndarray | None]:
+    """The rest normals at the frame without indices, and the point of each; None for one normal a point."""
+    if mesh.get("normals") is None:
+        return None, None
+    path = str(binding.prim.GetPath())
+    values, interpolation = _nearest(mesh["normals"], context), mesh["normals_interpolation"]
+    if len(mesh["normals"]) > 1:
+        message = "the rest normals of a skinned mesh change within the shutter; held the frame's"
+        context.diagnostics.group(path, "normals", message)
+    indices = mesh.get("normals_indices")
+    if indices is not None:
+        if len(indices) and (indices.min() < 0 or indices.max() >= len(values)):
+            message = f"found an index outside 0 to {len(values) - 1}; left out"
+            context.diagnostics.warning(path, "primvars:normals:indices", message)
+            return None, None
+        values = np.ascontiguousarray(values[indices])
+    if binding.influences["constant_influences"] and binding.shapes is None and point_count:
+        return values, np.zeros(len(values), np.int32)
+    if interpolation in ("vertex", "varying"):
+        return values, None
+    if interpolation == "faceVarying":
+        return values, mesh["face_vertex_indices"]
+    message = f"{interpolation} normals of a skinned mesh have no joints to follow; left out"
+    context.diagnostics.group(path, "normals", message)
+    return None, None
+
+
+def _nearest(samples: list[tuple[float, np.ndarray]], context: FrameContext) -> np.ndarray:
+    """The sample next to the frame."""
+    if len(samples) == 1:
+        return samples[0][1]
+    at_frame = context.shutter.time01(context.shutter.frame)
+    return min(samples, key=lambda sample: abs(sample[0] - at_frame))[1]
