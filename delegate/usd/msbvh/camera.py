@@ -14,6 +14,7 @@ from .errors import Diagnostics, SceneError
 from .framing import framing_camera
 from .lens import read_lenses
 from .metadata import world_to_camera, world_to_ndc
+from .motion_scales import scales_at
 from .times import FINEST_LEVEL, Shutter, TimeGrid, checked_shutter, is_held
 from .transforms import Box, PixelSize, authored_xform_times
 
@@ -90,7 +91,8 @@ def read_camera(
     code = Shutter(frame).frame_code
     opening, closing = camera.GetShutterOpenAttr().Get(code), camera.GetShutterCloseAttr().Get(code)
     shutter = checked_shutter(frame, opening or 0.0, closing or 0.0, str(prim.GetPath()), diagnostics)
-    grid = TimeGrid(shutter, _authored_times(prim, shutter), is_held(stage))
+    own = shutter.scaled(scales_at(prim, code, diagnostics).blur)
+    grid = TimeGrid(own, _authored_times(prim, own), is_held(stage))
     return _sampled(str(prim.GetPath()), shutter, grid, camera.GetCamera, image_size, conform, diagnostics)
 
 
@@ -152,7 +154,9 @@ def _sampled(
     conform: str,
     diagnostics: Diagnostics,
 ) -> RenderCamera:
-    """Evaluates `camera_at` at the grid's finest times, or once if it does not move."""
+    """Evaluates `camera_at` at the grid's finest times, or once if it does not move.
+
+    The grid's shutter is the camera's own, scaled where it has a motion:blurScale."""
     at_frame = camera_at(shutter.frame_code)
     _check_optics(path, at_frame)
     width, height = image_size
@@ -160,7 +164,7 @@ def _sampled(
     window, pixel_aspect = conformed(_window(at_frame), width / height, conform)
 
     times01 = grid.times01(FINEST_LEVEL)
-    cameras = [camera_at(shutter.time_code(time01)) for time01 in times01]
+    cameras = [camera_at(grid.shutter.time_code(time01)) for time01 in times01]
     for camera in cameras:
         _check_optics(path, camera)
     matrices = np.array([np.array(camera.transform) for camera in cameras])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from pxr import Usd
@@ -22,6 +22,10 @@ class FrameContext:
     """The stage's values jump from sample to sample."""
     diagnostics: Diagnostics
     skeletons: Skeletons = field(default_factory=Skeletons)
+
+    def scaled(self, blur: float) -> FrameContext:
+        """The context of a prim with that motion:blurScale."""
+        return self if blur == 1.0 else replace(self, shutter=self.shutter.scaled(blur))
 
     @property
     def code(self) -> Usd.TimeCode:

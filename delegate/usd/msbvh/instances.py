@@ -1,17 +1,36 @@
-"""Instances, native ones and those of point instancers, nested in any way, as matrices in the world."""
+"""Instances, native ones and those of point instancers, nested in any way, as levels that the translator
+multiplies out."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
 
 import numpy as np
 from pxr import UsdGeom
 
 from .context import FrameContext
-from .point_instancers import read_point_instancer
-from .transforms import Motion, XformCaches
+from .point_instancers import own_transform, read_point_instancer
+from .transforms import Box, Motion, PixelSizes, TransformSamples, XformCaches, transform_samples
 from .traversal import WORLD, Group, Part, Traversal
+from .visibility import common_intervals, visible_intervals
+
+
+@dataclass(frozen=True)
+class Level:
+    """Maps that stand side by side: prims that USD evaluates, or a point instancer's arrays."""
+
+    motion: Motion | None
+    """Of prims; None: arrays."""
+    arrays: dict | None = None
+    """The translator's keywords of a point instancer, `selected` included."""
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return self.motion.count if self.motion is not None else len(self.arrays["selected"])
 
 
 @dataclass(frozen=True)
@@ -21,19 +40,40 @@ class Placement:
     path: str
     """Of the last prim in the chain."""
     key: Hashable
-    motion: Motion
-    """From the group's space into that of the chain's start, the world in the end."""
+    levels: tuple[Level, ...]
+    """From the group's space into that of the chain's start, the world in the end; the innermost first."""
+    visible: np.ndarray | None
+    """float64[K, 2]: the parts of the shutter in which the whole chain is visible; None: always."""
     display_color: np.ndarray | None
     """float32[count, 3], or None: the group's own colours."""
+    place: Callable[[], Motion]
+    """The levels multiplied out by USD itself, which is for lights: there are few of them."""
+
+    @property
+    def count(self) -> int:
+        """How often the group stands there."""
+        return int(np.prod([level.count for level in self.levels], dtype=np.int64)) if self.levels else 1
+
+    @cached_property
+    def motion(self) -> Motion:
+        """See `place`."""
+        return self.place()
 
     def inside(self, outer: Placement) -> Placement:
         """This under each of `outer`. The innermost that has colours decides."""
         colour = None
         if self.display_color is not None:
-            colour = np.tile(self.display_color, (outer.motion.count, 1))
+            colour = np.tile(self.display_color, (outer.count, 1))
         elif outer.display_color is not None:
-            colour = np.repeat(outer.display_color, self.motion.count, axis=0)
-        return Placement(self.path, self.key, self.motion.inside(outer.motion), colour)
+            colour = np.repeat(outer.display_color, self.count, axis=0)
+        return Placement(
+            self.path,
+            self.key,
+            self.levels + outer.levels,
+            common_intervals(self.visible, outer.visible),
+            colour,
+            lambda: self.motion.inside(outer.motion),
+        )
 
 
 class Placer:
@@ -46,8 +86,9 @@ class Placer:
 
     def placements(self) -> Iterator[Placement]:
         """Every group wherever it stands; the world first, once, at the identity."""
-        identity = Motion(self._caches.grid, 1, True, lambda _: np.eye(4)[None])
-        yield from self._below(Placement("/", WORLD, identity, None), ())
+        grid = self._caches.grid(self._caches.shutter)
+        identity = Motion(grid, 1, True, lambda _: np.eye(4)[None])
+        yield from self._below(Placement("/", WORLD, (), None, None, lambda: identity), ())
 
     def _below(self, outer: Placement, trail: tuple[Hashable, ...]) -> Iterator[Placement]:
         if outer.key in trail:
@@ -60,20 +101,114 @@ class Placer:
             yield from self._below(inner.inside(outer), (*trail, outer.key))
 
     def _inner(self, group: Group) -> Iterator[Placement]:
-        """What instances in a group show, in the group's space."""
+        """What instances in a group show, in the group's space; those that move alike together."""
         for key, parts in group.instances.items():
-            for varying in (False, True):
-                prims = [part.prim for part in parts if part.varying == varying]
-                if prims:
-                    motion = self._caches.motion(prims, group.root, varying)
-                    yield Placement(str(prims[0].GetPath()), key, motion, None)
+            alike: dict[Hashable, list[Part]] = {}
+            for part in parts:
+                alike.setdefault((part.varying, part.bends, part.scales, part.blinking), []).append(part)
+            for same in alike.values():
+                motion = self._motion(same, group)
+                visible = self._visible(same[0])
+                path = str(same[0].prim.GetPath())
+                yield Placement(path, key, (Level(motion),), visible, None, lambda motion=motion: motion)
         for part in group.instancers:
             yield from self._points(part, group)
 
+    def _motion(self, parts: list[Part], group: Group) -> Motion:
+        first = parts[0]
+        shutter = self._context.shutter.scaled(first.scales.blur)
+        prims = [part.prim for part in parts]
+        return self._caches.motion(prims, group.root, first.varying, shutter, first.bends)
+
+    def _visible(self, part: Part) -> np.ndarray | None:
+        return visible_intervals(part.blinking, self._context.shutter.scaled(part.scales.blur))
+
     def _points(self, part: Part, group: Group) -> Iterator[Placement]:
-        group_from_instancer = self._caches.motion([part.prim], group.root, part.varying)
+        group_from_instancer = self._motion([part], group)
         instancer = UsdGeom.PointInstancer(part.prim)
-        for points in read_point_instancer(instancer, self._caches, self._context):
-            key = Traversal.prototype_key(points.prototype)
-            motion = points.motion.inside(group_from_instancer)
-            yield Placement(str(part.prim.GetPath()), key, motion, points.display_color)
+        context = self._context.scaled(part.scales.blur)
+        for points in read_point_instancer(instancer, self._caches, context, part.scales.velocity):
+            own = own_transform(points.prototype, self._caches, context.shutter)
+            levels = (
+                Level(own),
+                Level(None, {**points.arrays, "selected": points.selected}),
+                Level(group_from_instancer),
+            )
+            yield Placement(
+                str(part.prim.GetPath()),
+                Traversal.prototype_key(points.prototype),
+                levels,
+                self._visible(part),
+                points.display_color,
+                lambda points=points: points.motion.inside(group_from_instancer),
+            )
+
+
+Measure = Callable[[list[dict], Box], float]
+"""Pixels that a unit of a space covers at most, given the levels outside of it and a box in it."""
+
+
+def level_keywords(
+    placement: Placement, box: Box, measure: Measure, tolerance_pixels: float, held: bool
+) -> Iterator[tuple[list[dict], np.ndarray]]:
+    """The translator's levels of a placement, sampled as densely as straight lines need, and int[N]: which of its
+    instances they are. Several where some instances need more samples than others. `box` is the group's.
+    """
+    boxes = [box]
+    for level in placement.levels[:-1]:
+        boxes.append(_image(level, boxes[-1]))
+    coarse = [coarse_keywords(level) for level in placement.levels]
+    choices = []
+    for index, level in enumerate(placement.levels):
+        if level.motion is None:
+            choices.append([(np.arange(level.count), {**level.arrays})])
+            continue
+        sizes = _pixel_sizes(coarse[index + 1 :], boxes[index], level, measure)
+        sampled = transform_samples(level.motion, boxes[index], sizes, tolerance_pixels, held)
+        choices.append([(samples.indices, _keywords(samples)) for samples in sampled])
+    counts = [level.count for level in placement.levels]
+    for chosen in product(*choices):
+        indices = np.zeros(1, np.int64)
+        for (own, _), count in zip(reversed(chosen), reversed(counts), strict=True):
+            indices = (indices[:, None] * count + own[None]).ravel()
+        yield [keywords for _, keywords in chosen], indices
+
+
+def _keywords(samples: TransformSamples) -> dict:
+    return {
+        "times01": samples.times01,
+        "matrices": np.ascontiguousarray(samples.matrices),
+        "bends01": samples.bends01,
+        "held": samples.held,
+    }
+
+
+def coarse_keywords(level: Level) -> dict:
+    """A few samples of a level: how large things are seen, not how they move."""
+    if level.motion is None:
+        return level.arrays
+    times01 = [0.0] if level.motion.still else [0.0, 0.5, 1.0]
+    matrices = np.array([level.motion.at_time(time01) for time01 in times01])
+    return {"times01": np.array(times01), "matrices": np.ascontiguousarray(matrices)}
+
+
+def _pixel_sizes(outer: list[dict], box: Box, level: Level, measure: Measure) -> PixelSizes:
+    """The size of a pixel in the space that a level leads to: one for all its things."""
+    if level.motion.still:
+        return lambda corners: np.ones(corners.shape[1])
+    image = _image(level, box)
+    identity = {"times01": np.zeros(1), "matrices": np.eye(4).reshape(1, 1, 4, 4)}
+    size = 1.0 / max(measure(outer or [identity], image), 1e-30)
+    return lambda corners: np.full(corners.shape[1], size)
+
+
+def _image(level: Level, box: Box) -> Box:
+    """Around a box under all maps of a level, roughly: at a few times."""
+    if level.motion is not None:
+        times = (0.0,) if level.motion.still else (0.0, 0.5, 1.0)
+        corners = [box.corners() @ level.motion.at_time(time)[..., :3] for time in times]
+        return Box.around(np.concatenate(corners).reshape(-1, 3))
+    centres = Box.around(np.concatenate([values for _, values in level.arrays["positions"]]))
+    scales = [np.abs(values).max(initial=0.0) for _, values in level.arrays["scales"]] or [1.0]
+    reach = float(max(scales)) * float(np.linalg.norm(box.corners()[:, :3], axis=1).max())
+    return Box(centres.lo - reach, centres.hi + reach)

@@ -7,7 +7,7 @@ from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
 from .implicit import IMPLICIT_TYPES, read_implicit
-from .points import Samples, changes, sample_array, sample_points, velocities_apply
+from .points import changes, rate_clock, raw_samples, sample_points
 from .primvars import MovingPrimvar, sample_primvar
 
 
@@ -16,18 +16,20 @@ def is_shape(prim: Usd.Prim) -> bool:
     return prim.IsA(UsdGeom.Mesh) or prim.GetTypeName() in IMPLICIT_TYPES
 
 
-def read_shape(prim: Usd.Prim, context: FrameContext) -> dict | None:
-    """The translator's keywords of a mesh at the frame, without transform and material; None if there is
-    nothing to draw.
+def read_shape(prim: Usd.Prim, context: FrameContext, velocity_scale: float = 1.0) -> dict | None:
+    """The translator's keywords of a mesh, without transform and material; None if there is nothing to draw.
 
-    `points` stands as Samples under "samples". Nothing is checked here that the translator checks.
+    `context` has the prim's own shutter (FrameContext.scaled). `points` stands as Samples under "samples".
+    Nothing is checked here that the translator checks.
     """
-    mesh = _read_mesh(UsdGeom.Mesh(prim), context) if prim.IsA(UsdGeom.Mesh) else read_implicit(prim, context)
+    if prim.IsA(UsdGeom.Mesh):
+        mesh = _read_mesh(UsdGeom.Mesh(prim), context, velocity_scale)
+    else:
+        mesh = read_implicit(prim, context)
     path = str(prim.GetPath())
-    if not len(mesh["face_vertex_counts"]) and not len(mesh["samples"].values[0][1]):
+    if not len(mesh["face_vertex_counts"]) and not any(len(points) for _, points in mesh["samples"].values):
         context.diagnostics.group(path, "", "empty: it has neither faces nor points at this frame", "note")
         return None
-    _warn_of_the_rest(prim, context)
     mesh.setdefault("normals", None)
     mesh.setdefault("normals_interpolation", "vertex")
     mesh.setdefault("normals_indices", None)
@@ -40,11 +42,10 @@ def read_shape(prim: Usd.Prim, context: FrameContext) -> dict | None:
     return mesh
 
 
-def _read_mesh(mesh: UsdGeom.Mesh, context: FrameContext) -> dict:
+def _read_mesh(mesh: UsdGeom.Mesh, context: FrameContext, velocity_scale: float) -> dict:
     code = context.code
     counts, indices = mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()
-    topology_varies = changes(counts, context) or changes(indices, context)
-    samples = sample_points(mesh, topology_varies, context)
+    samples, carried_by = sample_points(mesh, context)
     holes = array(mesh.GetHoleIndicesAttr().Get(code), np.int32)
     scheme = mesh.GetSubdivisionSchemeAttr().Get(code)
     keywords = {
@@ -53,10 +54,13 @@ def _read_mesh(mesh: UsdGeom.Mesh, context: FrameContext) -> dict:
         "hole_indices": holes if len(holes) else None,
         "left_handed": mesh.GetOrientationAttr().Get(code) == UsdGeom.Tokens.leftHanded,
         "samples": samples,
+        "topology_varies": changes(counts, context) or changes(indices, context),
         "computed_normals": "faceted" if scheme == UsdGeom.Tokens.none else "smooth",
+        **carried_by,
+        **rate_clock(context, velocity_scale),
     }
     if scheme == UsdGeom.Tokens.none:
-        keywords.update(_normals(mesh, topology_varies, context))
+        keywords.update(_normals(mesh, context))
     else:
         message = (
             f"'{scheme}' is not supported yet; the control cage is drawn as polygons with smooth normals"
@@ -65,7 +69,7 @@ def _read_mesh(mesh: UsdGeom.Mesh, context: FrameContext) -> dict:
     return keywords
 
 
-def _normals(mesh: UsdGeom.Mesh, topology_varies: bool, context: FrameContext) -> dict:
+def _normals(mesh: UsdGeom.Mesh, context: FrameContext) -> dict:
     """Authored normals: primvars:normals, which may be indexed, before normals (UsdGeomPointBased)."""
     primvar = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("normals")
     indices = None
@@ -76,15 +80,11 @@ def _normals(mesh: UsdGeom.Mesh, topology_varies: bool, context: FrameContext) -
         attribute, interpolation = mesh.GetNormalsAttr(), mesh.GetNormalsInterpolation()
     if not attribute.HasAuthoredValue():
         return {}
-    samples = None
-    if not topology_varies and not (context.shutter.moving and velocities_apply(mesh, context)):
-        samples = sample_array(attribute, context)
-    if samples is None:  # The points leave from one base sample or are held: so are their normals.
-        samples = Samples([(0.0, array(attribute.Get(context.code), np.float32, 3))])
-    if not len(samples.values[0][1]):
+    samples = raw_samples(attribute, context)
+    if not samples or not any(len(values) for _, values in samples):
         return {}
     return {
-        "normals": samples.values,
+        "normals": samples,
         "normals_interpolation": str(interpolation),
         "normals_indices": indices,
     }
@@ -104,19 +104,6 @@ def _constant(
         context.diagnostics.warning(path, name, message)
     first = [(time01, v[:1] if indices is None else v[indices[:1]]) for time01, v in samples]
     return "constant", first if isinstance(values, list) else first[0][1], None
-
-
-_DEGRADED = {
-    "motion:blurScale": "not supported yet; blurred as the shutter says",
-}
-
-
-def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
-    """Names what a shape has authored beyond what is drawn."""
-    for name, message in _DEGRADED.items():
-        attribute = prim.GetAttribute(name)
-        if attribute and attribute.HasAuthoredValue() and attribute.Get(context.code) != 1.0:
-            context.diagnostics.group(str(prim.GetPath()), name, message)
 
 
 def faces_by_material(

@@ -9,8 +9,9 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
-from .points import changes, rates_apply
+from .points import changes, rate_clock, rates, raw_samples
 from .primvars import read_primvar, warn_of_change
+from .times import Shutter, xform_bends
 from .transforms import Motion, XformCaches
 
 _NOT_DRAWN = -1
@@ -21,10 +22,14 @@ class PointInstances:
     """The instances of one prototype."""
 
     prototype: Usd.Prim
+    selected: np.ndarray
+    """int32[M]: which of the instancer's instances."""
+    arrays: dict
+    """The translator's keywords of the instancer's arrays; shared by all its prototypes."""
     motion: Motion
-    """instancer_from_prototype, the prototype's own transform included."""
+    """instancer_from_prototype, the prototype's own transform included; evaluated by USD, for lights."""
     display_color: np.ndarray | None
-    """float32[count, 3] where the instancer says."""
+    """float32[M, 3] where the instancer says."""
 
 
 def prototypes(instancer: UsdGeom.PointInstancer) -> list[Usd.Prim]:
@@ -47,11 +52,12 @@ def moving_attributes(instancer: UsdGeom.PointInstancer) -> list[Usd.Attribute]:
 
 
 def read_point_instancer(
-    instancer: UsdGeom.PointInstancer, caches: XformCaches, context: FrameContext
+    instancer: UsdGeom.PointInstancer, caches: XformCaches, context: FrameContext, velocity_scale: float
 ) -> Iterator[PointInstances]:
     """The instances that are neither invisible nor inactive at the frame, by prototype.
 
-    Arrays that do not fit leave an error and no instances, indices of no prototype an error and the others.
+    `context` has the instancer's own shutter. Arrays that do not fit leave an error and no instances, indices of
+    no prototype an error and the others.
     """
     prims = prototypes(instancer)
     chosen = _prototype_indices(instancer, prims, context)
@@ -59,12 +65,34 @@ def read_point_instancer(
         return
     colours = _display_color(instancer, len(chosen), context)
     _warn_of_opacity(instancer, context)
+    arrays = _arrays(instancer, len(chosen), context, velocity_scale)
     every = _every_instance(instancer, len(chosen), caches, context)
     for index, prim in enumerate(prims):
-        selected = np.flatnonzero(chosen == index)
+        selected = np.flatnonzero(chosen == index).astype(np.int32)
         if len(selected):
             colour = None if colours is None else colours[selected]
-            yield PointInstances(prim, _selected(every, selected, prim, caches), colour)
+            motion = _selected(every, selected, prim, caches)
+            yield PointInstances(prim, selected, arrays, motion, colour)
+
+
+def _arrays(
+    instancer: UsdGeom.PointInstancer, count: int, context: FrameContext, velocity_scale: float
+) -> dict:
+    """The translator's keywords of a level of instancing (PointInstancerInput)."""
+    orientations = _orientations(instancer, context)
+    angular = instancer.GetAngularVelocitiesAttr()
+    carried_by = rates(instancer.GetVelocitiesAttr(), instancer.GetAccelerationsAttr(), context)
+    spun = context.shutter.moving and angular.HasAuthoredValue()
+    return {
+        "count": count,
+        "held": context.held,
+        "positions": raw_samples(instancer.GetPositionsAttr(), context, needs_times=bool(carried_by)),
+        "scales": raw_samples(instancer.GetScalesAttr(), context),
+        "orientations": raw_samples(orientations, context, columns=4, needs_times=spun),
+        **({"angular_velocities": raw_samples(angular, context, needs_times=True)} if spun else {}),
+        **carried_by,
+        **rate_clock(context, velocity_scale),
+    }
 
 
 def _prototype_indices(
@@ -81,22 +109,17 @@ def _prototype_indices(
         found = ", ".join(map(str, np.unique(indices[~exists])[:8]))
         message = f"found {found}, expected the index of one of {len(prims)} existing prototypes"
         diagnostics.error(path, "protoIndices", f"{message}; those instances are not drawn")
-    # Velocities carry the instances of one base sample through the shutter, whatever follows it.
-    if not _is_carried(instancer, context) and changes(instancer.GetProtoIndicesAttr(), context):
+    if changes(instancer.GetProtoIndicesAttr(), context) and not _may_be_carried(instancer):
         message = "changes within the shutter and no velocities apply; drew the frame's instances"
         diagnostics.warning(path, "protoIndices", message)
     return np.where(exists & _mask(instancer, len(indices), context), indices, _NOT_DRAWN)
 
 
-def _is_carried(instancer: UsdGeom.PointInstancer, context: FrameContext) -> bool:
-    """Whether velocities or angular velocities apply. Says why not where they are authored."""
-    if not context.shutter.moving:
-        return False
-    pairs = (
-        (instancer.GetPositionsAttr(), instancer.GetVelocitiesAttr()),
-        (_orientations(instancer, context), instancer.GetAngularVelocitiesAttr()),
-    )
-    return any([rates_apply(values, rates, context) for values, rates in pairs])
+def _may_be_carried(instancer: UsdGeom.PointInstancer) -> bool:
+    """Whether there are rates that may carry the instances of one base sample through the shutter, whatever
+    follows it. The translator says if they do not."""
+    speeds = (instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr())
+    return any(attribute.GetNumTimeSamples() for attribute in speeds)
 
 
 def _orientations(instancer: UsdGeom.PointInstancer, context: FrameContext) -> Usd.Attribute:
@@ -158,19 +181,29 @@ def _every_instance(
         )
         return np.array(computed[0])
 
-    return Motion(caches.grid, count, still, evaluate)
+    return Motion(caches.grid(context.shutter), count, still, evaluate)
 
 
 def _selected(every: Motion, selected: np.ndarray, prototype: Usd.Prim, caches: XformCaches) -> Motion:
     """Some of the instances, with their prototype's own transform inside."""
-    xformable = UsdGeom.Xformable(prototype)
-    moving = bool(xformable) and xformable.TransformMightBeTimeVarying() and caches.grid.shutter.moving
+    own = own_transform(prototype, caches, caches.shutter)
 
     def evaluate(time01: float) -> np.ndarray:
-        own = np.array(caches.cache(time01).GetLocalTransformation(prototype)[0])
-        return own @ every.at_time(time01)[selected]
+        return own.at_time(time01) @ every.at_time(time01)[selected]
 
-    return Motion(caches.grid, len(selected), every.still and not moving, evaluate)
+    return Motion(caches.grid(caches.shutter), len(selected), every.still and own.still, evaluate)
+
+
+def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) -> Motion:
+    """A prototype's root's own transform: it counts with the instancer's. `shutter`: the prototype's own."""
+    xformable = UsdGeom.Xformable(prototype)
+    moving = bool(xformable) and xformable.TransformMightBeTimeVarying() and shutter.moving
+    bends = sorted({shutter.time01(time) for time in xform_bends(xformable, shutter)}) if moving else ()
+
+    def evaluate(time01: float) -> np.ndarray:
+        return np.array(caches.cache(time01, shutter).GetLocalTransformation(prototype)[0])[None]
+
+    return Motion(caches.grid(shutter), 1, not moving, evaluate, tuple(bends))
 
 
 def _display_color(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> np.ndarray | None:

@@ -14,16 +14,25 @@ from pxr import Usd, UsdGeom
 from .camera import RenderCamera, read_camera
 from .context import FrameContext
 from .errors import Diagnostics, SceneError
-from .instances import Placement, Placer
+from .instances import Placement, Placer, coarse_keywords, level_keywords
 from .lights import add_lights, camera_light
 from .materials import Materials
 from .meshes import faces_by_material, read_shape
-from .points import CHORD_TOLERANCE
 from .skinning import read_skinning
 from .stage import tf_messages
-from .times import TimeGrid, is_held
-from .transforms import Box, XformCaches, dense_samples, may_move
+from .times import is_held
+from .transforms import (
+    SAMPLING_SHARE,
+    Box,
+    Motion,
+    PixelSizes,
+    XformCaches,
+    bends_of,
+    may_move,
+    transform_samples,
+)
 from .traversal import WORLD, Group, Part, Traversal
+from .visibility import visible_intervals
 
 
 @dataclass(frozen=True)
@@ -44,6 +53,10 @@ class ReadSettings:
     """Pixels by which a moving point may stray from the stage's own evaluation. Less: more keys, more memory.
     """
     max_segments: int = 128
+    interpolation: str = "auto"
+    """linear, quadratic or cubic tracks only; auto: the cheapest for each prim."""
+    segments: int = 0
+    """Exactly these for whatever moves, a power of two; 0: as few as it takes."""
 
 
 @dataclass
@@ -87,6 +100,29 @@ def _core_translator(**settings: Any) -> Any:
         raise SceneError(str(error)) from None
 
 
+@dataclass(frozen=True)
+class Shape:
+    """A mesh as it was read, before its transform is sampled."""
+
+    part: Part
+    mesh: dict
+    """The translator's keywords, all but the transform and the material."""
+    box: Box
+    """Around its points over the shutter, in their own space."""
+    motion: Motion
+
+    def extent(self) -> Box:
+        """Around the points in the space of the group, at a few times."""
+        times = (0.0,) if self.motion.still else (0.0, 0.5, 1.0)
+        corners = [self.box.corners() @ self.motion.at_time(time)[0, :, :3] for time in times]
+        return Box.around(np.concatenate(corners))
+
+
+def _unlimited(corners: np.ndarray) -> np.ndarray:
+    """Pixels so large that no motion is seen: for a first look at where things are."""
+    return np.full(corners.shape[1], np.inf)
+
+
 class _FrameReader:
     """The steps of reading a frame, in their order."""
 
@@ -114,11 +150,10 @@ class _FrameReader:
             shutter = self._camera.shutter
             self._context = FrameContext(stage, shutter, is_held(stage), diagnostics)
             self._traversal = Traversal(self._context, purposes)
-            self._caches = XformCaches(TimeGrid(shutter, self._traversal.authored_times, self._context.held))
+            self._caches = XformCaches(shutter, self._traversal.authored_times, self._context.held)
         self._pixel = self._camera.pixel_size()
         self._translator = make_translator(**self._translator_settings())
         self._materials = Materials(self._translator, self._context)
-        self._prototypes: dict[Hashable, tuple[int, Box]] = {}
         self._light_count = 0
 
     def read(self) -> ReadResult:
@@ -127,8 +162,7 @@ class _FrameReader:
             self._add_world_meshes()
         placements = list(Placer(self._traversal, self._caches, self._context).placements())
         with self._timed("instances"):
-            for placement in placements[1:]:
-                self._add_instances(placement)
+            self._add_instanced(placements[1:])
         with self._timed("lights"):
             self._add_lights(placements)
         with self._timed("finish"):
@@ -155,97 +189,133 @@ class _FrameReader:
             "height": camera.height,
             "motion_tolerance": settings.motion_tolerance,
             "max_segments": settings.max_segments,
+            "interpolation": settings.interpolation,
+            "segments": settings.segments,
         }
 
     def _add_world_meshes(self) -> None:
         for part in self._traversal.groups[WORLD].shapes:
-            self._add_shape(part, None, self._settings.motion_tolerance, self._translator.add_mesh)
+            shape = self._read_part(part, None, self._world_pixel_sizes)
+            if shape is not None:
+                self._hand_down(shape, self._world_pixel_sizes, self._translator.add_mesh)
 
-    def _add_shape(
-        self, part: Part, root: Usd.Prim | None, tolerance: float, add: Callable[..., None]
-    ) -> Box:
-        """Hands a mesh down, once for each material on it. Returns its box in the space of `root` over the
-        shutter."""
-        mesh = read_shape(part.prim, self._context)
+    def _read_part(self, part: Part, root: Usd.Prim | None, pixel_sizes: PixelSizes) -> Shape | None:
+        """A mesh and how it moves; None if it is not drawn."""
+        context = self._context.scaled(part.scales.blur)
+        mesh = read_shape(part.prim, context, part.scales.velocity)
         if mesh is None:
-            return Box.empty()
-        placed_by, varying = part.prim, part.varying
-        skinned = read_skinning(part.prim, mesh, self._context, self._skinning_tolerance(root, tolerance))
+            return None
         samples = mesh.pop("samples")
+        placed_by, varying, bends = part.prim, part.varying, part.bends
+        tolerance = self._skinning_tolerance(root, context, pixel_sizes)
+        skinned = read_skinning(part.prim, {**mesh, "samples": samples}, context, tolerance)
         if skinned is not None:
             if skinned.samples is None:
-                return Box.empty()
+                return None
             samples, placed_by = skinned.samples, skinned.placed_by
-            varying = may_move(placed_by, root)
-            mesh.update(normals=skinned.normals, normals_indices=None)
-        box = samples.box()
-        motion = self._caches.motion([placed_by], root, varying)
-        ((_, times01, matrices),) = dense_samples(motion, box, self._pixel, tolerance)
-        mesh.update(
-            points=samples.values,
-            points_held=samples.held,
-            transform_times01=np.array(times01),
-            transforms=np.ascontiguousarray(matrices[:, 0]),
-        )
-        parts = []
-        if part.prim.IsA(UsdGeom.Mesh):
-            parts = faces_by_material(UsdGeom.Mesh(part.prim), len(mesh["face_vertex_counts"]), self._context)
-        for prim, outside in parts or [(part.prim, None)]:
+            if placed_by != part.prim:
+                varying = may_move(placed_by, root)
+                bends = tuple(bends_of(placed_by, root, context.shutter))
+            mesh.update(normals=skinned.normals, normals_indices=None, computed_points=True)
+            for name in ("velocities", "accelerations"):
+                mesh.pop(name, None)
+        mesh["visible"] = visible_intervals(part.blinking, context.shutter)
+        mesh.update(points=samples.values, points_held=samples.held)
+        motion = self._caches.motion([placed_by], root, varying, context.shutter, bends)
+        return Shape(part, mesh, samples.box(), motion)
+
+    def _hand_down(self, shape: Shape, pixel_sizes: PixelSizes, add: Callable[..., None]) -> None:
+        """Hands a mesh to the translator, once for each material on it."""
+        tolerance, held = self._settings.motion_tolerance, self._context.held
+        (transform,) = transform_samples(shape.motion, shape.box, pixel_sizes, tolerance, held)
+        mesh = {
+            **shape.mesh,
+            "transform_times01": transform.times01,
+            "transforms": np.ascontiguousarray(transform.matrices[:, 0]),
+            "transform_bends01": transform.bends01,
+            "transforms_held": transform.held,
+            "transform_error_pixels": transform.error_pixels,
+        }
+        prim, parts = shape.part.prim, []
+        if prim.IsA(UsdGeom.Mesh):
+            parts = faces_by_material(UsdGeom.Mesh(prim), len(mesh["face_vertex_counts"]), self._context)
+        for bound, outside in parts or [(prim, None)]:
             holes = mesh["hole_indices"]
             if outside is not None:
                 holes = outside if holes is None else np.union1d(holes, outside).astype(np.int32)
-            add(**{**mesh, "hole_indices": holes, "material": self._materials.bound_to(prim)})
-        return Box.around((box.corners() @ matrices[:, 0, :, :3]).reshape(-1, 3))
+            add(**{**mesh, "hole_indices": holes, "material": self._materials.bound_to(bound)})
+
+    def _world_pixel_sizes(self, corners: np.ndarray) -> np.ndarray:
+        return self._pixel.nearest(corners)
 
     def _skinning_tolerance(
-        self, root: Usd.Prim | None, tolerance_pixels: float
+        self, root: Usd.Prim | None, context: FrameContext, pixel_sizes: PixelSizes
     ) -> Callable[[Usd.Prim, Box], float]:
-        """How far skinned points may stray between samples: a quarter of the tolerance, the rest of which the
-        track has. In a prototype, whose size in pixels is not known, as for points under acceleration."""
+        """How far skinned points may stray between samples: a share of the tolerance, the rest of which the
+        track has."""
 
         def tolerance(placed_by: Usd.Prim, box: Box) -> float:
-            if root is not None:
-                return CHORD_TOLERANCE * float(np.max(box.hi - box.lo))
-            matrices = np.array([self._caches.matrix(time, placed_by, None) for time in (0.0, 0.5, 1.0)])
+            times = (0.0, 0.5, 1.0)
+            matrices = np.array([self._caches.matrix(t, placed_by, root, context.shutter) for t in times])
             stretch = np.linalg.norm(matrices[:, :3, :3], ord=2, axis=(1, 2)).max()
             corners = (box.corners() @ matrices[..., :3])[:, None]
-            return 0.25 * tolerance_pixels * float(self._pixel.nearest(corners)[0]) / max(stretch, 1e-30)
+            share = SAMPLING_SHARE * self._settings.motion_tolerance
+            return share * float(pixel_sizes(corners)[0]) / max(stretch, 1e-30)
 
         return tolerance
 
-    def _prototype(self, key: Hashable) -> tuple[int, Box] | None:
-        """The translator's id of a group and its box; None if it shows nothing. Hands its meshes down at
-        first use."""
-        group: Group = self._traversal.groups[key]
-        if not group.shapes:
-            return None
-        if key not in self._prototypes:
-            prototype = self._translator.begin_prototype(group.path)
+    def _add_instanced(self, placements: list[Placement]) -> None:
+        """Every group once, and every place where it stands."""
+        by_group: dict[Hashable, list[Placement]] = {}
+        for placement in placements:
+            by_group.setdefault(placement.key, []).append(placement)
+        for key, placed in by_group.items():
+            group = self._traversal.groups[key]
+            if group.shapes:
+                self._add_group(group, placed)
 
-            def add(**mesh: Any) -> None:
-                self._translator.add_prototype_mesh(prototype, **mesh)
+    def _add_group(self, group: Group, placed: list[Placement]) -> None:
+        """A prototype's meshes, followed as closely as the instance asks for that is seen largest."""
+        # How large a pixel is depends on the instances, and where they are on the meshes' extent.
+        coarse = [self._read_part(part, group.root, _unlimited) for part in group.shapes]
+        box = Box.empty()
+        for shape in filter(None, coarse):
+            box = box.union(shape.extent())
+        pixels_per_unit = max(self._pixels_per_unit(placement, box) for placement in placed)
 
-            box = Box.empty()
-            for part in group.shapes:
-                # How large a pixel is depends on the instance: motion inside a prototype is sampled as finely
-                # as it goes.
-                box = box.union(self._add_shape(part, group.root, 0.0, add))
-            self._prototypes[key] = (prototype, box)
-        return self._prototypes[key]
+        def pixel_sizes(corners: np.ndarray) -> np.ndarray:
+            return np.full(corners.shape[1], 1.0 / max(pixels_per_unit, 1e-30))
 
-    def _add_instances(self, placement: Placement) -> None:
-        known = self._prototype(placement.key)
-        if known is None:
-            return
-        prototype, box = known
-        tolerance = self._settings.motion_tolerance
-        for indices, times01, matrices in dense_samples(placement.motion, box, self._pixel, tolerance):
+        prototype = self._translator.begin_prototype(group.path, pixels_per_unit)
+
+        def add(**mesh: Any) -> None:
+            self._translator.add_prototype_mesh(prototype, **mesh)
+
+        for part, shape in zip(group.shapes, coarse, strict=True):
+            if shape is not None and shape.mesh.get("computed_points"):
+                shape = self._read_part(part, group.root, pixel_sizes)  # Skinned: sampled as the pixels ask.
+            if shape is not None:
+                self._hand_down(shape, pixel_sizes, add)
+        for placement in placed:
+            self._add_instances(placement, prototype, box)
+
+    def _pixels_per_unit(self, placement: Placement, box: Box) -> float:
+        return self._measure([coarse_keywords(level) for level in placement.levels], box)
+
+    def _measure(self, levels: list[dict], box: Box) -> float:
+        if (box.lo > box.hi).any():
+            return 0.0
+        return self._translator.pixels_per_unit(levels=levels, box=np.array([box.lo, box.hi], np.float64))
+
+    def _add_instances(self, placement: Placement, prototype: int, box: Box) -> None:
+        tolerance, held = self._settings.motion_tolerance, self._context.held
+        for levels, indices in level_keywords(placement, box, self._measure, tolerance, held):
             colour = placement.display_color
             self._translator.add_instances(
                 path=placement.path,
                 prototype=prototype,
-                times01=np.array(times01),
-                matrices=np.ascontiguousarray(matrices),
+                levels=levels,
+                visible=placement.visible,
                 display_color=None if colour is None else np.ascontiguousarray(colour[indices]),
             )
 
@@ -253,7 +323,9 @@ class _FrameReader:
         for placement in placements:
             group = self._traversal.groups[placement.key]
             for part in group.lights:
-                motion = self._caches.motion([part.prim], group.root, part.varying).inside(placement.motion)
+                shutter = self._context.shutter.scaled(part.scales.blur)
+                motion = self._caches.motion([part.prim], group.root, part.varying, shutter)
+                motion = motion.inside(placement.motion)
                 self._light_count += add_lights(
                     self._translator, part.prim, part.blinking, motion, self._context
                 )

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from pxr import Gf, Usd
+from pxr import Gf, Usd, UsdGeom
 
 from .errors import Diagnostics
 
@@ -19,8 +19,6 @@ ABSURD_SHUTTER_FRAMES = 16.0
 """A shutter that is open for longer is taken as authored, with a warning: one exporter writes the length of
 the shot."""
 
-COARSE_LEVEL = 3
-"""Grids start at 2^3 intervals: a full turn within the shutter is then eight steps, not nothing."""
 FINEST_LEVEL = 7
 """2^7 intervals: the most segments a track has."""
 
@@ -49,6 +47,11 @@ class Shutter:
         return Usd.TimeCode.Default() if self.frame is None else Usd.TimeCode(self.frame)
 
     @property
+    def frame01_unclamped(self) -> float:
+        """The frame's time, which may lie outside of the shutter; 0 where nothing moves."""
+        return self.time01(self.frame) if self.moving else 0.0
+
+    @property
     def frame01(self) -> float:
         """The frame's time, or the shutter's end that is next to it; 0 where nothing moves."""
         return min(max(self.time01(self.frame), 0.0), 1.0) if self.moving else 0.0
@@ -57,6 +60,10 @@ class Shutter:
     def interval(self) -> Gf.Interval:
         """The open shutter in time codes. Only for a moving one."""
         return Gf.Interval(self.frame + self.open, self.frame + self.close)
+
+    def scaled(self, scale: float) -> Shutter:
+        """The window of a prim with that motion:blurScale: scaled about the frame (UsdGeomMotionAPI)."""
+        return self if scale == 1.0 or not self.moving else replace(self, open=scale * self.open, close=scale * self.close)
 
     def time_code(self, time01: float) -> Usd.TimeCode:
         """The stage's time at `time01`; a closed shutter has the frame's alone."""
@@ -132,16 +139,22 @@ def is_held(stage: Usd.Stage) -> bool:
 
 
 def bracketing_times(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
-    """The authored times of an attribute inside the open shutter and the ones next to it, increasing, as time
-    codes.
+    """The authored times of an attribute inside the open shutter and at the frame, and the ones next to them,
+    increasing, as time codes.
 
-    Between them USD interpolates linearly, so they say everything. Empty where nothing is authored or a
-    spline drives the attribute: those have no samples (OpenUSD #3765).
+    Between them USD interpolates linearly, so they say everything; velocities carry values from the sample at
+    or before the frame. Empty where nothing is authored or a spline drives the attribute: those have no
+    samples (OpenUSD #3765).
     """
-    interval = shutter.interval
-    before = attribute.GetBracketingTimeSamples(interval.min)
-    after = attribute.GetBracketingTimeSamples(interval.max)
-    return sorted({*before[:1], *attribute.GetTimeSamplesInInterval(interval), *after[1:]})
+    first, last = shutter.interval.min, shutter.interval.max
+    around = {
+        *attribute.GetBracketingTimeSamples(first)[:1],
+        *attribute.GetBracketingTimeSamples(shutter.frame),
+        *attribute.GetBracketingTimeSamples(last)[1:],
+    }
+    if len(around) < 2:
+        return sorted(around)
+    return sorted(around.union(attribute.GetTimeSamplesInInterval(Gf.Interval(min(around), max(around)))))
 
 
 def sample_times(attributes: Iterable[Usd.Attribute], shutter: Shutter) -> list[float]:
@@ -161,3 +174,15 @@ def sample_times(attributes: Iterable[Usd.Attribute], shutter: Shutter) -> list[
     return [
         shutter.time_code(time).GetValue() for time in np.linspace(0.0, 1.0, 2**FINEST_LEVEL + 1).tolist()
     ]
+
+
+def xform_bends(xformable: UsdGeom.Xformable, shutter: Shutter) -> list[float]:
+    """Time codes inside the shutter at which a transform may change its course: its ops' samples and the knots
+    of their splines."""
+    times = list(xformable.GetTimeSamplesInInterval(shutter.interval))
+    for op in xformable.GetOrderedXformOps():
+        attribute = op.GetAttr()
+        if attribute.HasSpline():
+            knots = attribute.GetSpline().GetKnots()
+            times.extend(time for time in knots.keys() if shutter.interval.Contains(time))
+    return times

@@ -6,28 +6,44 @@ product.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .times import COARSE_LEVEL, FINEST_LEVEL, Shutter, TimeGrid
+from .times import Shutter, TimeGrid, xform_bends
 
 
 class Motion:
     """The matrices of `count` things that move together over the shutter."""
 
     def __init__(
-        self, grid: TimeGrid, count: int, still: bool, evaluate: Callable[[float], np.ndarray]
+        self,
+        grid: TimeGrid,
+        count: int,
+        still: bool,
+        evaluate: Callable[[float], np.ndarray],
+        bends01: tuple[float, ...] = (),
+        evaluate_some: Callable[[float, np.ndarray], np.ndarray] | None = None,
     ) -> None:
-        """`evaluate(time01)` gives float64[count, 4, 4]. `still`: it is the same at any time."""
+        """`evaluate(time01)` gives float64[count, 4, 4]; `evaluate_some(time01, indices)` those of some things,
+        where that is cheaper. `still`: it is the same at any time. `bends01`: times inside the shutter at which
+        the motion may change its course (or, on a held stage, its place)."""
         self.count = count
         self.still = still
+        self.bends01 = bends01
         self._grid = grid
         self._evaluate = evaluate
+        self._evaluate_some = evaluate_some
         self._known: dict[float, np.ndarray] = {}
+
+    def some(self, time01: float, indices: np.ndarray) -> np.ndarray:
+        """float64[M, 4, 4] of M things at a time; not kept."""
+        if self._evaluate_some is None or time01 in self._known:
+            return self.at_time(time01)[indices]
+        return self._evaluate_some(time01, indices)
 
     def at_time(self, time01: float) -> np.ndarray:
         """float64[count, 4, 4]; evaluated once."""
@@ -58,22 +74,36 @@ class XformCaches:
     """One UsdGeom.XformCache a time, shared by all prims: ancestors are evaluated once a time, not once a
     prim."""
 
-    def __init__(self, grid: TimeGrid) -> None:
-        self.grid = grid
-        self._caches: dict[float, UsdGeom.XformCache] = {}
+    def __init__(self, shutter: Shutter, authored: Iterable[float] = (), held: bool = False) -> None:
+        """`authored` are the time codes at which any transform has a sample."""
+        self.shutter = shutter
+        self.held = held
+        self._authored = sorted(authored)
+        self._caches: dict[float | None, UsdGeom.XformCache] = {}
+        self._grids: dict[Shutter, TimeGrid] = {}
 
-    def cache(self, time01: float) -> UsdGeom.XformCache:
+    def grid(self, shutter: Shutter) -> TimeGrid:
+        """The times at which a prim with this shutter of its own (Shutter.scaled) is evaluated."""
+        if shutter not in self._grids:
+            self._grids[shutter] = TimeGrid(shutter, self._authored, self.held)
+        return self._grids[shutter]
+
+    def cache(self, time01: float, shutter: Shutter | None = None) -> UsdGeom.XformCache:
         """The cache of a time; a closed shutter has one, the frame's."""
-        if time01 not in self._caches:
-            self._caches[time01] = UsdGeom.XformCache(self.grid.shutter.time_code(time01))
-        return self._caches[time01]
+        code = (shutter or self.shutter).time_code(time01)
+        key = None if code.IsDefault() else code.GetValue()
+        if key not in self._caches:
+            self._caches[key] = UsdGeom.XformCache(code)
+        return self._caches[key]
 
-    def matrix(self, time01: float, prim: Usd.Prim, root: Usd.Prim | None) -> np.ndarray:
+    def matrix(
+        self, time01: float, prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter | None = None
+    ) -> np.ndarray:
         """root_from_prim without the root's own transform, float64[4, 4]; root None: world_from_prim.
 
         A prim that is not below the root (a skeleton may lie anywhere) is seen from where the root is.
         """
-        cache = self.cache(time01)
+        cache = self.cache(time01, shutter)
         if root is None:
             return np.array(cache.GetLocalToWorldTransform(prim))
         if not prim.GetPath().HasPrefix(root.GetPath()):
@@ -81,13 +111,56 @@ class XformCaches:
             return np.array(cache.GetLocalToWorldTransform(prim) * root_from_world)
         return np.array(cache.ComputeRelativeTransform(prim, root)[0])
 
-    def motion(self, prims: list[Usd.Prim], root: Usd.Prim | None, varying: bool) -> Motion:
-        """How prims move in the space of `root`. `varying`: some transform between may change over time."""
+    def motion(
+        self,
+        prims: list[Usd.Prim],
+        root: Usd.Prim | None,
+        varying: bool,
+        shutter: Shutter | None = None,
+        bends: Iterable[float] = (),
+    ) -> Motion:
+        """How prims move in the space of `root`. `varying`: some transform between may change over time, its
+        course at the time codes `bends`. `shutter`: of the prims, where it is not the camera's."""
+        own = shutter or self.shutter
 
         def evaluate(time01: float) -> np.ndarray:
-            return np.array([self.matrix(time01, prim, root) for prim in prims])
+            return np.array([self.matrix(time01, prim, root, own) for prim in prims])
 
-        return Motion(self.grid, len(prims), not (varying and self.grid.shutter.moving), evaluate)
+        def evaluate_some(time01: float, indices: np.ndarray) -> np.ndarray:
+            return np.array([self.matrix(time01, prims[index], root, own) for index in indices.tolist()])
+
+        still = not (varying and own.moving)
+        bends01 = () if still else tuple(sorted({own.time01(time) for time in bends}))
+        return Motion(self.grid(own), len(prims), still, evaluate, bends01, evaluate_some)
+
+
+def may_move(prim: Usd.Prim, root: Usd.Prim | None) -> bool:
+    """Whether the transform of a prim in the space of `root` may change over time. For prims that no traversal
+    has come by."""
+    if root is not None and not prim.GetPath().HasPrefix(root.GetPath()):
+        return may_move(prim, None) or may_move(root, None)
+    return any(xformable.TransformMightBeTimeVarying() for xformable in _xformables(prim, root))
+
+
+def bends_of(prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter) -> set[float]:
+    """The time codes inside the shutter at which the transform of a prim in the space of `root` may change its
+    course."""
+    if root is not None and not prim.GetPath().HasPrefix(root.GetPath()):
+        return bends_of(prim, None, shutter) | bends_of(root, None, shutter)
+    if not shutter.moving:
+        return set()
+    return set().union(*(xform_bends(xformable, shutter) for xformable in _xformables(prim, root)))
+
+
+def _xformables(prim: Usd.Prim, root: Usd.Prim | None) -> Iterator[UsdGeom.Xformable]:
+    """The prim and its ancestors below `root`, as far as they carry it."""
+    while prim and not prim.IsPseudoRoot() and prim != root:
+        xformable = UsdGeom.Xformable(prim)
+        if xformable:
+            yield xformable
+            if xformable.GetResetXformStack():
+                return
+        prim = prim.GetParent()
 
 
 _CORNERS = np.array(list(product((0, 1), repeat=3)))
@@ -149,70 +222,113 @@ class PixelSize:
         return self.per_unit * np.maximum(np.linalg.norm(gap, axis=-1), self.near)
 
 
-def deviations(times01: list[float], corners: np.ndarray) -> np.ndarray:
-    """How far each of N boxes strays from the straight line between the samples next to each: float64[N].
-
-    `corners` is float64[T, N, 8, 3]. Since corners are linear in the matrices, this bounds every point of the
-    box.
-    """
-    if len(times01) < 3:
-        return np.zeros(corners.shape[1])
-    times = np.asarray(times01)
-    weight = ((times[1:-1] - times[:-2]) / (times[2:] - times[:-2]))[:, None, None, None]
-    straight = (1.0 - weight) * corners[:-2] + weight * corners[2:]
-    return np.linalg.norm(corners[1:-1] - straight, axis=-1).max(axis=(0, 2))
+SAMPLING_SHARE = 0.1
+"""Of the tolerance: by how much straight lines between samples may stray from the stage. The rest is the
+track's."""
+FINEST_SPLIT = 12
+"""The most often that a stretch between bends is halved: 4096 samples follow ten turns of a wheel that fills the
+image to a hundredth of a pixel."""
+LARGEST_SAMPLES = 2**23
+"""Matrices that are held at once, a gigabyte; beyond it sampling ends where it stands, and says so by its error."""
+_PROBE = 0.381966
+"""Of a stretch: off the even places, so that no whole number of turns looks straight."""
 
 
-def dense_samples(
-    motion: Motion, box: Box, pixel: PixelSize, tolerance_pixels: float
-) -> Iterator[tuple[np.ndarray, list[float], np.ndarray]]:
-    """Samples matrices over the shutter until linear interpolation by element follows them within the
+@dataclass(frozen=True)
+class TransformSamples:
+    """Some of a motion's things over the shutter, as the translator takes them."""
+
+    indices: np.ndarray
+    """int[M] among the motion's things."""
+    times01: np.ndarray
+    """float64[T]."""
+    matrices: np.ndarray
+    """float64[T, M, 4, 4]."""
+    bends01: np.ndarray
+    """float64[B]: where the motion may change its course."""
+    held: bool = False
+    error_pixels: float = 0.0
+    """By which the straight lines between the samples may stray from the stage."""
+
+
+PixelSizes = Callable[[np.ndarray], np.ndarray]
+"""The smallest size of a pixel at boxes of float64[T, N, 8, 3] corners: float64[N]."""
+
+
+def transform_samples(
+    motion: Motion, box: Box, pixel_sizes: PixelSizes, tolerance_pixels: float, held: bool = False
+) -> Iterator[TransformSamples]:
+    """Samples matrices over the shutter until straight lines between them follow the stage within a share of the
     tolerance.
 
-    Doubles the samples of those that need it, up to the finest grid. Yields int[M] indices among the motion's
-    things, their T times and float64[T, M, 4, 4]; every index once. `box` is that of each thing, in its own
-    space.
+    Halves the stretches between bends, for those things that need it. Every index comes once. `box` is that of
+    each thing, in its own space.
     """
+    everything = np.arange(motion.count)
+    bends = np.array(motion.bends01)
+    if motion.still:
+        yield TransformSamples(everything, np.zeros(1), motion.at_time(0.0)[None], bends)
+        return
+    if held:
+        times01 = np.array([0.0, *(time for time in motion.bends01 if time > 0.0)])
+        yield TransformSamples(everything, times01, _evaluated(motion, times01, everything), bends, True)
+        return
+    yield from _smooth_samples(motion, box, pixel_sizes, tolerance_pixels, bends)
+
+
+def _smooth_samples(
+    motion: Motion, box: Box, pixel_sizes: PixelSizes, tolerance_pixels: float, bends: np.ndarray
+) -> Iterator[TransformSamples]:
     remaining = np.arange(motion.count)
     local = box.corners()
-    for level in range(COARSE_LEVEL, FINEST_LEVEL + 1):
-        times01 = motion.times01(level)
-        matrices = motion.at_level(level)[:, remaining]
-        moving = (matrices != matrices[:1]).any(axis=(0, 2, 3))
-        if not moving.all():
-            yield remaining[~moving], [0.0], matrices[:1, ~moving]
-            remaining, matrices = remaining[moving], matrices[:, moving]
-        if not len(remaining):
+    limit = SAMPLING_SHARE * tolerance_pixels
+    ends = np.unique(np.concatenate([[0.0, 1.0], bends]))
+    coarse = _evaluated(motion, ends, remaining)
+    probes = ends[:-1] + _PROBE * np.diff(ends)
+    probed = _evaluated(motion, probes, remaining)
+    for split in range(FINEST_SPLIT):
+        times01 = _split(ends, split + 1)
+        fine = _evaluated(motion, times01, remaining)
+        corners = local @ fine[..., :3]
+        size = pixel_sizes(corners)
+        # Halving a chord quarters its distance from the curve.
+        bent = _bend(_split(ends, split), local @ coarse[..., :3], times01, corners) / size
+        beside = _bend(times01, corners, probes, local @ probed[..., :3]) / size
+        straight = np.maximum(bent, beside) <= limit
+        good = straight if split == 0 else (bent <= 4.0 * limit) & (beside <= 4.0 * limit) & (split > 1)
+        last = split + 1 == FINEST_SPLIT or 2 * fine.size > 16 * LARGEST_SAMPLES
+        good = good | last
+        kept_times, kept, error = (ends, coarse, bent) if split == 0 else (times01, fine, bent / 4.0)
+        if good.any():
+            found = float(error[good].max())
+            yield TransformSamples(remaining[good], kept_times, kept[:, good], bends, False, found)
+        if good.all():
             return
-        corners = local @ matrices[..., :3]
-        # The deviation compares with every second sample; with all of them the error is a quarter of it.
-        dense = deviations(times01, corners) <= tolerance_pixels * pixel.nearest(corners)
-        if level == FINEST_LEVEL:
-            dense[:] = True
-        if dense.any():
-            yield remaining[dense], times01, matrices[:, dense]
-            remaining = remaining[~dense]
-        if not len(remaining):
-            return
+        remaining, coarse, probed = remaining[~good], fine[:, ~good], probed[:, ~good]
 
 
-def may_move(prim: Usd.Prim, root: Usd.Prim | None) -> bool:
-    """Whether the transform of a prim in the space of `root` may change over time. For prims that no traversal
-    has come by."""
-    if root is not None and not prim.GetPath().HasPrefix(root.GetPath()):
-        return may_move(prim, None) or may_move(root, None)
-    while prim and not prim.IsPseudoRoot() and prim != root:
-        xformable = UsdGeom.Xformable(prim)
-        if xformable and xformable.TransformMightBeTimeVarying():
-            return True
-        if xformable and xformable.GetResetXformStack():
-            return False
-        prim = prim.GetParent()
-    return False
+def _evaluated(motion: Motion, times01: np.ndarray, indices: np.ndarray) -> np.ndarray:
+    return np.array([motion.some(time01, indices) for time01 in times01.tolist()])
+
+
+def _split(ends: np.ndarray, split: int) -> np.ndarray:
+    """float64[T]: each stretch between two ends in 2^split equal parts."""
+    parts = np.arange(2**split) / 2**split
+    return np.append((ends[:-1, None] + parts * np.diff(ends)[:, None]).ravel(), ends[-1])
+
+
+def _bend(times01: np.ndarray, corners: np.ndarray, probes: np.ndarray, probed: np.ndarray) -> np.ndarray:
+    """How far float64[P, N, 8, 3] corners at the probes stray from the straight lines between float64[T, N, 8, 3]
+    ones: float64[N]. Since corners are linear in the matrices, this bounds every point of the box."""
+    after = np.clip(np.searchsorted(times01, probes, side="right"), 1, len(times01) - 1)
+    begin, end = times01[after - 1], times01[after]
+    weight = ((probes - begin) / (end - begin))[:, None, None, None]
+    straight = (1.0 - weight) * corners[after - 1] + weight * corners[after]
+    return np.linalg.norm(probed - straight, axis=-1).max(axis=(0, 2))
 
 
 def authored_xform_times(xformables: list[UsdGeom.Xformable], shutter: Shutter) -> set[float]:
     """The time codes within the shutter at which any of the prims has a transform authored."""
     if not shutter.moving:
         return set()
-    return set().union(*(xformable.GetTimeSamplesInInterval(shutter.interval) for xformable in xformables))
+    return set().union(*(xform_bends(xformable, shutter) for xformable in xformables))

@@ -7,15 +7,19 @@ instancers, so the whole is an acyclic graph; instances.py flattens it.
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from pxr import Usd, UsdGeom, UsdShade
 
 from .context import FrameContext
 from .lights import is_light
 from .meshes import is_shape
+from .motion_scales import MotionScales, scales_at
 from .point_instancers import moving_attributes, prototypes
 from .primvars import primvar_source
+from .times import Shutter, xform_bends
+from .transforms import bends_of
+from .visibility import changes_inside
 
 WORLD: Hashable = "world"
 
@@ -31,8 +35,11 @@ class Part:
     prim: Usd.Prim
     varying: bool
     """Whether a transform between the group's root and the prim, its own included, may change over time."""
+    bends: tuple[float, ...] = ()
+    """Time codes inside the prim's shutter at which such a transform may change its course."""
+    scales: MotionScales = MotionScales()
     blinking: tuple[Usd.Attribute, ...] = ()
-    """Visibilities, likewise, that change inside the shutter: lights are switched by them."""
+    """Visibilities, likewise, that change inside the shutter."""
 
 
 @dataclass
@@ -56,8 +63,8 @@ class _State:
     varying: bool
     purpose: str
     blinking: tuple[Usd.Attribute, ...] = ()
-    hidden: bool = False
-    """Invisible at the frame, but not for the whole shutter: only lights are drawn then."""
+    bends: tuple[float, ...] = ()
+    scales: MotionScales = MotionScales()
 
 
 class Traversal:
@@ -93,12 +100,11 @@ class Traversal:
         while pending:
             prim, above = pending.pop()
             is_root = group.root is not None and prim == group.root
-            here = self._state(prim, above, is_root)
+            here = self._state(prim, above, is_root, group.root)
             if here is None:
                 continue
-            if not here.hidden:
-                self._warn_of_reset(prim, group, is_root)
-                self._warn_of_draw_mode(prim)
+            self._warn_of_reset(prim, group, is_root)
+            self._warn_of_draw_mode(prim)
             yield prim, here
             if (prim.IsInstance() and not is_root) or prim.IsA(UsdGeom.PointInstancer):
                 continue
@@ -108,50 +114,53 @@ class Traversal:
                 )
             pending.extend((child, here) for child in reversed(prim.GetFilteredChildren(predicate)))
 
-    def _state(self, prim: Usd.Prim, above: _State, is_root: bool) -> _State | None:
+    def _state(
+        self, prim: Usd.Prim, above: _State, is_root: bool, group_root: Usd.Prim | None
+    ) -> _State | None:
         """What holds at a prim; None if it is invisible. A group's root is seen as its users are."""
         if not prim.IsA(UsdGeom.Imageable):
             return above
         imageable = UsdGeom.Imageable(prim)
-        blinking, hidden = above.blinking, above.hidden
+        scales = above.scales.below(prim, self._context.code, self._context.diagnostics)
+        shutter = self._context.shutter.scaled(scales.blur)
+        blinking = above.blinking
         if not is_root:
             visibility = imageable.GetVisibilityAttr()
-            blinks = self._blinks(visibility)
-            if visibility.Get(self._context.code) == UsdGeom.Tokens.invisible:
-                if not blinks:
-                    return None
-                hidden = True
-            blinking += (visibility,) if blinks else ()
+            if changes_inside(visibility, shutter):
+                blinking += (visibility,)
+            elif visibility.Get(self._context.code) == UsdGeom.Tokens.invisible:
+                return None
         purpose = imageable.GetPurposeAttr()
         name = str(purpose.Get()) if purpose.HasAuthoredValue() else above.purpose
-        varying = above.varying
-        if not is_root and prim.IsA(UsdGeom.Xformable):
-            varying = self._varies(UsdGeom.Xformable(prim), above.varying)
-        return _State(varying, name, blinking, hidden)
+        state = _State(above.varying, name, blinking, above.bends, scales)
+        if is_root or not prim.IsA(UsdGeom.Xformable):
+            return state
+        return self._moved(state, above, UsdGeom.Xformable(prim), group_root, shutter)
 
-    def _blinks(self, visibility: Usd.Attribute) -> bool:
-        """Whether a visibility changes inside the shutter, for more than its last instant."""
-        shutter = self._context.shutter
-        if not shutter.moving or not visibility.ValueMightBeTimeVarying():
-            return False
-        opening, closing = shutter.interval.min, shutter.interval.max
-        inside = visibility.GetTimeSamplesInInterval(shutter.interval)
-        return len({visibility.Get(time) for time in (opening, *inside) if time < closing}) > 1
-
-    def _varies(self, xformable: UsdGeom.Xformable, above: bool) -> bool:
-        shutter = self._context.shutter
+    def _moved(
+        self,
+        state: _State,
+        above: _State,
+        xformable: UsdGeom.Xformable,
+        group_root: Usd.Prim | None,
+        shutter: Shutter,
+    ) -> _State:
+        """The state below a transform, which may vary or leave what is above."""
         own = shutter.moving and xformable.TransformMightBeTimeVarying()
+        inherits = above.varying and not xformable.GetResetXformStack()
+        bends = set(above.bends) if inherits else set()
         if own:
-            self.authored_times.update(xformable.GetTimeSamplesInInterval(shutter.interval))
-        return own or (above and not xformable.GetResetXformStack())
+            bends.update(xform_bends(xformable, shutter))
+        if inherits and state.scales.blur > above.scales.blur:  # Its shutter is open for longer.
+            bends = bends_of(xformable.GetPrim(), group_root, shutter)
+        self.authored_times.update(bends)
+        return replace(state, varying=own or inherits, bends=tuple(sorted(bends)))
 
     def _sort(self, prim: Usd.Prim, state: _State, group: Group) -> None:
         """Puts a prim where it belongs, or says that it is not drawn."""
-        part = Part(prim, state.varying, state.blinking)
+        part = Part(prim, state.varying, state.bends, state.scales, state.blinking)
         if is_light(prim):
             group.lights.append(part)
-        if state.hidden:
-            return
         if prim.IsInstance() and prim != group.root:
             group.instances.setdefault(self._instanced(prim, state), []).append(part)
         elif prim.IsA(UsdGeom.PointInstancer):
@@ -177,13 +186,14 @@ class Traversal:
         for prim in prototypes(instancer):
             key = self.prototype_key(prim)
             if prim and key not in self.groups:
-                xformable = UsdGeom.Xformable(prim)
-                if xformable:  # The root's own transform counts with the instancer's.
-                    self._varies(xformable, False)
+                # The root's own transform counts with the instancer's.
+                self.authored_times.update(bends_of(prim, prim.GetParent(), shutter))
                 purpose = (
                     UsdGeom.Imageable(prim).ComputePurpose() if prim.IsA(UsdGeom.Imageable) else "default"
                 )
-                self._add_group(key, prim, _State(False, str(purpose)), prim, _PROTOTYPE)
+                scales = scales_at(prim.GetParent(), self._context.code, self._context.diagnostics)
+                state = _State(False, str(purpose), scales=scales)
+                self._add_group(key, prim, state, prim, _PROTOTYPE)
 
     def _warn_of_reset(self, prim: Usd.Prim, group: Group, is_root: bool) -> None:
         """No two-level hierarchy holds what leaves its instance's place."""
@@ -213,8 +223,9 @@ class Traversal:
             primvar_source(prim, "displayColor"),
             primvar_source(prim, "displayOpacity"),
             self._context.skeletons.inherited_binding(prim),
+            state.scales,
         )
         key = ("instance", str(prim.GetPrototype().GetPath()), inherited)
         if key not in self.groups:
-            self._add_group(key, prim, _State(False, state.purpose), prim, _DEFINED)
+            self._add_group(key, prim, _State(False, state.purpose, scales=state.scales), prim, _DEFINED)
         return key

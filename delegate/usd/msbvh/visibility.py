@@ -1,0 +1,50 @@
+"""Visibility over the shutter. Tokens are held: from a sample's time until the next one's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from .times import Shutter
+
+
+def changes_inside(visibility: Usd.Attribute, shutter: Shutter) -> bool:
+    """Whether a visibility changes inside the shutter, for more than its last instant."""
+    if not shutter.moving or not visibility.ValueMightBeTimeVarying():
+        return False
+    return len({visibility.Get(time) for time in _steps(visibility, shutter)}) > 1
+
+
+def _steps(visibility: Usd.Attribute, shutter: Shutter) -> list[float]:
+    """Time codes from which on a value holds, the opening's first."""
+    inside = visibility.GetTimeSamplesInInterval(shutter.interval)
+    opening, closing = shutter.interval.min, shutter.interval.max
+    return sorted({opening, *(time for time in inside if time < closing)})
+
+
+def visible_intervals(visibilities: Sequence[Usd.Attribute], shutter: Shutter) -> np.ndarray | None:
+    """float64[K, 2]: the parts [begin, end) of the shutter, as time01, in which all of them are visible.
+
+    None where nothing changes. The last one ends behind the closing where that is part of it.
+    """
+    changing = [visibility for visibility in visibilities if changes_inside(visibility, shutter)]
+    if not changing:
+        return None
+    steps = sorted(set().union(*(_steps(visibility, shutter) for visibility in changing)))
+    ends = [*steps[1:], None]
+    shown = [
+        (shutter.time01(begin), 2.0 if end is None else shutter.time01(end))
+        for begin, end in zip(steps, ends, strict=True)
+        if all(visibility.Get(begin) != UsdGeom.Tokens.invisible for visibility in changing)
+    ]
+    return np.array(shown, np.float64).reshape(-1, 2)
+
+
+def common_intervals(a: np.ndarray | None, b: np.ndarray | None) -> np.ndarray | None:
+    """Where both are visible; None is everywhere."""
+    if a is None or b is None:
+        return b if a is None else a
+    pairs = [(max(x[0], y[0]), min(x[1], y[1])) for x in a for y in b]
+    return np.array([pair for pair in pairs if pair[0] < pair[1]], np.float64).reshape(-1, 2)
