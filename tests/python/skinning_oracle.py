@@ -11,8 +11,8 @@ from recording import DENSE_TIMES01, Shot, points_at, transformed
 
 
 def usd_skinned_points(prim: Usd.Prim, code: Usd.TimeCode) -> np.ndarray:
-    """The world-space points of a skinned mesh: blend shapes, joints, then the skeleton's transform; float64[N, 3].
-    """
+    """The world-space points of a skinned mesh: blend shapes, joints, then the skeleton's transform;
+    float64[N, 3]."""
     cache = UsdSkel.Cache()
     cache.Populate(UsdSkel.Root.Find(prim), Usd.TraverseInstanceProxies())
     query = cache.GetSkinningQuery(prim)
@@ -30,10 +30,16 @@ def usd_skinned_points(prim: Usd.Prim, code: Usd.TimeCode) -> np.ndarray:
 
 
 def _blended(
-    prim: Usd.Prim, query: UsdSkel.SkinningQuery, animation: UsdSkel.AnimQuery, points: Any, code: Usd.TimeCode
+    prim: Usd.Prim,
+    query: UsdSkel.SkinningQuery,
+    animation: UsdSkel.AnimQuery,
+    points: Any,
+    code: Usd.TimeCode,
 ) -> Any:
     shapes = UsdSkel.BlendShapeQuery(UsdSkel.BindingAPI(prim))
-    animated = dict(zip(animation.GetBlendShapeOrder(), animation.ComputeBlendShapeWeights(code), strict=True))
+    animated = dict(
+        zip(animation.GetBlendShapeOrder(), animation.ComputeBlendShapeWeights(code), strict=True)
+    )
     weights = shapes.ComputeSubShapeWeights(
         Vt.FloatArray([animated.get(name, 0.0) for name in query.GetBlendShapeOrder()])
     )

@@ -8,7 +8,7 @@ from msbvh import _core
 from msbvh.errors import Diagnostics
 from msbvh.reader import ReadSettings, read_frame
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
-from recording import Recording, Shot, messages, points_at
+from recording import Recording, Shot, interpolated, messages, points_at
 from skinning_oracle import ARM_POINTS, Arm, pixels, turn, usd_skinned_points, worst_skinned_deviation
 
 TOLERANCE_PIXELS = 0.1
@@ -77,8 +77,10 @@ def test_points_and_normals_are_usdskel_s(method: str, kind: str, weight_sum: fl
     assert np.abs(found[0] - np.array(expected)).max() <= 1e-5  # coordinates of about 5, single precision
 
     if method == "dualQuaternion" and kind in ("sheared", "mirrored"):
-        return  # UsdSkel takes another rotation out of a sheared normal matrix, and none that is proper of a mirror.
-    inverses = Vt.Matrix3dArray.FromNumpy(np.ascontiguousarray(np.linalg.inv(joints[:, :3, :3]).transpose(0, 2, 1)))
+        return  # UsdSkel takes another rotation from sheared normal matrices, none that is proper from mirrors.
+    inverses = Vt.Matrix3dArray.FromNumpy(
+        np.ascontiguousarray(np.linalg.inv(joints[:, :3, :3]).transpose(0, 2, 1))
+    )
     expected = Vt.Vec3fArray.FromNumpy(normals)
     inverse_bind = Gf.Matrix3d(*np.linalg.inv(bind[:3, :3]).T.ravel().tolist())
     assert UsdSkel.SkinNormals(
@@ -128,7 +130,8 @@ def test_samples_follow_turning_joints_at_any_time(method: str, shutter: tuple[f
 def test_fewer_samples_do_where_more_error_is_allowed():
     arm = spinning_arm()
     counts = [
-        len(arm.shot.read(motion_tolerance=pixel).scene.meshes["/Root/Mesh"]["points"]) for pixel in (0.01, 1.0, 50.0)
+        len(arm.shot.read(motion_tolerance=pixel).scene.meshes["/Root/Mesh"]["points"])
+        for pixel in (0.01, 1.0, 50.0)
     ]
     assert counts[0] > counts[1] > counts[2] >= 5
 
@@ -289,6 +292,27 @@ def test_normals_follow_the_joints_in_each_interpolation():
             assert np.allclose(normals[point], (-np.sin(angle), np.cos(angle), 0), atol=1e-5)
 
 
+def test_normals_that_turn_on_still_points_are_sampled():
+    arm = Arm(Shot())
+    shape = UsdSkel.BlendShape.Define(arm.stage, "/Root/Mesh/tilt")
+    shape.CreateNormalOffsetsAttr([Gf.Vec3f(1, 0, 0)] * len(ARM_POINTS))
+    binding = UsdSkel.BindingAPI(arm.mesh)
+    binding.CreateBlendShapesAttr(["tilt"])
+    binding.CreateBlendShapeTargetsRel().SetTargets([shape.GetPath()])
+    arm.animation.CreateBlendShapesAttr(["tilt"])
+    for frame, weight in ((9, 0.0), (11, 1.0)):
+        arm.animation.CreateBlendShapeWeightsAttr().Set([weight], frame)
+    arm.mesh.CreateNormalsAttr([Gf.Vec3f(0, 0, 1)] * len(ARM_POINTS))
+    arm.mesh.SetNormalsInterpolation("vertex")
+    mesh = arm.shot.read().scene.meshes["/Root/Mesh"]
+    assert len(mesh["normals"]) > 1
+    times01, normals = zip(*mesh["normals"], strict=True)
+    for time01 in (0.0, 0.37, 1.0):
+        expected = np.array([(0.5 + time01) / 2, 0, 1])
+        found = interpolated(times01, normals, time01)[0]
+        assert np.allclose(found / np.linalg.norm(found), expected / np.linalg.norm(expected), atol=0.005)
+
+
 def test_uniform_normals_of_a_skinned_mesh_are_left_out_by_name():
     arm = spinning_arm()
     arm.mesh.CreateNormalsAttr([Gf.Vec3f(0, 1, 0)] * 4)
@@ -304,7 +328,7 @@ def test_uniform_normals_of_a_skinned_mesh_are_left_out_by_name():
 
 
 def crowd(same: bool) -> tuple[Shot, Arm]:
-    """Two native instances of one character at y = 0 and 3, each with an animation of its own, or the same."""
+    """Two native instances of one character at y = 0 and 3, with an animation each or the same."""
     shot = Shot()
     arm = Arm(shot, "/Library/Man")
     shot.stage.GetPrimAtPath("/Library").SetSpecifier(Sdf.SpecifierClass)
@@ -396,8 +420,8 @@ def test_outside_a_skelroot_nothing_is_skinned():
     arm = spinning_arm()
     arm.root.GetPrim().SetTypeName("Xform")
     assert one_message(arm) == (
-        "/Root/Mesh.primvars:skel:jointIndices: no SkelRoot above, expected one for skinning to apply (UsdSkel); "
-        "drawn in its rest pose"
+        "/Root/Mesh.primvars:skel:jointIndices: no SkelRoot above, expected one for skinning to apply "
+        "(UsdSkel); drawn in its rest pose"
     )
 
 
@@ -415,7 +439,10 @@ def test_a_skeleton_without_bind_transforms_is_named():
     arm = spinning_arm()
     arm.skeleton.GetBindTransformsAttr().Set([Gf.Matrix4d(1)])
     text = one_message(arm, from_usd=1)
-    assert text.startswith("/Root/Skeleton.bindTransforms: found 1 matrices, expected 2") and "/Root/Mesh" in text
+    assert (
+        text.startswith("/Root/Skeleton.bindTransforms: found 1 matrices, expected 2")
+        and "/Root/Mesh" in text
+    )
 
 
 def test_a_skeleton_without_animation_of_all_joints_nor_rest_transforms_is_named():
@@ -429,7 +456,8 @@ def test_a_joint_out_of_range_keeps_the_mesh_out_of_the_picture():
     arm = spinning_arm()
     UsdSkel.BindingAPI(arm.mesh).GetJointIndicesPrimvar().Set([0, 7] * len(ARM_POINTS))
     assert one_message(arm, "error") == (
-        "/Root/Mesh.primvars:skel:jointIndices: value 1 is 7; expected a joint from 0 to 1; the prim is not drawn"
+        "/Root/Mesh.primvars:skel:jointIndices: value 1 is 7; expected a joint from 0 to 1; the prim is "
+        "not drawn"
     )
 
 
@@ -444,7 +472,9 @@ def test_indices_without_weights_and_those_that_disagree_leave_the_rest_pose():
     arm = spinning_arm()
     UsdSkel.BindingAPI(arm.mesh).GetJointIndicesPrimvar().SetElementSize(1)
     text = one_message(arm, from_usd=1)
-    assert text.startswith("/Root/Mesh.primvars:skel:jointIndices: found vertex with elementSize 1, vertex with")
+    assert text.startswith(
+        "/Root/Mesh.primvars:skel:jointIndices: found vertex with elementSize 1, vertex with"
+    )
     arm.mesh.GetPrim().RemoveProperty("primvars:skel:jointWeights")
     assert one_message(arm).startswith("/Root/Mesh.primvars:skel:jointWeights: not authored, expected")
 
@@ -453,7 +483,9 @@ def test_joints_that_the_skeleton_does_not_have_stay():
     arm = spinning_arm()
     UsdSkel.BindingAPI(arm.mesh).CreateJointsAttr(["nose", "mouth"])
     text = one_message(arm)
-    assert text.startswith("/Root/Mesh.skel:joints: found 2 joints that /Root/Skeleton does not have ('nose')")
+    assert text.startswith(
+        "/Root/Mesh.skel:joints: found 2 joints that /Root/Skeleton does not have ('nose')"
+    )
 
 
 def test_blend_shapes_that_are_wrong_are_left_out_and_the_joints_go_on():
@@ -465,7 +497,8 @@ def test_blend_shapes_that_are_wrong_are_left_out_and_the_joints_go_on():
     result = arm.shot.read()
     warnings = messages(result, "warning")
     assert (
-        "/Root/Mesh/fall.pointIndices: index 1 is 99; expected a point from 0 to 9; it is left out" in warnings
+        "/Root/Mesh/fall.pointIndices: index 1 is 99; expected a point from 0 to 9; it is left out"
+        in warnings
     )
     assert (
         "/Root/Mesh.skel:blendShapeTargets: target /Root/Mesh/nothing is no BlendShape; 'rise' is left out"
@@ -474,8 +507,8 @@ def test_blend_shapes_that_are_wrong_are_left_out_and_the_joints_go_on():
     targets.SetTargets(["/Root/Mesh/fall"])
     fewer = arm.shot.read()
     assert (
-        "/Root/Mesh.skel:blendShapeTargets: found 1 targets, expected 2, as many as skel:blendShapes; left out"
-        in messages(fewer, "warning")
+        "/Root/Mesh.skel:blendShapeTargets: found 1 targets, expected 2, as many as skel:blendShapes; left "
+        "out" in messages(fewer, "warning")
     )
     arm.mesh.GetPrim().RemoveProperty("skel:blendShapeTargets")
     for read in (result, fewer):
@@ -486,8 +519,8 @@ def test_an_unknown_method_is_linear():
     arm = spinning_arm("cubic")
     result = arm.shot.read()
     assert messages(result, "warning") == [
-        "/Root/Mesh.primvars:skel:skinningMethod: found 'cubic', expected classicLinear or dualQuaternion; took "
-        "classicLinear"
+        "/Root/Mesh.primvars:skel:skinningMethod: found 'cubic', expected classicLinear or dualQuaternion; "
+        "took classicLinear"
     ]
     linear = spinning_arm().shot.read()
     assert np.array_equal(

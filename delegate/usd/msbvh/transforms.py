@@ -197,8 +197,8 @@ def dense_samples(
 
 
 def may_move(prim: Usd.Prim, root: Usd.Prim | None) -> bool:
-    """Whether the transform of a prim in the space of `root` may change over time. For prims that no traversal
-    has come by."""
+    """Whether the transform of a prim in the space of `root` may change over time: for prims that no
+    traversal has come by."""
     if root is not None and not prim.GetPath().HasPrefix(root.GetPath()):
         return may_move(prim, None) or may_move(root, None)
     while prim and not prim.IsPseudoRoot() and prim != root:
