@@ -244,19 +244,23 @@ def test_constant_influences_move_a_mesh_and_an_implicit_shape_rigidly():
 
 def add_blend_shapes(arm: Arm) -> None:
     """'rise' with an in-between that bends its way, and 'fall' of two points alone."""
-    rise = UsdSkel.BlendShape.Define(arm.stage, "/Root/Mesh/rise")
+    rise = UsdSkel.BlendShape.Define(arm.stage, f"{arm.path}/Mesh/rise")
     rise.CreateOffsetsAttr([Gf.Vec3f(0, 0, 1)] * len(ARM_POINTS))
     between = rise.CreateInbetween("half")
     between.SetWeight(0.5)
     between.SetOffsets([Gf.Vec3f(0, 1, 0)] * len(ARM_POINTS))
-    fall = UsdSkel.BlendShape.Define(arm.stage, "/Root/Mesh/fall")
+    fall = UsdSkel.BlendShape.Define(arm.stage, f"{arm.path}/Mesh/fall")
     fall.CreateOffsetsAttr([Gf.Vec3f(0, -1, 0), Gf.Vec3f(0, -2, 0)])
     fall.CreatePointIndicesAttr([3, 8])
     binding = UsdSkel.BindingAPI(arm.mesh)
     binding.CreateBlendShapesAttr(["rise", "fall"])
     binding.CreateBlendShapeTargetsRel().SetTargets([rise.GetPath(), fall.GetPath()])
-    arm.animation.CreateBlendShapesAttr(["fall", "unused", "rise"])
-    weights = arm.animation.CreateBlendShapeWeightsAttr()
+    blend(arm.animation)
+
+
+def blend(animation: UsdSkel.Animation) -> None:
+    animation.CreateBlendShapesAttr(["fall", "unused", "rise"])
+    weights = animation.CreateBlendShapeWeightsAttr()
     weights.Set([0.0, 1.0, 0.0], 9)
     weights.Set([0.5, 0.0, 1.0], 10.25)
     weights.Set([1.0, 1.0, -0.5], 11)
@@ -327,15 +331,18 @@ def test_uniform_normals_of_a_skinned_mesh_are_left_out_by_name():
 # Instances.
 
 
-def crowd(same: bool) -> tuple[Shot, Arm]:
+def crowd(same: bool) -> Shot:
     """Two native instances of one character at y = 0 and 3, with an animation each or the same."""
     shot = Shot()
     arm = Arm(shot, "/Library/Man")
+    add_blend_shapes(arm)
     shot.stage.GetPrimAtPath("/Library").SetSpecifier(Sdf.SpecifierClass)
     UsdSkel.BindingAPI(arm.skeleton).GetAnimationSourceRel().ClearTargets(True)
     for index, degrees in enumerate(((80, 40), (-80, -20))):
         animation = arm.animate(f"/Animations/walk_{index}")
         arm.rotate({9: (0, 0), 11: degrees}, animation)
+        if index == 0:
+            blend(animation)
     for index in range(2):
         instance = UsdGeom.Xform.Define(shot.stage, f"/Crowd/man_{index}")
         instance.GetPrim().GetReferences().AddInternalReference("/Library/Man")
@@ -344,12 +351,12 @@ def crowd(same: bool) -> tuple[Shot, Arm]:
         instance.AddTranslateOp().Set(Gf.Vec3d(0, 3 * index, 0))
         animation = f"/Animations/walk_{0 if same else index}"
         UsdSkel.BindingAPI.Apply(instance.GetPrim()).CreateAnimationSourceRel().SetTargets([animation])
-    return shot, arm
+    return shot
 
 
 @pytest.mark.parametrize("same", [True, False])
 def test_instances_of_one_character_move_each_by_its_own_animation(same: bool):
-    shot, _ = crowd(same)
+    shot = crowd(same)
     result = shot.read()
     assert len(result.scene.prototypes) == (1 if same else 2)
     meshes = [shot.stage.GetPrimAtPath(f"/Crowd/man_{index}/Mesh") for index in range(2)]
@@ -357,6 +364,26 @@ def test_instances_of_one_character_move_each_by_its_own_animation(same: bool):
         code = result.camera.shutter.time_code(float(time01))
         expected = np.concatenate([usd_skinned_points(mesh, code) for mesh in meshes])
         found = result.scene.instance_points(float(time01))
+        assert np.abs(sorted_rows(found) - sorted_rows(expected)).max() <= 1e-3
+
+
+def test_instances_within_instances_move_by_the_animation_of_each():
+    shot = crowd(same=False)
+    shot.stage.GetPrimAtPath("/Crowd").SetSpecifier(Sdf.SpecifierClass)
+    for index in range(2):
+        nest = UsdGeom.Xform.Define(shot.stage, f"/Nest_{index}")
+        nest.GetPrim().GetReferences().AddInternalReference("/Crowd")
+        nest.GetPrim().SetInstanceable(True)
+        nest.AddTranslateOp().Set(Gf.Vec3d(0, 0, -2 * index))
+    result = shot.read()
+    assert len(result.scene.prototypes) == 2
+    meshes = [
+        shot.stage.GetPrimAtPath(f"/Nest_{nest}/man_{man}/Mesh") for nest in range(2) for man in range(2)
+    ]
+    for time01 in (0.0, 0.4, 1.0):
+        code = result.camera.shutter.time_code(time01)
+        expected = np.concatenate([usd_skinned_points(mesh, code) for mesh in meshes])
+        found = result.scene.instance_points(time01)
         assert np.abs(sorted_rows(found) - sorted_rows(expected)).max() <= 1e-3
 
 
