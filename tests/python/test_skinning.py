@@ -77,7 +77,7 @@ def test_points_and_normals_are_usdskel_s(method: str, kind: str, weight_sum: fl
     assert np.abs(found[0] - np.array(expected)).max() <= 1e-5  # coordinates of about 5, single precision
 
     if method == "dualQuaternion" and kind in ("sheared", "mirrored"):
-        return  # UsdSkel takes another rotation from sheared normal matrices, none that is proper from mirrors.
+        return  # Where skinning.h says that normals depart from UsdSkel.
     inverses = Vt.Matrix3dArray.FromNumpy(
         np.ascontiguousarray(np.linalg.inv(joints[:, :3, :3]).transpose(0, 2, 1))
     )
