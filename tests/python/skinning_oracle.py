@@ -129,3 +129,35 @@ class Arm:
         rotations = (animation or self.animation).GetRotationsAttr()
         for frame, degrees in by_frame.items():
             rotations.Set([turn(angle) for angle in degrees], frame)
+
+
+def spinning_arm(method: str = "classicLinear", **shot: object) -> Arm:
+    """Both joints turn between frames 9, 10 and 11."""
+    arm = Arm(Shot(**shot), method=method)
+    arm.rotate({9: (0, 0), 10: (50, 100), 11: (-30, 170)})
+    return arm
+
+
+def add_blend_shapes(arm: Arm) -> None:
+    """'rise' with an in-between that bends its way, and 'fall' of two points alone."""
+    rise = UsdSkel.BlendShape.Define(arm.stage, f"{arm.path}/Mesh/rise")
+    rise.CreateOffsetsAttr([Gf.Vec3f(0, 0, 1)] * len(ARM_POINTS))
+    between = rise.CreateInbetween("half")
+    between.SetWeight(0.5)
+    between.SetOffsets([Gf.Vec3f(0, 1, 0)] * len(ARM_POINTS))
+    fall = UsdSkel.BlendShape.Define(arm.stage, f"{arm.path}/Mesh/fall")
+    fall.CreateOffsetsAttr([Gf.Vec3f(0, -1, 0), Gf.Vec3f(0, -2, 0)])
+    fall.CreatePointIndicesAttr([3, 8])
+    binding = UsdSkel.BindingAPI(arm.mesh)
+    binding.CreateBlendShapesAttr(["rise", "fall"])
+    binding.CreateBlendShapeTargetsRel().SetTargets([rise.GetPath(), fall.GetPath()])
+    blend(arm.animation)
+
+
+def blend(animation: UsdSkel.Animation) -> None:
+    """Weights for them that change at frames 9, 10.25 and 11."""
+    animation.CreateBlendShapesAttr(["fall", "unused", "rise"])
+    weights = animation.CreateBlendShapeWeightsAttr()
+    weights.Set([0.0, 1.0, 0.0], 9)
+    weights.Set([0.5, 0.0, 1.0], 10.25)
+    weights.Set([1.0, 1.0, -0.5], 11)
