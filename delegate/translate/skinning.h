@@ -4,6 +4,10 @@
 // blend shapes move the rest points in the mesh's own space; geom_bind takes them to the skeleton's space;
 // there each joint's skinning transform moves them. Weights are used as they are, not normalised. Here sums
 // are double and results rounded once.
+//
+// Normals depart from UsdSkel in one case: under dual quaternions the rotation of a joint that shears or
+// mirrors is that of its points (the polar factor), where UsdSkel orthonormalises the matrix of normals on
+// its own and takes no proper rotation from a mirror.
 #pragma once
 
 #include <cstddef>
@@ -69,7 +73,7 @@ bool check_skinning(const SkinningInput& input, PrimLog& log);
 // Nothing where check_skinning() fails. Blend shapes and normals that do not fit are left out with a warning.
 std::optional<SkinnedArrays> skin_points(const SkinningInput& input, PrimLog& log);
 
-// Parts of check_skinning's work that leave out only themselves; they warn.
+// Whether a part that the prim can do without is usable. For a log of an optional part.
 bool check_sub_shape(const SubShape& shape, std::size_t point_count, PrimLog& log);
 bool check_rest_normals(const SkinningInput& input, PrimLog& log);
 

@@ -11,8 +11,8 @@ from recording import DENSE_TIMES01, Shot, points_at, transformed
 
 
 def usd_skinned_points(prim: Usd.Prim, code: Usd.TimeCode) -> np.ndarray:
-    """The world-space points of a skinned mesh: blend shapes, joints, then the skeleton's transform; float64[N, 3].
-    """
+    """The world-space points of a skinned mesh: blend shapes, joints, then the skeleton's transform;
+    float64[N, 3]."""
     cache = UsdSkel.Cache()
     cache.Populate(UsdSkel.Root.Find(prim), Usd.TraverseInstanceProxies())
     query = cache.GetSkinningQuery(prim)
@@ -30,10 +30,16 @@ def usd_skinned_points(prim: Usd.Prim, code: Usd.TimeCode) -> np.ndarray:
 
 
 def _blended(
-    prim: Usd.Prim, query: UsdSkel.SkinningQuery, animation: UsdSkel.AnimQuery, points: Any, code: Usd.TimeCode
+    prim: Usd.Prim,
+    query: UsdSkel.SkinningQuery,
+    animation: UsdSkel.AnimQuery,
+    points: Any,
+    code: Usd.TimeCode,
 ) -> Any:
     shapes = UsdSkel.BlendShapeQuery(UsdSkel.BindingAPI(prim))
-    animated = dict(zip(animation.GetBlendShapeOrder(), animation.ComputeBlendShapeWeights(code), strict=True))
+    animated = dict(
+        zip(animation.GetBlendShapeOrder(), animation.ComputeBlendShapeWeights(code), strict=True)
+    )
     weights = shapes.ComputeSubShapeWeights(
         Vt.FloatArray([animated.get(name, 0.0) for name in query.GetBlendShapeOrder()])
     )
@@ -123,3 +129,35 @@ class Arm:
         rotations = (animation or self.animation).GetRotationsAttr()
         for frame, degrees in by_frame.items():
             rotations.Set([turn(angle) for angle in degrees], frame)
+
+
+def spinning_arm(method: str = "classicLinear", **shot: object) -> Arm:
+    """Both joints turn between frames 9, 10 and 11."""
+    arm = Arm(Shot(**shot), method=method)
+    arm.rotate({9: (0, 0), 10: (50, 100), 11: (-30, 170)})
+    return arm
+
+
+def add_blend_shapes(arm: Arm) -> None:
+    """'rise' with an in-between that bends its way, and 'fall' of two points alone."""
+    rise = UsdSkel.BlendShape.Define(arm.stage, f"{arm.path}/Mesh/rise")
+    rise.CreateOffsetsAttr([Gf.Vec3f(0, 0, 1)] * len(ARM_POINTS))
+    between = rise.CreateInbetween("half")
+    between.SetWeight(0.5)
+    between.SetOffsets([Gf.Vec3f(0, 1, 0)] * len(ARM_POINTS))
+    fall = UsdSkel.BlendShape.Define(arm.stage, f"{arm.path}/Mesh/fall")
+    fall.CreateOffsetsAttr([Gf.Vec3f(0, -1, 0), Gf.Vec3f(0, -2, 0)])
+    fall.CreatePointIndicesAttr([3, 8])
+    binding = UsdSkel.BindingAPI(arm.mesh)
+    binding.CreateBlendShapesAttr(["rise", "fall"])
+    binding.CreateBlendShapeTargetsRel().SetTargets([rise.GetPath(), fall.GetPath()])
+    blend(arm.animation)
+
+
+def blend(animation: UsdSkel.Animation) -> None:
+    """Weights for them that change at frames 9, 10.25 and 11."""
+    animation.CreateBlendShapesAttr(["fall", "unused", "rise"])
+    weights = animation.CreateBlendShapeWeightsAttr()
+    weights.Set([0.0, 1.0, 0.0], 9)
+    weights.Set([0.5, 0.0, 1.0], 10.25)
+    weights.Set([1.0, 1.0, -0.5], 11)

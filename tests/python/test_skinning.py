@@ -7,18 +7,20 @@ import pytest
 from msbvh import _core
 from msbvh.errors import Diagnostics
 from msbvh.reader import ReadSettings, read_frame
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
-from recording import Recording, Shot, messages, points_at
-from skinning_oracle import ARM_POINTS, Arm, pixels, turn, usd_skinned_points, worst_skinned_deviation
+from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
+from recording import Shot, interpolated, messages, points_at
+from skinning_oracle import (
+    ARM_POINTS,
+    Arm,
+    add_blend_shapes,
+    pixels,
+    spinning_arm,
+    usd_skinned_points,
+    worst_skinned_deviation,
+)
 
 TOLERANCE_PIXELS = 0.1
 """What the reader is asked for; samples have a quarter of it, measured at the middles of their intervals."""
-
-
-def spinning_arm(method: str = "classicLinear", **shot: object) -> Arm:
-    arm = Arm(Shot(**shot), method=method)
-    arm.rotate({9: (0, 0), 10: (50, 100), 11: (-30, 170)})
-    return arm
 
 
 # The core's arithmetic against UsdSkel's.
@@ -77,8 +79,10 @@ def test_points_and_normals_are_usdskel_s(method: str, kind: str, weight_sum: fl
     assert np.abs(found[0] - np.array(expected)).max() <= 1e-5  # coordinates of about 5, single precision
 
     if method == "dualQuaternion" and kind in ("sheared", "mirrored"):
-        return  # UsdSkel takes another rotation out of a sheared normal matrix, and none that is proper of a mirror.
-    inverses = Vt.Matrix3dArray.FromNumpy(np.ascontiguousarray(np.linalg.inv(joints[:, :3, :3]).transpose(0, 2, 1)))
+        return  # Where skinning.h says that normals depart from UsdSkel.
+    inverses = Vt.Matrix3dArray.FromNumpy(
+        np.ascontiguousarray(np.linalg.inv(joints[:, :3, :3]).transpose(0, 2, 1))
+    )
     expected = Vt.Vec3fArray.FromNumpy(normals)
     inverse_bind = Gf.Matrix3d(*np.linalg.inv(bind[:3, :3]).T.ravel().tolist())
     assert UsdSkel.SkinNormals(
@@ -128,7 +132,8 @@ def test_samples_follow_turning_joints_at_any_time(method: str, shutter: tuple[f
 def test_fewer_samples_do_where_more_error_is_allowed():
     arm = spinning_arm()
     counts = [
-        len(arm.shot.read(motion_tolerance=pixel).scene.meshes["/Root/Mesh"]["points"]) for pixel in (0.01, 1.0, 50.0)
+        len(arm.shot.read(motion_tolerance=pixel).scene.meshes["/Root/Mesh"]["points"])
+        for pixel in (0.01, 1.0, 50.0)
     ]
     assert counts[0] > counts[1] > counts[2] >= 5
 
@@ -239,26 +244,6 @@ def test_constant_influences_move_a_mesh_and_an_implicit_shape_rigidly():
 # Blend shapes and normals.
 
 
-def add_blend_shapes(arm: Arm) -> None:
-    """'rise' with an in-between that bends its way, and 'fall' of two points alone."""
-    rise = UsdSkel.BlendShape.Define(arm.stage, "/Root/Mesh/rise")
-    rise.CreateOffsetsAttr([Gf.Vec3f(0, 0, 1)] * len(ARM_POINTS))
-    between = rise.CreateInbetween("half")
-    between.SetWeight(0.5)
-    between.SetOffsets([Gf.Vec3f(0, 1, 0)] * len(ARM_POINTS))
-    fall = UsdSkel.BlendShape.Define(arm.stage, "/Root/Mesh/fall")
-    fall.CreateOffsetsAttr([Gf.Vec3f(0, -1, 0), Gf.Vec3f(0, -2, 0)])
-    fall.CreatePointIndicesAttr([3, 8])
-    binding = UsdSkel.BindingAPI(arm.mesh)
-    binding.CreateBlendShapesAttr(["rise", "fall"])
-    binding.CreateBlendShapeTargetsRel().SetTargets([rise.GetPath(), fall.GetPath()])
-    arm.animation.CreateBlendShapesAttr(["fall", "unused", "rise"])
-    weights = arm.animation.CreateBlendShapeWeightsAttr()
-    weights.Set([0.0, 1.0, 0.0], 9)
-    weights.Set([0.5, 0.0, 1.0], 10.25)
-    weights.Set([1.0, 1.0, -0.5], 11)
-
-
 @pytest.mark.parametrize("joints_too", [True, False])
 def test_blend_shapes_bend_through_their_in_betweens(joints_too: bool):
     arm = spinning_arm()
@@ -289,6 +274,27 @@ def test_normals_follow_the_joints_in_each_interpolation():
             assert np.allclose(normals[point], (-np.sin(angle), np.cos(angle), 0), atol=1e-5)
 
 
+def test_normals_that_turn_on_still_points_are_sampled():
+    arm = Arm(Shot())
+    shape = UsdSkel.BlendShape.Define(arm.stage, "/Root/Mesh/tilt")
+    shape.CreateNormalOffsetsAttr([Gf.Vec3f(1, 0, 0)] * len(ARM_POINTS))
+    binding = UsdSkel.BindingAPI(arm.mesh)
+    binding.CreateBlendShapesAttr(["tilt"])
+    binding.CreateBlendShapeTargetsRel().SetTargets([shape.GetPath()])
+    arm.animation.CreateBlendShapesAttr(["tilt"])
+    for frame, weight in ((9, 0.0), (11, 1.0)):
+        arm.animation.CreateBlendShapeWeightsAttr().Set([weight], frame)
+    arm.mesh.CreateNormalsAttr([Gf.Vec3f(0, 0, 1)] * len(ARM_POINTS))
+    arm.mesh.SetNormalsInterpolation("vertex")
+    mesh = arm.shot.read().scene.meshes["/Root/Mesh"]
+    assert len(mesh["normals"]) > 1
+    times01, normals = zip(*mesh["normals"], strict=True)
+    for time01 in (0.0, 0.37, 1.0):
+        expected = np.array([(0.5 + time01) / 2, 0, 1])
+        found = interpolated(times01, normals, time01)[0]
+        assert np.allclose(found / np.linalg.norm(found), expected / np.linalg.norm(expected), atol=0.005)
+
+
 def test_uniform_normals_of_a_skinned_mesh_are_left_out_by_name():
     arm = spinning_arm()
     arm.mesh.CreateNormalsAttr([Gf.Vec3f(0, 1, 0)] * 4)
@@ -300,212 +306,9 @@ def test_uniform_normals_of_a_skinned_mesh_are_left_out_by_name():
     ]
 
 
-# Instances.
-
-
-def crowd(same: bool) -> tuple[Shot, Arm]:
-    """Two native instances of one character at y = 0 and 3, each with an animation of its own, or the same."""
-    shot = Shot()
-    arm = Arm(shot, "/Library/Man")
-    shot.stage.GetPrimAtPath("/Library").SetSpecifier(Sdf.SpecifierClass)
-    UsdSkel.BindingAPI(arm.skeleton).GetAnimationSourceRel().ClearTargets(True)
-    for index, degrees in enumerate(((80, 40), (-80, -20))):
-        animation = arm.animate(f"/Animations/walk_{index}")
-        arm.rotate({9: (0, 0), 11: degrees}, animation)
-    for index in range(2):
-        instance = UsdGeom.Xform.Define(shot.stage, f"/Crowd/man_{index}")
-        instance.GetPrim().GetReferences().AddInternalReference("/Library/Man")
-        instance.GetPrim().SetTypeName("SkelRoot")
-        instance.GetPrim().SetInstanceable(True)
-        instance.AddTranslateOp().Set(Gf.Vec3d(0, 3 * index, 0))
-        animation = f"/Animations/walk_{0 if same else index}"
-        UsdSkel.BindingAPI.Apply(instance.GetPrim()).CreateAnimationSourceRel().SetTargets([animation])
-    return shot, arm
-
-
-@pytest.mark.parametrize("same", [True, False])
-def test_instances_of_one_character_move_each_by_its_own_animation(same: bool):
-    shot, _ = crowd(same)
-    result = shot.read()
-    assert len(result.scene.prototypes) == (1 if same else 2)
-    meshes = [shot.stage.GetPrimAtPath(f"/Crowd/man_{index}/Mesh") for index in range(2)]
-    for time01 in np.linspace(0, 1, 9):
-        code = result.camera.shutter.time_code(float(time01))
-        expected = np.concatenate([usd_skinned_points(mesh, code) for mesh in meshes])
-        found = result.scene.instance_points(float(time01))
-        assert np.abs(sorted_rows(found) - sorted_rows(expected)).max() <= 1e-3
-
-
-def sorted_rows(points: np.ndarray) -> np.ndarray:
-    return points[np.lexsort(np.round(points, 3).T)]
-
-
-def test_a_skinned_prototype_of_a_point_instancer_is_posed_in_the_prototype_s_space():
-    shot = Shot()
-    arm = Arm(shot, "/Instancer/Man")
-    arm.rotate({9: (0, 0), 11: (80, 40)})
-    arm.skeleton.AddTranslateOp().Set(Gf.Vec3d(0, 0, 0.5))
-    instancer = UsdGeom.PointInstancer.Define(shot.stage, "/Instancer")
-    instancer.CreatePrototypesRel().SetTargets(["/Instancer/Man"])
-    instancer.CreateProtoIndicesAttr([0, 0])
-    instancer.CreatePositionsAttr([Gf.Vec3f(0, 2, 0), Gf.Vec3f(0, -2, 0)])
-    result = shot.read()
-    for time01 in (0.0, 0.3, 1.0):
-        points = usd_skinned_points(arm.mesh.GetPrim(), result.camera.shutter.time_code(time01))
-        expected = np.concatenate([points + (0, 2, 0), points - (0, 2, 0)])
-        assert np.abs(sorted_rows(result.scene.instance_points(time01)) - sorted_rows(expected)).max() <= 1e-3
-
-
-def test_a_skeleton_outside_the_instances_places_each_of_them_where_it_stands():
-    shot = Shot()
-    arm = spinning_arm()
-    shot = arm.shot
-    proto = shot.stage.OverridePrim("/Cloth")
-    proto.SetSpecifier(Sdf.SpecifierClass)
-    arm.strip("/Cloth/Strip")
-    shot.stage.GetPrimAtPath("/Cloth/Strip").RemoveProperty("skel:skeleton")
-    UsdSkel.BindingAPI.Apply(arm.root.GetPrim()).CreateSkeletonRel().SetTargets([arm.skeleton.GetPath()])
-    for index in range(2):
-        instance = UsdGeom.Xform.Define(shot.stage, f"/Root/cloth_{index}")
-        instance.GetPrim().GetReferences().AddInternalReference("/Cloth")
-        instance.GetPrim().SetInstanceable(True)
-        instance.AddTranslateOp().Set(Gf.Vec3d(0, 3 * index, 0))
-    result = shot.read()
-    expected = usd_skinned_points(arm.mesh.GetPrim(), 10.0)
-    found = result.scene.instance_points(0.5)
-    assert len(found) == 2 * len(expected)
-    assert np.abs(sorted_rows(found)[::2] - sorted_rows(expected)).max() <= 2e-3
-
-
-# Bindings that are wrong.
-
-
-def one_message(arm: Arm, severity: str = "warning", from_usd: int = 0) -> str:
-    """Ours, and what that does to the mesh; UsdSkel itself says more about some bindings."""
-    result = arm.shot.read()
-    ours = messages(result, severity)
-    assert len(ours) == 1 + from_usd, ours
-    if severity == "warning":
-        assert np.allclose(points_at(result.scene.meshes["/Root/Mesh"], 0.5), ARM_POINTS, atol=1e-6)
-    else:
-        assert "/Root/Mesh" not in result.scene.meshes
-    return ours[0]
-
-
-def test_outside_a_skelroot_nothing_is_skinned():
-    arm = spinning_arm()
-    arm.root.GetPrim().SetTypeName("Xform")
-    assert one_message(arm) == (
-        "/Root/Mesh.primvars:skel:jointIndices: no SkelRoot above, expected one for skinning to apply (UsdSkel); "
-        "drawn in its rest pose"
-    )
-
-
-@pytest.mark.parametrize("target", ["/Nowhere", "/Root/Mesh", None])
-def test_a_skeleton_that_does_not_resolve_is_named(target: str | None):
-    arm = spinning_arm()
-    relationship = UsdSkel.BindingAPI(arm.mesh).GetSkeletonRel()
-    relationship.SetTargets([target]) if target else relationship.ClearTargets(True)
-    text = one_message(arm, from_usd=0 if target is None else 1)
-    assert text.startswith("/Root/Mesh.skel:skeleton: found ") and "expected one Skeleton" in text
-    assert (target or "no target") in text
-
-
-def test_a_skeleton_without_bind_transforms_is_named():
-    arm = spinning_arm()
-    arm.skeleton.GetBindTransformsAttr().Set([Gf.Matrix4d(1)])
-    text = one_message(arm, from_usd=1)
-    assert text.startswith("/Root/Skeleton.bindTransforms: found 1 matrices, expected 2") and "/Root/Mesh" in text
-
-
-def test_a_skeleton_without_animation_of_all_joints_nor_rest_transforms_is_named():
-    arm = spinning_arm()
-    arm.animation.GetJointsAttr().Set(["a"])
-    arm.skeleton.GetRestTransformsAttr().Set([])
-    assert one_message(arm, from_usd=2).startswith("/Root/Skeleton.restTransforms: found 0 matrices")
-
-
-def test_a_joint_out_of_range_keeps_the_mesh_out_of_the_picture():
-    arm = spinning_arm()
-    UsdSkel.BindingAPI(arm.mesh).GetJointIndicesPrimvar().Set([0, 7] * len(ARM_POINTS))
-    assert one_message(arm, "error") == (
-        "/Root/Mesh.primvars:skel:jointIndices: value 1 is 7; expected a joint from 0 to 1; the prim is not drawn"
-    )
-
-
-def test_influences_of_another_size_keep_the_mesh_out_of_the_picture():
-    arm = spinning_arm()
-    UsdSkel.BindingAPI(arm.mesh).GetJointIndicesPrimvar().Set([0, 1])
-    UsdSkel.BindingAPI(arm.mesh).GetJointWeightsPrimvar().Set([0.5, 0.5])
-    assert "found 2 values; expected 20" in one_message(arm, "error")
-
-
-def test_indices_without_weights_and_those_that_disagree_leave_the_rest_pose():
-    arm = spinning_arm()
-    UsdSkel.BindingAPI(arm.mesh).GetJointIndicesPrimvar().SetElementSize(1)
-    text = one_message(arm, from_usd=1)
-    assert text.startswith("/Root/Mesh.primvars:skel:jointIndices: found vertex with elementSize 1, vertex with")
-    arm.mesh.GetPrim().RemoveProperty("primvars:skel:jointWeights")
-    assert one_message(arm).startswith("/Root/Mesh.primvars:skel:jointWeights: not authored, expected")
-
-
-def test_joints_that_the_skeleton_does_not_have_stay():
-    arm = spinning_arm()
-    UsdSkel.BindingAPI(arm.mesh).CreateJointsAttr(["nose", "mouth"])
-    text = one_message(arm)
-    assert text.startswith("/Root/Mesh.skel:joints: found 2 joints that /Root/Skeleton does not have ('nose')")
-
-
-def test_blend_shapes_that_are_wrong_are_left_out_and_the_joints_go_on():
-    arm = spinning_arm()
-    add_blend_shapes(arm)
-    UsdSkel.BlendShape.Get(arm.stage, "/Root/Mesh/fall").GetPointIndicesAttr().Set([3, 99])
-    targets = UsdSkel.BindingAPI(arm.mesh).GetBlendShapeTargetsRel()
-    targets.SetTargets(["/Root/Mesh/nothing", "/Root/Mesh/fall"])
-    result = arm.shot.read()
-    warnings = messages(result, "warning")
-    assert (
-        "/Root/Mesh/fall.pointIndices: index 1 is 99; expected a point from 0 to 9; it is left out" in warnings
-    )
-    assert (
-        "/Root/Mesh.skel:blendShapeTargets: target /Root/Mesh/nothing is no BlendShape; 'rise' is left out"
-        in warnings
-    )
-    targets.SetTargets(["/Root/Mesh/fall"])
-    fewer = arm.shot.read()
-    assert (
-        "/Root/Mesh.skel:blendShapeTargets: found 1 targets, expected 2, as many as skel:blendShapes; left out"
-        in messages(fewer, "warning")
-    )
-    arm.mesh.GetPrim().RemoveProperty("skel:blendShapeTargets")
-    for read in (result, fewer):
-        assert pixels(read, arm.mesh.GetPrim(), worst_skinned_deviation(read, arm.mesh.GetPrim())) <= 0.05
-
-
-def test_an_unknown_method_is_linear():
-    arm = spinning_arm("cubic")
-    result = arm.shot.read()
-    assert messages(result, "warning") == [
-        "/Root/Mesh.primvars:skel:skinningMethod: found 'cubic', expected classicLinear or dualQuaternion; took "
-        "classicLinear"
-    ]
-    linear = spinning_arm().shot.read()
-    assert np.array_equal(
-        result.scene.meshes["/Root/Mesh"]["points"][0][1], linear.scene.meshes["/Root/Mesh"]["points"][0][1]
-    )
-
-
-def test_a_pose_that_is_no_number_keeps_the_mesh_out_of_the_picture():
-    arm = Arm(Shot())
-    arm.animation.GetTranslationsAttr().Set([Gf.Vec3f(float("nan"), 0, 0), Gf.Vec3f(1, 0, 0)], 10)
-    arm.rotate({9: (0, 0), 11: (10, 10)})
-    assert "/Root/Mesh.skel:skeleton: the transform of joint 0 at shutter time" in one_message(arm, "error")
-
-
 def test_the_whole_way_to_a_scene():
     arm = spinning_arm("dualQuaternion")
     result = read_frame(arm.stage, 10.0, ReadSettings(width=64), Diagnostics())
     assert result.scene.statistics()["triangles"] == 8
     assert max(track.segments for track in result.tracks) >= 4
     assert not messages(result)
-    assert isinstance(Recording, type) and turn(0) == Gf.Quatf(1)

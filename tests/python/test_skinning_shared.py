@@ -49,7 +49,9 @@ def with_camera(path: Path, shutter: tuple[float, float]) -> Usd.Stage:
     ],
 )
 def test_poses_are_those_that_usdskelbakeskinning_wrote(source: str, baked: str):
-    stage, truth = (Usd.Stage.Open(str(BAKED / name)) for name in (f"{source}.usda", f"baseline/{baked}.usda"))
+    stage, truth = (
+        Usd.Stage.Open(str(BAKED / name)) for name in (f"{source}.usda", f"baseline/{baked}.usda")
+    )
     frames = baked_frames(truth)
     assert len(frames) >= 5
     for frame in frames:

@@ -233,8 +233,8 @@ class Renderer:
     def statistics(self) -> RenderStatistics: ...
 
 SubShape: TypeAlias = tuple[str, F32 | None, F32 | None, I32 | None]
-"""(path of the blend shape, offsets [K, 3], normal offsets [K, 3], the points [K] that they move or None for all of
-them in their order)."""
+"""(path of the blend shape, offsets [K, 3], normal offsets [K, 3], the points [K] that they move; None: all
+points in their order)."""
 
 def skin_points(
     *,
@@ -258,8 +258,8 @@ def skin_points(
     ``points`` [N, 3] and ``normals`` [M, 3] are in the mesh's space at rest; ``normal_points`` [M] says which
     point each normal belongs to (None: one normal a point). ``joint_indices`` and ``joint_weights`` are
     [N * influences_per_point], or [influences_per_point] for ``constant_influences``; ``geom_bind`` is [4, 4]
-    and ``joints``, the skinning transforms in the order that the indices count in, [T, J, 4, 4]. Results are in
-    the skeleton's space; in the mesh's where there are no ``joint_indices``. ``sub_shape_weights`` is
+    and ``joints``, the skinning transforms in the order that the indices count in, [T, J, 4, 4]. Results are
+    in the skeleton's space; in the mesh's where there are no ``joint_indices``. ``sub_shape_weights`` is
     [T, len(sub_shapes)].
 
     Points are None where the input cannot be used (an error among the diagnostics); normals also where there

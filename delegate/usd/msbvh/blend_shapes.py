@@ -30,9 +30,9 @@ class BlendShapes:
         names = [str(name) for name in self._animation.GetBlendShapeOrder() or ()]
         values = list(self._animation.ComputeBlendShapeWeights(code) or ())
         if len(values) != len(names):
-            message = f"found {len(values)} weights, expected {len(names)}, as many as blendShapes; rest shape drawn"
+            message = f"found {len(values)} weights, expected {len(names)}, as many as blendShapes"
             path = str(self._animation.GetPrim().GetPath())
-            context.diagnostics.warning(path, "blendShapeWeights", message)
+            context.diagnostics.warning(path, "blendShapeWeights", f"{message}; left out")
             values = [0.0] * len(names)
         by_name = dict(zip(names, values, strict=True))
         ordered = Vt.FloatArray([by_name.get(name, 0.0) for name in self._names])
@@ -45,7 +45,8 @@ class BlendShapes:
 def read_blend_shapes(
     query: UsdSkel.SkinningQuery, animation: UsdSkel.AnimQuery, context: FrameContext
 ) -> BlendShapes | None:
-    """The blend shapes of a mesh; None where it has none, nothing drives them, or they are wrong (a warning)."""
+    """The blend shapes of a mesh; None where it has none, nothing drives them or, with a warning, they are
+    wrong."""
     if not query.HasBlendShapes() or not animation:
         return None
     prim = query.GetPrim()
@@ -53,7 +54,9 @@ def read_blend_shapes(
     names = [str(name) for name in query.GetBlendShapeOrder() or ()]
     targets = query.GetBlendShapeTargetsRel().GetForwardedTargets()
     if len(names) != len(targets) or shapes.GetNumBlendShapes() != len(targets):
-        message = f"found {len(targets)} targets, expected {len(names)}, as many as skel:blendShapes; left out"
+        message = (
+            f"found {len(targets)} targets, expected {len(names)}, as many as skel:blendShapes; left out"
+        )
         context.diagnostics.warning(str(prim.GetPath()), _TARGETS, message)
         return None
     for index, target in enumerate(targets):
@@ -66,8 +69,8 @@ def read_blend_shapes(
 
 
 def _sub_shape(query: UsdSkel.BlendShapeQuery, index: int, points: list[np.ndarray]) -> SubShape:
-    """An in-between or a primary shape. UsdSkel's third kind, the shape of weight zero, is given its primary's
-    offsets, but never a weight."""
+    """An in-between or a primary shape. UsdSkel's third kind, the shape of weight zero, is given its
+    primary's offsets, but never a weight."""
     owner = query.GetBlendShapeIndex(index)
     shape, between = query.GetBlendShape(owner), query.GetInbetween(index)
     if between:

@@ -1,5 +1,5 @@
-"""What UsdSkel binds to a mesh: its skeleton, its influences and its blend shapes, resolved and checked as far as
-the core cannot."""
+"""What UsdSkel binds to a mesh: its skeleton, its influences and its blend shapes, resolved and checked as
+far as the core cannot."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ class SkelBinding:
     influences: dict
     """Keywords of skin_points that no time changes."""
     joints: np.ndarray | None
-    """The skeleton's index of each joint of the mesh, -1 for one that it does not have; None: blend shapes alone.
-    """
+    """The skeleton's index of each joint of the mesh, -1 for one that it does not have; None: blend shapes
+    act alone."""
 
 
 def read_binding(prim: Usd.Prim, context: FrameContext) -> SkelBinding | None:
@@ -79,12 +79,16 @@ def _read_skeleton(
         return skeleton
     if not bound.HasBindPose():
         found = len(skeleton.GetBindTransformsAttr().Get() or ())
-        message = f"found {found} matrices, expected {len(bound.GetJointOrder())}, one a joint, to skin {path}"
+        message = (
+            f"found {found} matrices, expected {len(bound.GetJointOrder())}, one a joint, to skin {path}"
+        )
         context.diagnostics.warning(skeleton_path, "bindTransforms", f"{message}; {_REST}")
         return None
     if context.skeletons.pose(skeleton, context.code) is None:
         found = len(skeleton.GetRestTransformsAttr().Get() or ())
-        message = f"found {found} matrices and no animation of all joints, expected {len(bound.GetJointOrder())}"
+        message = (
+            f"found {found} matrices and no animation of all joints, expected {len(bound.GetJointOrder())}"
+        )
         context.diagnostics.warning(skeleton_path, "restTransforms", f"{message}, to skin {path}; {_REST}")
         return None
     return skeleton
@@ -139,7 +143,10 @@ def _joint_order(
     query: UsdSkel.SkinningQuery, skeleton: UsdSkel.Skeleton, context: FrameContext
 ) -> np.ndarray:
     """The skeleton's index of each joint that the mesh's indices count; -1 for those it does not have."""
-    known = {str(name): index for index, name in enumerate(context.skeletons.skeleton_query(skeleton).GetJointOrder())}
+    known = {
+        str(name): index
+        for index, name in enumerate(context.skeletons.skeleton_query(skeleton).GetJointOrder())
+    }
     order = query.GetJointOrder()
     if order is None:
         return np.arange(len(known))
@@ -171,8 +178,8 @@ def _warn_of_half_a_binding(prim: Usd.Prim, context: FrameContext) -> None:
             f"{primvar.GetInterpolation()} with elementSize {primvar.GetElementSize()}"
             for primvar in (indices, weights)
         )
-        message = f"found {found} for indices and weights, expected both constant or both vertex, of one size; {_REST}"
-        context.diagnostics.warning(path, _INDICES, message)
+        message = f"found {found} for indices and weights, expected both constant or both vertex, of one size"
+        context.diagnostics.warning(path, _INDICES, f"{message}; {_REST}")
     elif any(has):
         missing = _INDICES if has[1] else _WEIGHTS
         context.diagnostics.warning(path, missing, f"not authored, expected beside the other; {_REST}")

@@ -30,7 +30,8 @@ class Skeletons:
         self._poses: dict[tuple[Sdf.Path, Usd.TimeCode], np.ndarray | None] = {}
 
     def skinning_query(self, prim: Usd.Prim) -> UsdSkel.SkinningQuery | None:
-        """How a prim is skinned; None outside of SkelRoots, where UsdSkel does not apply. It may be invalid."""
+        """How a prim is skinned, which may be invalid; None outside of SkelRoots, where UsdSkel does not
+        apply."""
         root = _skel_root(prim)
         if root is None:
             return None
@@ -44,8 +45,8 @@ class Skeletons:
         return self._cache.GetSkelQuery(skeleton)
 
     def pose(self, skeleton: UsdSkel.Skeleton, code: Usd.TimeCode) -> np.ndarray | None:
-        """The skinning transforms of all joints, in the skeleton's order: float64[J, 4, 4]; None where UsdSkel
-        has none.
+        """The skinning transforms of all joints, in the skeleton's order: float64[J, 4, 4]; None where
+        UsdSkel has none.
 
         Each instance's skeleton has a pose of its own; queries name that of the prototype.
         """
@@ -58,8 +59,8 @@ class Skeletons:
         return self._poses[key]
 
     def inherited_binding(self, prim: Usd.Prim) -> Hashable:
-        """What the prims inside a native instance inherit of skeletal bindings: equal where two instances look
-        the same; None where nothing binds.
+        """What the prims inside a native instance inherit of skeletal bindings: equal where two instances
+        look the same; None where nothing binds.
 
         A skeleton outside places what is bound to it by itself: such an instance resembles no other.
         """

@@ -1,8 +1,8 @@
-"""Skinned meshes: UsdSkel's bindings read, its poses sampled over the shutter, the arithmetic left to the core.
+"""Skinned meshes: UsdSkel's poses sampled over the shutter, the arithmetic left to the core.
 
-Skinned points lie in the skeleton's space: the skeleton's transform places them, the mesh's own does not count
-(UsdSkel). Joints rotate between their samples on arcs, so poses are sampled until straight lines between them
-follow.
+Skinned points lie in the skeleton's space: the skeleton's transform places them, the mesh's own does not
+count (UsdSkel). Joints rotate between their samples on arcs, so poses are sampled until straight lines
+between them follow.
 """
 
 from __future__ import annotations
@@ -20,7 +20,10 @@ from .times import FINEST_LEVEL, TimeGrid
 from .transforms import Box
 
 COARSEST_LEVEL = 2
-"""Poses are sampled at 2^2 intervals at least: between authored samples a joint turns by less than half a turn."""
+"""Poses are sampled at 2^2 intervals at least: between authored samples a joint turns by less than half a
+turn."""
+NORMAL_TOLERANCE = 0.005
+"""Radians that a normal may stray between samples: half of what its track may (translate/normals.h)."""
 
 
 @dataclass
@@ -41,34 +44,41 @@ def read_skinning(
     """The skinned points and normals of a mesh; None where no skinning applies and it is drawn at rest.
 
     `mesh` holds the translator's keywords with the rest points as "samples". Between the returned samples the
-    straight line strays from UsdSkel's pose by at most `tolerance_units(placed_by, box of the points)`, in units
-    of the space of `placed_by`, measured at the middles of the sampling intervals. Warns, naming prim and
-    property, where a binding does not resolve.
+    straight line strays from UsdSkel's pose by at most `tolerance_units(placed_by, box of the points)`, in
+    units of the space of `placed_by`, measured at the middles of the sampling intervals. Warns, naming prim
+    and property, where a binding does not resolve.
     """
     binding = read_binding(prim, context)
     if binding is None:
         return None
     placed_by = prim if binding.joints is None else binding.skeleton.GetPrim()
     poser = _Poser(binding, mesh, context)
-    times01, held = _sample(poser, context, lambda box: tolerance_units(placed_by, box))
-    if times01 is None:
+    try:
+        times01, held = _sample(poser, context, lambda box: tolerance_units(placed_by, box))
+    except _Rejected:
         return Skinned(None, None, placed_by)
     points = [(time01, poser.points[time01]) for time01 in times01]
     normals = [(time01, poser.normals[time01]) for time01 in times01 if time01 in poser.normals]
     return Skinned(Samples(points, held), normals or None, placed_by)
 
 
+class _Rejected(Exception):
+    """The core cannot use a binding, and has said why."""
+
+
 def _sample(
     poser: _Poser, context: FrameContext, tolerance_units: Callable[[Box], float]
-) -> tuple[list[float] | None, bool]:
-    """The sample times and whether each holds until the next; no times where the core rejects the binding."""
+) -> tuple[list[float], bool]:
+    """The sample times, and whether each holds until the next."""
     varying, authored = poser.contributing_times()
     if not varying:
-        return ([0.0] if poser.evaluate([0.0]) else None), False
+        poser.evaluate([0.0])
+        return [0.0], False
     grid = TimeGrid(context.shutter, authored)
-    times01 = sorted({0.0, *map(context.shutter.time01, authored)}) if context.held else grid.times01(COARSEST_LEVEL)
-    if not poser.evaluate(times01):
-        return None, False
+    times01 = grid.times01(COARSEST_LEVEL)
+    if context.held:
+        times01 = sorted({0.0, *map(context.shutter.time01, authored)})
+    poser.evaluate(times01)
     if poser.still(times01):
         return times01[:1], False
     if context.held:
@@ -76,10 +86,9 @@ def _sample(
     tolerance = tolerance_units(poser.box())
     for level in range(COARSEST_LEVEL + 1, FINEST_LEVEL + 1):
         finer = grid.times01(level)
-        if not poser.evaluate(finer):
-            return None, False
-        if poser.bend(times01, finer) <= tolerance:
-            return times01, False
+        poser.evaluate(finer)
+        if poser.follows(times01, finer, tolerance):
+            break
         times01 = finer
     return times01, False
 
@@ -95,12 +104,21 @@ class _Poser:
         self._moving_rest = _moving_points(binding.prim, context)
         self._rest = mesh["samples"].values[0][1]
         if self._moving_rest is not None or binding.prim.IsA(UsdGeom.Mesh):
-            self._rest = array(UsdGeom.PointBased(binding.prim).GetPointsAttr().Get(context.code), np.float32, 3)
+            self._rest = array(
+                UsdGeom.PointBased(binding.prim).GetPointsAttr().Get(context.code), np.float32, 3
+            )
+        self._warn_of_velocities(binding)
         self._normals, self._normal_points = _rest_normals(binding, mesh, len(self._rest), context)
 
+    def _warn_of_velocities(self, binding: SkelBinding) -> None:
+        velocities = binding.prim.GetAttribute("velocities")
+        if velocities and velocities.HasAuthoredValue():
+            message = "not used on a skinned mesh, whose joints say how it moves (UsdSkel)"
+            self._context.diagnostics.group(str(binding.prim.GetPath()), "velocities", message)
+
     def contributing_times(self) -> tuple[bool, list[float]]:
-        """Whether anything that acts on the mesh may change over the shutter, and the time codes within it where
-        that has samples."""
+        """Whether anything that acts on the mesh may change over the shutter, and the time codes within it
+        where that has samples."""
         shutter, binding = self._context.shutter, self._binding
         times: set[float] = set()
         if not shutter.moving:
@@ -117,34 +135,33 @@ class _Poser:
             times.update(animation.GetBlendShapeWeightTimeSamplesInInterval(shutter.interval))
         return varying, sorted(times)
 
-    def evaluate(self, times01: list[float]) -> bool:
-        """Poses the mesh at those of the times that it has not been at; False where the core rejects it."""
+    def evaluate(self, times01: list[float]) -> None:
+        """Poses the mesh at those of the times that it has not been at. Raises _Rejected."""
         new = [time01 for time01 in times01 if time01 not in self.points]
-        if self._moving_rest is None:
-            return not new or self._skin(new, self._rest)
-        return all(self._skin([time01], self._rest_at(time01)) for time01 in new)
+        if self._moving_rest is not None:
+            for time01 in new:
+                self._skin([time01], self._rest_at(time01))
+        elif new:
+            self._skin(new, self._rest)
 
     def still(self, times01: list[float]) -> bool:
-        """Whether all poses are the same but for rounding: UsdSkel interpolates between equal rotations too."""
-        first = self.points[times01[0]]
-        rounding = 4 * np.finfo(np.float32).eps * np.abs(first).max(initial=0.0)
-        return all(np.abs(self.points[time] - first).max(initial=0.0) <= rounding for time in times01[1:])
+        """Whether all poses are the same but for rounding: UsdSkel interpolates between equal rotations
+        too."""
+        return all(_still([values[time] for time in times01 if time in values]) for values in self._posed())
 
     def box(self) -> Box:
         """Around all poses so far."""
         return Samples(list(self.points.items())).box()
 
-    def bend(self, times01: list[float], finer: list[float]) -> float:
-        """How far the poses at the finer times stray from the straight lines between the others."""
-        worst = 0.0
-        for time01 in sorted(set(finer) - set(times01)):
-            after = int(np.searchsorted(times01, time01))
-            begin, end = times01[after - 1], times01[after]
-            weight = (time01 - begin) / (end - begin)
-            straight = (1.0 - weight) * self.points[begin] + weight * self.points[end]
-            deviation = np.linalg.norm(self.points[time01] - straight, axis=1)
-            worst = max(worst, float(deviation.max(initial=0.0)))
-        return worst
+    def follows(self, times01: list[float], finer: list[float], tolerance: float) -> bool:
+        """Whether straight lines between the poses stray from those at the finer times by no more than the
+        tolerance, and normals by no more than theirs."""
+        if _bend(self.points, times01, finer) > tolerance:
+            return False
+        return not self.normals or _bend(self.normals, times01, finer, unit=True) <= NORMAL_TOLERANCE
+
+    def _posed(self) -> tuple[dict[float, np.ndarray], ...]:
+        return self.points, self.normals
 
     def _rest_at(self, time01: float) -> np.ndarray:
         code = self._context.shutter.time_code(time01)
@@ -155,7 +172,7 @@ class _Poser:
         self._context.diagnostics.warning(str(self._binding.prim.GetPath()), "points", message)
         return self._rest
 
-    def _skin(self, times01: list[float], rest: np.ndarray) -> bool:
+    def _skin(self, times01: list[float], rest: np.ndarray) -> None:
         from . import _core
 
         binding, context = self._binding, self._context
@@ -180,16 +197,40 @@ class _Poser:
             else:
                 context.diagnostics.warning(found.path, found.attribute, found.message)
         if points is None:
-            return False
+            raise _Rejected
         self.points.update(zip(times01, points, strict=True))
         if normals is not None:
             self.normals.update(zip(times01, normals, strict=True))
+
+
+def _still(values: list[np.ndarray]) -> bool:
+    if not values:
         return True
+    rounding = 4 * np.finfo(np.float32).eps * np.abs(values[0]).max(initial=0.0)
+    return all(np.abs(value - values[0]).max(initial=0.0) <= rounding for value in values[1:])
+
+
+def _bend(
+    values: dict[float, np.ndarray], times01: list[float], finer: list[float], unit: bool = False
+) -> float:
+    """How far values at the finer times stray from straight lines between the others; `unit`: from lines of
+    directions."""
+    worst = 0.0
+    for time01 in sorted(set(finer) - set(times01)):
+        after = int(np.searchsorted(times01, time01))
+        begin, end = times01[after - 1], times01[after]
+        weight = (time01 - begin) / (end - begin)
+        straight = (1.0 - weight) * values[begin] + weight * values[end]
+        if unit:
+            straight /= np.maximum(np.linalg.norm(straight, axis=1, keepdims=True), 1e-30)
+        deviation = np.linalg.norm(values[time01] - straight, axis=1)
+        worst = max(worst, float(deviation.max(initial=0.0)))
+    return worst
 
 
 def _joints(binding: SkelBinding, codes: list[Usd.TimeCode], context: FrameContext) -> np.ndarray | None:
-    """The skinning transforms in the mesh's joint order, float64[T, J, 4, 4]: the identity for joints that the
-    skeleton does not have (UsdSkelAnimMapper)."""
+    """The skinning transforms in the mesh's joint order, float64[T, J, 4, 4]: the identity for joints that
+    the skeleton does not have (UsdSkelAnimMapper)."""
     if binding.joints is None:
         return None
     poses = np.array([context.skeletons.pose(binding.skeleton, code) for code in codes])
