@@ -1,5 +1,5 @@
-// Depth of field against the thin lens's closed forms. A perspective camera at the origin, kScale pixels a unit
-// of its window: a point at depth d is spread over a disc of radius kScale R |1/d - 1/f| pixels.
+// Depth of field against the thin lens's closed forms. A perspective camera at the origin, kScale pixels a
+// unit of its window: a point at depth d is spread over a disc of radius kScale R |1/d - 1/f| pixels.
 #include "tests/render/pictures.h"
 
 namespace msbvh {
@@ -38,7 +38,8 @@ struct Disc {
   }
 };
 
-Image photograph(const Disc& disc, const std::vector<Lens>& keys, const RenderSettings& settings = kSettings) {
+Image photograph(const Disc& disc, const std::vector<Lens>& keys,
+                 const RenderSettings& settings = kSettings) {
   Scene scene;
   scene.camera = lens_camera(keys);
   add(scene, disc.mesh());
@@ -46,9 +47,7 @@ Image photograph(const Disc& disc, const std::vector<Lens>& keys, const RenderSe
 }
 
 // Of the pixel's centre to the axis.
-double distance(std::uint32_t x, std::uint32_t y) {
-  return std::hypot(x + 0.5 - kCenter, y + 0.5 - kCenter);
-}
+double distance(std::uint32_t x, std::uint32_t y) { return std::hypot(x + 0.5 - kCenter, y + 0.5 - kCenter); }
 
 // The alpha of a small disc: its area over that of its circle of confusion inside, nothing outside.
 void check_blur(const Image& image, const Disc& disc, double blur) {
