@@ -150,6 +150,9 @@ class Traversal:
         part = Part(prim, state.varying, state.blinking)
         if is_light(prim):
             group.lights.append(part)
+        elif state.blinking and (is_shape(prim) or prim.IsInstance() or prim.IsA(UsdGeom.PointInstancer)):
+            message = "changes within the shutter; what is no light is drawn, or not, as at the frame"
+            self._context.diagnostics.group(str(prim.GetPath()), "visibility", message, "note")
         if state.hidden:
             return
         if prim.IsInstance() and prim != group.root:
