@@ -221,7 +221,7 @@ TEST_SUITE("translate: lights") {
     for (const auto& [on, off] : {std::pair{0.3, 2.0}, {0.0, 0.61}, {0.47, 0.485}, {0.123, 0.877}}) {
       CAPTURE(on);
       const Light light = translated(blinking(on, off));
-      CHECK(integral_of_red(light) == doctest::Approx(std::min(off, 1.0) - on).epsilon(1e-4));
+      CHECK(std::abs(integral_of_red(light) / (std::min(off, 1.0) - on) - 1.0) <= 1e-4);
       CHECK(at(light, on / 2, red) == doctest::Approx(on == 0.0 ? 1.0 : 0.0).epsilon(1e-6));
     }
   }
