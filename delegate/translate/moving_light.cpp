@@ -75,7 +75,12 @@ class LightMotion {
 
   Keys keys() const { return keys_; }
   LightKind kind() const { return kind_; }
-  std::vector<double> tests01(std::uint32_t segments) const { return test_times(knots01_, segments); }
+  // Increasing, as Deviation wants them.
+  std::vector<double> tests01(std::uint32_t segments) const {
+    std::vector<double> times01 = test_times(knots01_, segments);
+    std::sort(times01.begin(), times01.end());
+    return times01;
+  }
   Instant at(double time01) const {
     return {mixed(values_, mix_at(times01_, time01)), transform_.at(time01)};
   }

@@ -1,6 +1,7 @@
 #include "delegate/translate/value_track.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "core/motion/track.h"
@@ -86,6 +87,7 @@ Mix track_minus_samples(const std::vector<Mix>& keys, std::span<const double> ti
 }
 
 void Deviation::add(double time01, const Vec3d& difference) {
+  assert(time01 >= last_time01_);
   integral_ += (last_ + difference) * (0.5 * (time01 - last_time01_));
   last_time01_ = time01;
   last_ = difference;

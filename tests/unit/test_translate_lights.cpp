@@ -226,6 +226,16 @@ TEST_SUITE("translate: lights") {
     }
   }
 
+  TEST_CASE("a light that is switched while its size changes: both are followed, without a warning") {
+    LightInput input = blinking(0.51, 2.0);
+    input.light.kind = LightKind::kSphere;
+    for (std::size_t i = 0; i < input.values.size(); ++i) {
+      input.values[i].radius = float(0.2 + 0.8 * input.values_times01[i]);
+    }
+    const Light light = translated(input);
+    for (const double u : uniform_times(50)) CHECK(std::abs(at(light, u, radius) - (0.2 + 0.8 * u)) <= 0.003);
+  }
+
   TEST_CASE("a light that flickers faster than keys can follow is named, and keeps its mean") {
     std::vector<double> times01{0.0};
     for (int i = 1; i < 10; ++i) times01.insert(times01.end(), {i / 10.0 - 1e-6, i / 10.0});
