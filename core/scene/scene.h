@@ -112,7 +112,8 @@ struct Light : LightValues {  // its values while nothing but the transform move
   LightKind kind = LightKind::kDistant;
   std::uint32_t segments = 0;
   std::vector<Affine3f> world_from_light;  // key_count(segments)
-  // Empty, or key_count(segments): taken instead. A radius or angle that is 0 at one key is so at all of them.
+  // Empty, or key_count(segments): taken instead. A radius or angle that is 0 at one key is so at all of
+  // them.
   std::vector<LightValues> moving_values;
 };
 
@@ -138,7 +139,7 @@ struct Camera {
   std::vector<Affine3f> world_from_camera;  // key_count(segments), rigid or not
   std::vector<ScreenWindow> window;         // key_count(segments)
   std::vector<Lens> lens;                   // empty: a pinhole; else key_count(segments), perspective only
-  float near_clip = 1.0f;                   // distances along -z; what lies outside is not seen by camera rays
+  float near_clip = 1.0f;  // distances along -z; what lies outside is not seen by camera rays
   float far_clip = 1.0e6f;
 };
 

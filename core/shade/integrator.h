@@ -45,7 +45,8 @@ class PathTracer {
     for (std::uint32_t depth = 0;; ++depth) {
       SurfacePoint surface;
       if (!find_surface(ray, depth, surface)) {
-        if (depth > 0 || frame_.show_domes) result.radiance += throughput * frame_.lights.dome_radiance(ray.time);
+        if (depth > 0 || frame_.show_domes)
+          result.radiance += throughput * frame_.lights.dome_radiance(ray.time);
         return result;
       }
       if (depth == 0) result.alpha = 1.0f;

@@ -36,8 +36,8 @@ float world_radius(const LightValues& light, const Affine3f& world_from_light) {
 }
 
 // Uniform in the cone that the sphere subtends (pbrt-v4, section 6.2.4), to the near side of the sphere.
-bool sample_sphere(const LightValues& light, const Affine3f& world_from_light, const Vec3f& point, Point2 random,
-                   LightSample& sample) {
+bool sample_sphere(const LightValues& light, const Affine3f& world_from_light, const Vec3f& point,
+                   Point2 random, LightSample& sample) {
   const Vec3f to_center = world_from_light.t - point;
   const float distance_squared = dot(to_center, to_center), distance = std::sqrt(distance_squared);
   const float radius = world_radius(light, world_from_light);
@@ -59,8 +59,8 @@ bool sample_sphere(const LightValues& light, const Affine3f& world_from_light, c
 }
 
 // Uniform by area on the parallelogram that the transform makes of the rectangle.
-bool sample_rect(const LightValues& light, const Affine3f& world_from_light, const Vec3f& point, Point2 random,
-                 LightSample& sample) {
+bool sample_rect(const LightValues& light, const Affine3f& world_from_light, const Vec3f& point,
+                 Point2 random, LightSample& sample) {
   const Vec3f on_light =
       world_from_light.point({(random.x - 0.5f) * light.width, (random.y - 0.5f) * light.height, 0.0f});
   const Vec3f to_light = on_light - point;

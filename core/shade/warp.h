@@ -26,8 +26,8 @@ struct Basis {
   Vec3f operator()(const Vec3f& local) const { return x * local.x + y * local.y + z * local.z; }
 };
 
-// Uniform in the unit disc, with neighbours kept together: squares about the centre become circles. P. Shirley
-// and K. Chiu, "A Low Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3), 1997.
+// Uniform in the unit disc, with neighbours kept together: squares about the centre become circles. P.
+// Shirley and K. Chiu, "A Low Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3), 1997.
 inline Point2 sample_disc(Point2 p) {
   const float x = 2.0f * p.x - 1.0f, y = 2.0f * p.y - 1.0f;
   if (x == 0.0f && y == 0.0f) return {0.0f, 0.0f};

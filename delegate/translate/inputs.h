@@ -80,7 +80,8 @@ struct PrimvarInput {
   std::string interpolation = "constant";  // USD's token: constant, uniform, varying, vertex, faceVarying
   std::span<const T> values;               // at the frame; empty: not authored
   std::span<const int> indices;            // at the frame; empty: not indexed
-  // At increasing times, linear between them; two within kJumpTime01 (value_track.h) make a jump. None: still.
+  // At increasing times, linear between them; two within kJumpTime01 (value_track.h) make a jump. None:
+  // still.
   std::vector<PrimvarSample<T>> samples{};
 };
 
@@ -171,8 +172,8 @@ struct CameraInput {
 struct LightInput {
   Light light;  // name, kind, and its values where none are sampled
   TransformSamples world_from_light;
-  // Values at increasing times, linear between them; two within kJumpTime01 (value_track.h) make a jump. None:
-  // still. A radius or angle that is 0 in one sample must be so in all.
+  // Values at increasing times, linear between them; two within kJumpTime01 (value_track.h) make a jump.
+  // None: still. A radius or angle that is 0 in one sample must be so in all.
   std::vector<double> values_times01;
   std::vector<LightValues> values;
 };

@@ -50,7 +50,8 @@ void add_primvars(const MeshInput& input, const Triangulation& topology, const N
   PrimLog optional = log.of_optional_part();
   const std::uint32_t most = target.settings.max_segments;
   mesh.display_color = flattened(input.display_color, topology, "primvars:displayColor", optional, most);
-  mesh.display_opacity = flattened(input.display_opacity, topology, "primvars:displayOpacity", optional, most);
+  mesh.display_opacity =
+      flattened(input.display_opacity, topology, "primvars:displayOpacity", optional, most);
   mesh.material = input.material;
   if (mesh.material != kNone && mesh.material >= target.material_count) {
     optional.reject("material:binding", message("found material ", mesh.material, "; expected less than ",

@@ -62,7 +62,10 @@ struct Instant {
 class LightMotion {
  public:
   LightMotion(const LightInput& input, const TransformTrack& transform)
-      : kind_(input.light.kind), times01_(input.values_times01), values_(input.values), transform_(transform) {
+      : kind_(input.light.kind),
+        times01_(input.values_times01),
+        values_(input.values),
+        transform_(transform) {
     std::vector<double> all01 = times01_;
     all01.insert(all01.end(), transform.times01().begin(), transform.times01().end());
     knots01_ = knots(all01, 0);
@@ -72,8 +75,15 @@ class LightMotion {
 
   Keys keys() const { return keys_; }
   LightKind kind() const { return kind_; }
-  std::vector<double> tests01(std::uint32_t segments) const { return test_times(knots01_, segments); }
-  Instant at(double time01) const { return {mixed(values_, mix_at(times01_, time01)), transform_.at(time01)}; }
+  // Increasing, as Deviation wants them.
+  std::vector<double> tests01(std::uint32_t segments) const {
+    std::vector<double> times01 = test_times(knots01_, segments);
+    std::sort(times01.begin(), times01.end());
+    return times01;
+  }
+  Instant at(double time01) const {
+    return {mixed(values_, mix_at(times01_, time01)), transform_.at(time01)};
+  }
   std::vector<Instant> track(std::uint32_t segments) const {
     const std::vector<Mix> mixes = key_mixes(times01_, segments, keys_);
     std::vector<Instant> result;
@@ -128,7 +138,8 @@ struct Errors {
   double pixels, power_share;
 };
 
-double pixels_between(LightKind kind, const Instant& truth, const Instant& track, const ScreenInstant& screen) {
+double pixels_between(LightKind kind, const Instant& truth, const Instant& track,
+                      const ScreenInstant& screen) {
   const double half = kind == LightKind::kRect ? 0.5 : 1.0;
   const Box3d box{{-half, -half, kind == LightKind::kRect ? 0.0 : -half},
                   {half, half, kind == LightKind::kRect ? 0.0 : half}};
@@ -166,9 +177,8 @@ void report(const Errors& found, const LightMotion& motion, std::uint32_t segmen
   const bool averaged = motion.keys() == Keys::kAveraged;
   log.warn("inputs:intensity",
            message("the light's power deviates by ", 100.0 * found.power_share, " % of its largest at ",
-                   segments, " segments",
-                   averaged ? " (it jumps inside the shutter; its mean is kept)" : "", "; expected at most ",
-                   100.0 * kPowerTolerance, " %"));
+                   segments, " segments", averaged ? " (it jumps inside the shutter; its mean is kept)" : "",
+                   "; expected at most ", 100.0 * kPowerTolerance, " %"));
 }
 
 std::uint32_t fewest(const LightMotion& motion, const ScreenMeasure& measure, const FitSettings& settings) {

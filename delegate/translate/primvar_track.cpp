@@ -39,8 +39,8 @@ typename Wide<T>::Type mixed(const PrimvarInput<T>& input, const Mix& mix, std::
 }
 
 template <typename T>
-bool check_samples(const PrimvarInput<T>& input, std::span<const double> times01, const std::string& attribute,
-                   PrimLog& log) {
+bool check_samples(const PrimvarInput<T>& input, std::span<const double> times01,
+                   const std::string& attribute, PrimLog& log) {
   const auto held = [&](const std::string& found) {
     log.warn(attribute, found + "; the frame's values are held");
     return false;
@@ -100,8 +100,8 @@ struct Range {
 
 // At every knot, since between them samples and track are linear.
 template <typename T>
-double largest_difference(const PrimvarInput<T>& input, std::span<const double> times01, std::uint32_t segments,
-                          double limit) {
+double largest_difference(const PrimvarInput<T>& input, std::span<const double> times01,
+                          std::uint32_t segments, double limit) {
   const std::vector<Mix> keys = key_mixes(times01, segments, Keys::kSampled);
   double worst = 0.0;
   for (const double time01 : knots(times01, segments)) {
@@ -122,7 +122,8 @@ double largest_shift(double spread, std::span<const double> times01, std::uint32
   std::vector<Deviation> shifts(times01.size(), Deviation(Keys::kAveraged));
   for (const double time01 : knots(times01, segments)) {
     std::vector<double> weights(times01.size(), 0.0);
-    for (const Share& share : track_minus_samples(keys, times01, time01)) weights[share.sample] = share.weight;
+    for (const Share& share : track_minus_samples(keys, times01, time01))
+      weights[share.sample] = share.weight;
     for (std::size_t i = 0; i < weights.size(); ++i) shifts[i].add(time01, {weights[i], 0.0, 0.0});
   }
   double sum = 0.0;

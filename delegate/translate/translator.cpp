@@ -144,7 +144,7 @@ Translator::Translator(const CameraInput& camera, const TranslatorSettings& sett
   data_->tracks.push_back(track);
   PrimLog log(data_->diagnostics, camera.path);
   report_fit({track.segments, track.error_pixels}, settings.motion_tolerance_pixels, "xformOpOrder",
-             "the camera's motion", "", log);
+             "the camera's motion, zoom or focus", "", log);
 }
 
 Translator::~Translator() = default;

@@ -1,6 +1,7 @@
 #include "delegate/translate/value_track.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "core/motion/track.h"
@@ -75,7 +76,8 @@ Mix track_minus_samples(const std::vector<Mix>& keys, std::span<const double> ti
   const auto segments = std::uint32_t(keys.size() - 1);
   const TrackTime at = locate_key(time01, segments);
   for (const Share& share : keys[at.key]) weights[share.sample] += (1.0 - at.w) * share.weight;
-  for (const Share& share : keys[std::min(at.key + 1, segments)]) weights[share.sample] += at.w * share.weight;
+  for (const Share& share : keys[std::min(at.key + 1, segments)])
+    weights[share.sample] += at.w * share.weight;
   for (const Share& share : mix_at(times01, time01)) weights[share.sample] -= share.weight;
   Mix difference;
   for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -85,6 +87,7 @@ Mix track_minus_samples(const std::vector<Mix>& keys, std::span<const double> ti
 }
 
 void Deviation::add(double time01, const Vec3d& difference) {
+  assert(time01 >= last_time01_);
   integral_ += (last_ + difference) * (0.5 * (time01 - last_time01_));
   last_time01_ = time01;
   last_ = difference;

@@ -1,11 +1,11 @@
-// Values that shine or colour, and do not move: how samples over the shutter mix into the keys of a track. What
-// they are (radiance, a million colours) is the caller's business.
+// Values that shine or colour, and do not move: how samples over the shutter mix into the keys of a track.
+// What they are (radiance, a million colours) is the caller's business.
 //
 // Samples are linear between their times. Two that lie within kJumpTime01 of each other make a jump, which is
 // how a front-end hands down what holds and then changes at once (visibility, held stages). No track with
-// finitely many keys follows a jump; averaged keys keep the integral over the shutter exactly, so that a light
-// that is on for a hundredth of the shutter gives a hundredth of its light, and only when it does so is spread
-// over a segment on either side.
+// finitely many keys follows a jump; averaged keys keep the integral over the shutter exactly, so that a
+// light that is on for a hundredth of the shutter gives a hundredth of its light, and only when it does so is
+// spread over a segment on either side.
 #pragma once
 
 #include <cstddef>
@@ -37,8 +37,8 @@ enum class Keys : std::uint8_t {
 // key_count(segments) mixes.
 std::vector<Mix> key_mixes(std::span<const double> times01, std::uint32_t segments, Keys keys);
 
-// What a track of these keys has at a time beyond what the samples say: weights that sum to 0. Empty where they
-// agree.
+// What a track of these keys has at a time beyond what the samples say: weights that sum to 0. Empty where
+// they agree.
 Mix track_minus_samples(const std::vector<Mix>& keys, std::span<const double> times01, double time01);
 
 // How far a track strays from its samples, fed with their difference at increasing times that begin at 0. Of

@@ -40,7 +40,9 @@ def test_an_orthographic_camera_has_no_depth_of_field():
     shot.camera.CreateProjectionAttr("orthographic")
     result = shot.read()
     assert result.camera.lenses[:, 0].tolist() == [0.0]
-    assert any("/Camera.fStop: found 2 on an orthographic camera" in note for note in messages(result, "note"))
+    assert any(
+        "/Camera.fStop: found 2 on an orthographic camera" in note for note in messages(result, "note")
+    )
 
 
 def test_focus_f_number_and_focal_length_are_sampled_over_the_shutter():

@@ -107,7 +107,10 @@ def test_an_inherited_colour_changes_too_and_so_does_an_implicit_shapes():
     primvar.Set([BLUE], 11.0)
     UsdGeom.Sphere.Define(shot.stage, "/Parent/Ball")
     interpolation, samples, _ = shot.read().scene.meshes["/Parent/Ball"]["display_color"]
-    assert interpolation == "constant" and [value.tolist() for _, value in samples] == [[[1, 0, 0]], [[0, 0, 1]]]
+    assert interpolation == "constant" and [value.tolist() for _, value in samples] == [
+        [[1, 0, 0]],
+        [[0, 0, 1]],
+    ]
 
 
 def _colour_type():
@@ -131,7 +134,9 @@ def test_colours_of_instances_are_the_frames():
     result = shot.read()
     assert np.allclose(result.scene.instances[0]["color"], [[0.5, 0.5, 0], [0.5, 0.5, 0]])
     (warning,) = messages(result, "warning")
-    assert warning.startswith("/Points.primvars:displayColor: changes within the shutter, which is not supported")
+    assert warning.startswith(
+        "/Points.primvars:displayColor: changes within the shutter, which is not supported"
+    )
 
 
 def test_a_fade_reaches_the_picture():

@@ -218,13 +218,13 @@ TEST_CASE("a light that ramps from 0 to 1 within the shutter gives half its ligh
     settings.max_bounces = 2;
   }
   const Image image = render(card_under(light, 0.0f, 1.0f), settings);
-  CHECK(mean_red(image) == doctest::Approx(0.5 * full).epsilon(0.002));
+  CHECK(std::abs(mean_red(image) / (0.5 * full) - 1.0) <= 0.002);
   // The mean of a linear ramp by stratified times: within a stratum of the closed form in every pixel.
-  CHECK(channel(image, 3, 3, 0) == doctest::Approx(0.5 * full).epsilon(0.02));
+  CHECK(std::abs(channel(image, 3, 3, 0) / (0.5 * full) - 1.0) <= 1.0 / 64);
 }
 
 TEST_CASE("a ramp of a light is seen by what moves: its streak shows the ramp") {
-  // A thin card sweeps the picture at a pixel each 1/32 of the shutter: at pixel x it is met at time x / 32.
+  // A thin card sweeps the picture.
   Light sun;
   sun.angle_degrees = 0.0f;
   Scene scene = card_under(sun, 0.0f, kPi);
@@ -241,7 +241,7 @@ TEST_CASE("a ramp of a light is seen by what moves: its streak shows the ramp") 
       alpha += channel(image, x, y, kAlpha);
     }
     // The card covers [34 u - 2, 34 u]: the mean time at which it covers the pixel's centre.
-    CHECK(red / alpha == doctest::Approx((x + 0.5 + 1.0) / 34).epsilon(0.02));
+    CHECK(std::abs(red / alpha - (x + 0.5 + 1.0) / 34) <= 0.003);
   }
 }
 

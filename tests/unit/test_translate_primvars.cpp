@@ -53,8 +53,9 @@ double at(const Primvar<float>& primvar, std::size_t i, double time01) {
   const std::size_t count = primvar.values.size() / key_count(primvar.segments);
   const SegmentTime place = locate(float(time01), primvar.segments);
   const double first = primvar.values[place.key * count + i];
-  return primvar.segments == 0 ? first
-                               : (1 - place.w) * first + place.w * primvar.values[(place.key + 1) * count + i];
+  return primvar.segments == 0
+             ? first
+             : (1 - place.w) * first + place.w * primvar.values[(place.key + 1) * count + i];
 }
 
 }  // namespace

@@ -108,7 +108,8 @@ CameraInput camera_from(Arguments& arguments) {
   const std::vector<Lens> lenses = lenses_from(arguments, transform.times01.size());
   for (std::size_t i = 0; i < transform.times01.size(); ++i) {
     const std::span<const float> w = elements<float>(windows).subspan(4 * i, 4);
-    camera.samples.push_back({transform.times01[i], transform.matrices[i], {w[0], w[1], w[2], w[3]}, lenses[i]});
+    camera.samples.push_back(
+        {transform.times01[i], transform.matrices[i], {w[0], w[1], w[2], w[3]}, lenses[i]});
   }
   return camera;
 }

@@ -84,9 +84,7 @@ def read_camera(
     if prim is None:
         framing = framing_camera(stage, frame, purposes, diagnostics)
         shutter = checked_shutter(frame, 0.0, 0.0, "", diagnostics) if frame is None else Shutter(frame)
-        return _sampled(
-            "", shutter, TimeGrid(shutter), lambda _: framing, image_size, conform, diagnostics
-        )
+        return _sampled("", shutter, TimeGrid(shutter), lambda _: framing, image_size, conform, diagnostics)
     camera = UsdGeom.Camera(prim)
     code = Shutter(frame).frame_code
     opening, closing = camera.GetShutterOpenAttr().Get(code), camera.GetShutterCloseAttr().Get(code)

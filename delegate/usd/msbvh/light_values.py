@@ -178,12 +178,10 @@ def _sizes(prim: Usd.Prim, codes: list[Usd.TimeCode]) -> np.ndarray:
 
 
 def radiances(kind: str, samples: LightSamples, world_from_light: np.ndarray) -> np.ndarray:
-    """float64[T, 3], for float64[T, 4, 4] at the samples' times: normalisation is by the area in the world."""
+    """float64[T, 3]. `world_from_light` is float64[T, 4, 4]: normalisation is by the area in the world."""
     divisor = [
         normalization(kind, dict(zip(SIZES, sizes, strict=True)), matrix) if normalize else 1.0
-        for sizes, normalize, matrix in zip(
-            samples.sizes, samples.normalize, world_from_light, strict=True
-        )
+        for sizes, normalize, matrix in zip(samples.sizes, samples.normalize, world_from_light, strict=True)
     ]
     result = samples.emission / np.array(divisor)[:, None]
     if kind == "sphere":

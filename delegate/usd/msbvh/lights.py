@@ -33,8 +33,8 @@ def add_lights(
     motion: Motion,
     context: FrameContext,
 ) -> int:
-    """Hands a light down once for each of the motion's places, over the shutter. Returns how many shine: none,
-    with a warning, if it is unsupported.
+    """Hands a light down once for each of the motion's places, over the shutter. Returns how many: none, with
+    a warning, if it is unsupported.
 
     `visibility`: attributes above and on the prim that switch it on or off inside the shutter.
     """

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from pxr import Usd, UsdGeom
 
@@ -99,7 +101,7 @@ def _changes(attribute: Usd.Attribute, dtype: type, columns: int | None, context
 def _with_jumps(samples: list[tuple[float, np.ndarray]]) -> list[tuple[float, np.ndarray]]:
     """Each value until an instant before the next."""
     result = samples[:1]
-    for (_, old), (time01, new) in zip(samples, samples[1:], strict=False):
+    for (_, old), (time01, new) in pairwise(samples):
         result += [(time01 - JUMP_TIME01, old), (time01, new)]
     return result
 
