@@ -52,7 +52,7 @@ struct Mesh {
 
 // The constants of a UsdPreviewSurface that the diffuse model uses.
 struct Material {
-  std::string name;
+  std::string name{};
   Vec3f diffuse_color{0.18f, 0.18f, 0.18f};
   bool diffuse_from_display_color = false;  // diffuseColor is connected to a reader of primvars:displayColor
   Vec3f emissive_color{};

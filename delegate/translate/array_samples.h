@@ -27,6 +27,7 @@ struct ArrayInstant {
   std::size_t size() const { return first.size(); }
   Vec3d operator[](std::size_t i) const {
     if (!carried) return w == 0.0 ? Vec3d(first[i]) : lerp(Vec3d(first[i]), Vec3d(second[i]), w);
+    if (second.empty()) return Vec3d(first[i]);  // held: only the orientations are carried
     Vec3d rate = Vec3d(second[i]) * scale;
     if (!third.empty()) rate += Vec3d(third[i]) * (0.5 * dt);
     return Vec3d(first[i]) + rate * dt;

@@ -66,6 +66,14 @@ std::optional<PointMotion> held_at_frame(const MeshInput& input, const ArraySamp
   return PointMotion{ArrayTrack(still), kPoints, "the topology changes: the frame's pose is held", true, pose};
 }
 
+// A blocked sample has none; USD holds what it has there.
+void warn_of_counts(const MeshInput& input, std::size_t count, PrimLog& log) {
+  const auto other = std::ranges::find_if(
+      input.points.samples, [&](const ArraySample& sample) { return sample.values.size() != count; });
+  log.warn(kPoints, message("found ", other->values.size(), " values ", at_shutter_time(other->time01), ", expected ",
+                            count, " as at the frame; the nearest sample with as many is held there"));
+}
+
 std::string sampled_rule(const MeshInput& input, const ArrayTrack& track) {
   if (track.is_still()) return "still";
   if (input.computed_points) return "computed points, interpolated between samples";
@@ -82,8 +90,8 @@ std::optional<PointMotion> point_motion(const MeshInput& input, PrimLog& log) {
   const std::size_t base = base_sample(times_of(input.points), input.clock.frame01);
   const std::size_t count = input.points.samples[base].values.size();
   const ArraySamples fitting = samples_of_size(input.points, base, count);
-  const bool counts_vary = fitting.samples.size() < input.points.samples.size();
-  if (input.topology_varies || counts_vary) return held_at_frame(input, fitting, log);
+  if (input.topology_varies) return held_at_frame(input, fitting, log);
+  if (fitting.samples.size() < input.points.samples.size()) warn_of_counts(input, count, log);
   if (!check_array(fitting, kPoints, log)) return std::nullopt;
   const ArrayTrack track(fitting);
   return PointMotion{track, kPoints, sampled_rule(input, track)};

@@ -227,6 +227,8 @@ const std::vector<Diagnostic>& Translator::diagnostics() const { return data_->d
 
 const std::vector<TrackReport>& Translator::tracks() const { return data_->tracks; }
 
+Vec3d Translator::origin() const { return data_->origin; }
+
 std::shared_ptr<const Scene> Translator::finish() {
   auto scene = std::make_shared<Scene>(std::move(data_->scene));
   data_->scene = {};

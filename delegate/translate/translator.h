@@ -79,6 +79,8 @@ class Translator {
   std::size_t empty_meshes() const;
   const std::vector<Diagnostic>& diagnostics() const;
   const std::vector<TrackReport>& tracks() const;
+  // Of the frame's world, in stage space.
+  Vec3d origin() const;
 
   // The finished scene; the translator is empty afterwards.
   std::shared_ptr<const Scene> finish();

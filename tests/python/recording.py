@@ -1,20 +1,19 @@
-"""A stand-in for msbvh._core.Translator that keeps what the reader hands down, and evaluates it as the core
-does."""
+"""A stand-in for msbvh._core.Translator that keeps what the reader hands down on its way to the core."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+from msbvh import _core
 from msbvh.errors import Diagnostics
 from msbvh.reader import ReadSettings, read_frame
 from pxr import Gf, Usd, UsdGeom
 
 
 class Recording:
-    """Keeps copies; every call takes what the contract names and nothing else."""
-
-    empty = False
+    """Keeps copies of what is handed down, and hands it on to the core; every call takes what the contract names
+    and nothing else."""
 
     def __init__(self, **camera: Any) -> None:
         self.camera = camera
@@ -23,55 +22,48 @@ class Recording:
         self.instances: list[dict] = []
         self.materials: list[dict] = []
         self.lights: list[dict] = []
+        self._core = _core.Translator(**camera)
+        self._scene: Any = None
+
+    empty = False
+    """Cameras and lights are read on stages without geometry as well."""
 
     def add_mesh(self, **mesh: Any) -> None:
         self.meshes[self._key(mesh, self.meshes)] = checked_mesh(mesh)
+        self._core.add_mesh(**mesh)
 
-    def begin_prototype(self, path: str) -> int:
+    def begin_prototype(self, path: str, pixels_per_unit: float) -> int:
         self.prototypes.append((path, {}))
-        return len(self.prototypes) - 1
+        return self._core.begin_prototype(path, pixels_per_unit)
+
+    def pixels_per_unit(self, *, levels: list[dict], box: np.ndarray) -> float:
+        return self._core.pixels_per_unit(levels=levels, box=box)
 
     def add_prototype_mesh(self, prototype: int, **mesh: Any) -> None:
         meshes = self.prototypes[prototype][1]
         meshes[self._key(mesh, meshes)] = checked_mesh(mesh)
+        self._core.add_prototype_mesh(prototype, **mesh)
 
-    def add_instances(
-        self,
-        *,
-        path: str,
-        prototype: int,
-        times01: np.ndarray,
-        matrices: np.ndarray,
-        display_color: Any = None,
-    ) -> None:
-        assert (
-            matrices.dtype == np.float64 and matrices.shape[0] == len(times01) and matrices.flags.c_contiguous
-        )
-        assert display_color is None or display_color.shape == (matrices.shape[1], 3)
-        self.instances.append(
-            {
-                "path": path,
-                "prototype": prototype,
-                "times01": times01,
-                "matrices": matrices,
-                "color": display_color,
-            }
-        )
+    def add_instances(self, **instances: Any) -> None:
+        self.instances.append(instances)
+        self._core.add_instances(**instances)
 
     def add_material(self, **material: Any) -> int:
         self.materials.append(material)
-        return len(self.materials) - 1
+        return self._core.add_material(**material)
 
     def add_light(self, **light: Any) -> None:
         self.lights.append(light)
+        self._core.add_light(**light)
 
     def diagnostics(self) -> list:
-        return []
+        return self._core.diagnostics()
 
     def tracks(self) -> list:
-        return []
+        return self._core.tracks()
 
     def finish(self) -> Recording:
+        self._scene = self._core.finish()
         return self
 
     @staticmethod
@@ -79,29 +71,45 @@ class Recording:
         """The prim's path; with a number behind it for the further parts of a mesh with several materials."""
         return mesh["path"] if mesh["path"] not in meshes else f"{mesh['path']}#{len(meshes)}"
 
+    def poses(self, time01: float) -> list[tuple[str, str, np.ndarray]]:
+        """The finished scene's."""
+        return self._scene.poses(time01)
+
+    def points(self, path: str, time01: float) -> np.ndarray:
+        """The points of a mesh that stands in the world once, from its track: float64[N, 3]."""
+        found = [points for mesh, place, points in self.poses(time01) if mesh == place == path]
+        assert found, f"{path} is not drawn at {time01}"
+        return found[0][0]
+
     def instance_points(self, time01: float) -> np.ndarray:
         """Every point of every instance at a time, float64[N, 3], in no particular order."""
-        parts = [np.zeros((0, 3))]
-        for instances in self.instances:
-            matrices = interpolated(instances["times01"], instances["matrices"], time01)
-            for mesh in self.prototypes[instances["prototype"]][1].values():
-                parts.extend(transformed(points_at(mesh, time01), matrix) for matrix in matrices)
-        return np.concatenate(parts)
+        parts = [points.reshape(-1, 3) for mesh, place, points in self.poses(time01) if mesh != place]
+        return np.concatenate([np.zeros((0, 3)), *parts])
+
+    def maps(self, time01: float, path: str | None = None) -> np.ndarray:
+        """Where instances put their prototypes' first vertex: float64[N, 3]."""
+        first = [points[:, 0] for mesh, place, points in self.poses(time01) if mesh != place and path in (None, place)]
+        return np.concatenate([np.zeros((0, 3)), *first])
 
 
 MESH_KEYWORDS = {
     "path", "face_vertex_counts", "face_vertex_indices", "hole_indices", "left_handed", "points", "points_held",
-    "transform_times01", "transforms", "normals", "normals_interpolation", "normals_indices", "computed_normals",
-    "display_color", "display_opacity", "material",
+    "transform_times01", "transforms", "transform_bends01", "transforms_held", "transform_error_pixels", "normals",
+    "normals_interpolation", "normals_indices", "computed_normals", "display_color", "display_opacity", "material",
+    "visible",
+}  # fmt: skip
+OPTIONAL_KEYWORDS = {
+    "velocities", "accelerations", "frame01", "seconds_per_shutter", "velocity_scale", "topology_varies",
+    "computed_points",
 }  # fmt: skip
 
 
 def checked_mesh(mesh: dict) -> dict:
     """Holds a mesh against the contract's shapes and types."""
-    assert mesh.keys() == MESH_KEYWORDS
+    assert mesh.keys() >= MESH_KEYWORDS and mesh.keys() <= MESH_KEYWORDS | OPTIONAL_KEYWORDS
     assert mesh["face_vertex_counts"].dtype == mesh["face_vertex_indices"].dtype == np.int32
     times = [time for time, _ in mesh["points"]]
-    assert times == sorted(set(times)) and len(times) >= 1
+    assert times == [None] or (times == sorted(set(times)) and len(times) >= 1)
     assert all(points.dtype == np.float32 and points.shape[1:] == (3,) for _, points in mesh["points"])
     assert mesh["transforms"].dtype == np.float64
     assert mesh["transforms"].shape == (len(mesh["transform_times01"]), 4, 4)
@@ -126,8 +134,9 @@ def transformed(points: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 
 
 def points_at(mesh: dict, time01: float) -> np.ndarray:
-    """The points of a recorded mesh under its own transform: float64[N, 3]."""
+    """The points, as far as no velocities carry them, of a recorded mesh under its own transform: float64[N, 3]."""
     times, values = zip(*mesh["points"], strict=True)
+    times = [0.0] if times == (None,) else times
     points = interpolated(times, values, time01, mesh["points_held"])
     return transformed(points, interpolated(mesh["transform_times01"], mesh["transforms"], time01))
 
@@ -174,13 +183,14 @@ DENSE_TIMES01 = [0.0, *np.sort(np.arange(1, 32) * 0.6180339887498949 % 1.0).toli
 """33 times of the shutter that fall on no key but the ends."""
 
 
-def worst_deviation(result: Any, prim: Usd.Prim, mesh: dict | None = None) -> float:
-    """How far the handed-down points of a mesh in the world stray from USD's at 33 times, in stage units."""
+def worst_deviation(result: Any, prim: Usd.Prim) -> float:
+    """How far the track of a mesh in the world strays from USD's points at 33 times, in stage units."""
     shutter = result.camera.shutter
-    mesh = mesh or result.scene.meshes[str(prim.GetPath())]
+    path = str(prim.GetPath())
     return max(
         np.abs(
-            points_at(mesh, time01) - usd_points_at(prim, shutter.time_code(time01), shutter.frame_code)
+            result.scene.points(path, time01)
+            - usd_points_at(prim, shutter.time_code(time01), shutter.frame_code)
         ).max(initial=0.0)
         for time01 in DENSE_TIMES01
     )

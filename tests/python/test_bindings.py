@@ -86,7 +86,8 @@ def test_a_scene_is_translated_and_rendered() -> None:
     prototype = builder.begin_prototype("/prototype")
     builder.add_prototype_mesh(prototype, **mesh(path="/prototype/quad"))
     matrices = np.tile(IDENTITY, (1, 3, 1, 1))
-    builder.add_instances(path="/instances", prototype=prototype, times01=np.array([0.0]), matrices=matrices)
+    level = {"times01": np.array([0.0]), "matrices": matrices}
+    builder.add_instances(path="/instances", prototype=prototype, levels=[level])
     assert not builder.empty
     assert builder.diagnostics() == []
     moving = next(track for track in builder.tracks() if track.path == "/quad")
@@ -272,7 +273,7 @@ def test_instruction_sets() -> None:
 
 def test_the_stub_names_what_there_is() -> None:
     stub = ast.parse((Path(__file__).parents[2] / "delegate/usd/msbvh/_core.pyi").read_text())
-    typing_only = {"SceneStatistics", "AccelStatistics", "RenderStatistics", "MeshArguments"}
+    typing_only = {"SceneStatistics", "AccelStatistics", "RenderStatistics", "MeshArguments", "InstanceLevel"}
     declared = [n for n in stub.body if isinstance(n, ast.ClassDef | ast.FunctionDef)]
     names = {n.name for n in declared} - typing_only
     assert names == {name for name in dir(_core) if not name.startswith("_")}

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from pxr import Gf, Sdf, Usd, UsdGeom
-from recording import DENSE_TIMES01, Shot, messages, points_at, transformed
+from recording import DENSE_TIMES01, Shot, messages, transformed
 
 TENTH_PIXEL = 0.1 * 20 * (20.955 / 50) / 960
 SQUARE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)
@@ -112,7 +112,7 @@ def test_masked_instances_are_not_drawn():
     instancer.CreateInvisibleIdsAttr([11])
     instancer.GetPrim().SetMetadata("inactiveIds", Sdf.Int64ListOp.CreateExplicit([13]))
     result = shot.read()
-    assert sum(i["matrices"].shape[1] for i in result.scene.instances) == 3
+    assert len(result.scene.maps(0.5)) == 3
     assert deviation(result, instancer_points(instancer, 10.0)) < 1e-6
 
 
@@ -146,7 +146,7 @@ def test_colours_of_a_point_instancer_go_with_their_instances():
     found = {
         float(x): tuple(colour)
         for i in shot.read().scene.instances
-        for x, colour in zip(i["matrices"][0, :, 3, 0], i["color"].tolist(), strict=True)
+        for x, colour in zip(3.0 * i["levels"][1]["selected"], i["display_color"].tolist(), strict=True)
     }
     assert found == {0.0: (1, 0, 0), 3.0: (0, 1, 0), 6.0: (0, 1, 0), 9.0: (1, 0, 0)}
 
@@ -188,14 +188,14 @@ def test_instanceable_on_and_off_are_the_same_picture():
 
     assert not instanced.scene.meshes
     assert len(instanced.scene.prototypes) == 1
-    # Both a part inside the prototype and its instance turn: the product of two chords strays by the sum of
+    # Both a part inside the prototype and its instance turn: the product of two tracks strays by the sum of
     # their errors.
     assert deviation(instanced, expected) < 2 * TENTH_PIXEL
     separate = plain.read()
     assert len(separate.scene.meshes) == 4
     for time01 in DENSE_TIMES01:
         code = separate.camera.shutter.time_code(time01)
-        found = np.concatenate([points_at(mesh, time01) for mesh in separate.scene.meshes.values()])
+        found = np.concatenate([separate.scene.points(path, time01) for path in separate.scene.meshes])
         assert np.abs(found - expected(code)).max() < TENTH_PIXEL
 
 
@@ -226,7 +226,7 @@ def test_point_instancers_in_point_instancers_with_native_instances_inside():
         return np.concatenate([transformed(SQUARE, a @ b) for a in inside for b in outside])
 
     result = shot.read()
-    assert sum(i["matrices"].shape[1] for i in result.scene.instances) == 9
+    assert len(result.scene.maps(0.5)) == 9
     assert deviation(result, expected) < TENTH_PIXEL
 
 
@@ -279,7 +279,7 @@ def test_indices_of_no_prototype_leave_an_error_and_the_others():
     assert error.startswith(
         "/Instancer.protoIndices: found -1, 7, expected the index of one of 1 existing prototypes"
     )
-    assert sum(i["matrices"].shape[1] for i in result.scene.instances) == 3
+    assert len(result.scene.maps(0.5)) == 3
 
 
 def test_a_prototype_that_instances_itself_is_an_error():

@@ -350,26 +350,6 @@ void add_light(Translator& translator, const nb::kwargs& keywords) {
   translator.add_light(input);
 }
 
-nb::dict scene_statistics(const SceneHandle& handle) {
-  const Scene& scene = *handle.scene;
-  std::size_t triangles = 0, keys = 0, instances = 0;
-  for (const Mesh& mesh : scene.meshes) {
-    triangles += mesh.shape.triangles.size();
-    keys += mesh.shape.form().controls();
-  }
-  for (const InstanceSet& set : scene.instances) {
-    instances += instance_count(set);
-    keys += set.world_from_prototype.size();
-  }
-  nb::dict result;
-  result["meshes"] = scene.meshes.size();
-  result["triangles"] = triangles;
-  result["keys"] = keys;
-  result["instances"] = instances;
-  result["lights"] = scene.lights.size();
-  return result;
-}
-
 void bind_reports(nb::module_& m) {
   nb::class_<Diagnostic>(m, "Diagnostic")
       .def_prop_ro("severity",
@@ -389,7 +369,6 @@ void bind_reports(nb::module_& m) {
       .def_ro("count", &TrackReport::count)
       .def_ro("moving_transform", &TrackReport::moving_transform)
       .def_ro("error_pixels", &TrackReport::error_pixels);
-  nb::class_<SceneHandle>(m, "Scene").def("statistics", &scene_statistics);
 }
 
 }  // namespace
@@ -416,7 +395,10 @@ void bind_translator(nb::module_& m) {
       .def_prop_ro("empty_meshes", &Translator::empty_meshes)
       .def("diagnostics", &Translator::diagnostics, nb::rv_policy::copy)
       .def("tracks", &Translator::tracks, nb::rv_policy::copy)
-      .def("finish", [](Translator& translator) { return SceneHandle{translator.finish()}; });
+      .def("finish", [](Translator& translator) {
+        const Vec3d origin = translator.origin();
+        return SceneHandle{translator.finish(), origin};
+      });
 }
 
 }  // namespace msbvh::python

@@ -8,11 +8,13 @@
 
 namespace msbvh::python {
 
-// A finished scene on its way from the translator to the renderer; opaque in Python.
+// A finished scene on its way from the translator to the renderer; next to opaque in Python.
 struct SceneHandle {
   std::shared_ptr<const Scene> scene;
+  Vec3d origin;  // of the frame's world, in stage space
 };
 
+void bind_scene(nanobind::module_& m);
 void bind_translator(nanobind::module_& m);
 void bind_skinning(nanobind::module_& m);
 void bind_renderer(nanobind::module_& m);

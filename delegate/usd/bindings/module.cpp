@@ -14,6 +14,7 @@ NB_MODULE(_core, m) {
   m.doc() = "The C++ side of msbvh: translator, builder and renderer.";
   m.attr("__version__") = MSBVH_VERSION;
   nb::exception<msbvh::Error>(m, "Error");
+  msbvh::python::bind_scene(m);
   msbvh::python::bind_translator(m);
   msbvh::python::bind_skinning(m);
   msbvh::python::bind_renderer(m);

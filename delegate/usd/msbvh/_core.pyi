@@ -20,8 +20,9 @@ F32: TypeAlias = NDArray[np.float32]
 F64: TypeAlias = NDArray[np.float64]
 I32: TypeAlias = NDArray[np.int32]
 Rgb: TypeAlias = tuple[float, float, float]
-Samples: TypeAlias = Sequence[tuple[float, F32]]
-"""(time01, float32[N, 3]) at increasing times."""
+Samples: TypeAlias = Sequence[tuple[float | None, F32]]
+"""(time01, float32[N, 3]) at increasing times; one of (None, values) for a value that is authored for all times,
+not as a time sample."""
 
 class Error(Exception):
     """The scene or a setting is wrong; one line: the prim, the attribute, what was found and is expected."""
@@ -45,14 +46,35 @@ class TrackReport:
     @property
     def path(self) -> str: ...
     @property
+    def source(self) -> str:
+        """camera, points, velocities, accelerations, transform or instances."""
+    @property
+    def rule(self) -> str:
+        """Which of USD's rules decided, in words."""
+    @property
     def segments(self) -> int:
         """0 for a still track, else a power of two."""
     @property
+    def degree(self) -> int:
+        """Of the Bezier curves on the segments: 1 linear, 2, 3."""
+    @property
+    def clock(self) -> bool:
+        """Keys lie where the motion bends or jumps, not at even times."""
+    @property
+    def hidden_partly(self) -> bool:
+        """Visible for a part of the shutter."""
+    @property
     def moving_transform(self) -> bool:
-        """A still shape under moving keys, not one that is baked at each key."""
+        """A still shape under a moving transform, not one that is baked."""
     @property
     def error_pixels(self) -> float:
-        """The largest deviation found from the samples."""
+        """The largest deviation found from the stage's motion."""
+    @property
+    def bytes(self) -> int:
+        """Of the track's control points."""
+    @property
+    def count(self) -> int:
+        """Of instances."""
 
 class SceneStatistics(TypedDict):
     meshes: int
@@ -66,6 +88,9 @@ class Scene:
     """A finished frame, for Renderer."""
 
     def statistics(self) -> SceneStatistics: ...
+    def poses(self, time01: float) -> list[tuple[str, str, F64]]:
+        """What is visible at a time: (path of the mesh, path of what instances it or again the mesh's,
+        float64[M, N, 3] stage-space vertices of M instances), from the tracks as they are traced."""
 
 class MeshArguments(TypedDict, total=False):
     """Keywords of Translator.add_mesh. Those that may be None may be left out."""
@@ -77,10 +102,27 @@ class MeshArguments(TypedDict, total=False):
     left_handed: bool
     points: Samples
     points_held: bool
-    """Samples (of normals too) hold until the next instead of being interpolated."""
+    """Samples (of normals and rates too) hold until the next instead of being interpolated."""
+    velocities: Samples | None
+    accelerations: Samples | None
+    frame01: float
+    """Where the frame lies in the shutter: velocities carry points from the sample at or before it."""
+    seconds_per_shutter: float
+    velocity_scale: float
+    topology_varies: bool
+    """Faces change within the shutter."""
+    computed_points: bool
+    """Points are not authored as they stand."""
+    visible: F64 | None
+    """[K, 2]: intervals of the shutter; None: always."""
     transform_times01: F64
     transforms: F64
     """[T, 4, 4]: stage from object space; prototype from object space for a prototype's mesh."""
+    transform_bends01: F64 | None
+    """Where the transform may change its course; None: at every sample."""
+    transforms_held: bool
+    transform_error_pixels: float
+    """By which straight lines between the samples may stray from the stage."""
     normals: Samples | None
     normals_interpolation: str
     normals_indices: I32 | None
@@ -93,6 +135,28 @@ class MeshArguments(TypedDict, total=False):
     """(interpolation, float32[K] or such samples, indices)."""
     material: int | None
     """From Translator.add_material."""
+
+class InstanceLevel(TypedDict, total=False):
+    """A level of instancing: either ``times01`` [T] and ``matrices`` [T, N, 4, 4], the outer from the inner
+    space, or the arrays of a UsdGeomPointInstancer and which of its instances count."""
+
+    held: bool
+    times01: F64
+    matrices: F64
+    bends01: F64 | None
+    selected: I32
+    count: int
+    """Of all its instances."""
+    positions: Samples
+    scales: Samples
+    orientations: Sequence[tuple[float | None, F32]]
+    """float32[N, 4]: i, j, k, real."""
+    velocities: Samples
+    accelerations: Samples
+    angular_velocities: Samples
+    frame01: float
+    seconds_per_shutter: float
+    velocity_scale: float
 
 class Translator:
     """From what was read of a stage to a Scene: checks, triangulates, and fits the fewest keys that follow
@@ -113,6 +177,8 @@ class Translator:
         height: int,
         motion_tolerance: float = 0.1,
         max_segments: int = 128,
+        interpolation: Literal["auto", "linear", "quadratic", "cubic"] = "auto",
+        segments: int = 0,
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
         bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one),
@@ -122,12 +188,22 @@ class Translator:
         """
     def add_mesh(self, **mesh: Unpack[MeshArguments]) -> None:
         """Into the world. Bad data leaves a Diagnostic and raises nothing."""
-    def begin_prototype(self, path: str) -> int: ...
+    def begin_prototype(self, path: str, pixels_per_unit: float = 0.0) -> int:
+        """``pixels_per_unit``: of the instance that is seen largest; 0: not known."""
+    def pixels_per_unit(self, *, levels: Sequence[InstanceLevel], box: F64) -> float:
+        """Pixels that a unit of the space inside the levels covers at most; ``box`` [2, 3] encloses what is
+        there."""
     def add_prototype_mesh(self, prototype: int, **mesh: Unpack[MeshArguments]) -> None: ...
     def add_instances(
-        self, *, path: str, prototype: int, times01: F64, matrices: F64, display_color: F32 | None = None
+        self,
+        *,
+        path: str,
+        prototype: int,
+        levels: Sequence[InstanceLevel],
+        visible: F64 | None = None,
+        display_color: F32 | None = None,
     ) -> None:
-        """``matrices`` [T, N, 4, 4]: stage from prototype space, of N instances at times01 [T];
+        """As many instances as the product of the levels' counts, the outermost (last) level varying slowest;
         ``display_color`` [N, 3]. After the prototype's meshes."""
     def add_material(
         self,

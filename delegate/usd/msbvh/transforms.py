@@ -271,7 +271,9 @@ def transform_samples(
         return
     if held:
         times01 = np.array([0.0, *(time for time in motion.bends01 if time > 0.0)])
-        yield TransformSamples(everything, times01, _evaluated(motion, times01, everything), bends, True)
+        # In the middle of what holds: a time that is rounded might lie before its own sample.
+        middles = (times01 + np.append(times01[1:], 1.0)) / 2
+        yield TransformSamples(everything, times01, _evaluated(motion, middles, everything), bends, True)
         return
     yield from _smooth_samples(motion, box, pixel_sizes, tolerance_pixels, bends)
 

@@ -1,0 +1,88 @@
+// What is in a finished scene, for tests and reports: counts, and where its vertices are at any time.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "core/motion/affine_track.h"
+#include "core/scene/scene.h"
+#include "delegate/usd/bindings/bindings.h"
+
+namespace nb = nanobind;
+
+namespace msbvh::python {
+namespace {
+
+using Points = nb::ndarray<nb::numpy, double, nb::ndim<3>>;
+
+nb::dict statistics(const SceneHandle& handle) {
+  const Scene& scene = *handle.scene;
+  std::size_t triangles = 0, keys = 0, instances = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    triangles += mesh.shape.triangles.size();
+    keys += mesh.shape.form().controls();
+  }
+  for (const InstanceSet& set : scene.instances) {
+    instances += instance_count(set);
+    keys += set.world_from_prototype.size();
+  }
+  nb::dict result;
+  result["meshes"] = scene.meshes.size();
+  result["triangles"] = triangles;
+  result["keys"] = keys;
+  result["instances"] = instances;
+  result["lights"] = scene.lights.size();
+  return result;
+}
+
+// [maps][vertices][3], in stage space.
+Points placed(const TriangleMesh& shape, float mesh_time, std::span<const Affine3f> maps, const Vec3d& origin) {
+  std::vector<Vec3d> local;
+  for (std::uint32_t v = 0; v < shape.vertex_count; ++v) local.push_back(Vec3d(shape.position(v, mesh_time)));
+  auto* data = new std::vector<Vec3d>();
+  data->reserve(local.size() * maps.size());
+  for (const Affine3f& map : maps) {
+    for (const Vec3d& p : local) data->push_back(Affine3d(map).point(p) + origin);
+  }
+  const nb::capsule owner(data, [](void* p) noexcept { delete static_cast<std::vector<Vec3d>*>(p); });
+  return Points(data->data(), {maps.size(), local.size(), 3}, owner);
+}
+
+std::vector<Affine3f> maps_at(const InstanceSet& set, float time) {
+  const std::uint32_t controls = set.form().controls();
+  std::vector<Affine3f> maps;
+  for (std::size_t i = 0; i < instance_count(set); ++i) {
+    maps.push_back(evaluate({set.world_from_prototype.data() + i * controls, controls}, set.form(), time));
+  }
+  return maps;
+}
+
+// As the tracer sees them: float tracks under their clocks. What is hidden at that time is left out.
+std::vector<nb::tuple> poses(const SceneHandle& handle, float time) {
+  const Scene& scene = *handle.scene;
+  const Affine3f identity;
+  std::vector<nb::tuple> result;
+  for (const std::uint32_t index : scene.world_meshes) {
+    const TriangleMesh& shape = scene.meshes[index].shape;
+    result.push_back(nb::make_tuple(shape.name, shape.name, placed(shape, time, {&identity, 1}, handle.origin)));
+  }
+  for (const InstanceSet& set : scene.instances) {
+    const Prototype& prototype = scene.prototypes[set.prototype];
+    float own = time, inside = time;
+    if (!set.clock.at(time, own) || !prototype.clock.at(time, inside)) continue;
+    const std::vector<Affine3f> maps = maps_at(set, own);
+    for (const std::uint32_t index : prototype.meshes) {
+      const TriangleMesh& shape = scene.meshes[index].shape;
+      result.push_back(nb::make_tuple(shape.name, set.name, placed(shape, inside, maps, handle.origin)));
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+void bind_scene(nb::module_& m) {
+  nb::class_<SceneHandle>(m, "Scene").def("statistics", &statistics).def("poses", &poses, nb::arg("time01"));
+}
+
+}  // namespace msbvh::python
