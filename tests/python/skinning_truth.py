@@ -49,7 +49,7 @@ class Skinning:
         if not weights or mapper is None:
             return points
         shapes = UsdSkel.BlendShapeQuery(UsdSkel.BindingAPI(query.GetPrim()))
-        weights = mapper.Remap(weights, 1, 0.0)
+        weights = mapper.Remap(weights)
         sub_weights, shape_indices, sub_indices = shapes.ComputeSubShapeWeights(weights)
         shapes.ComputeDeformedPoints(
             sub_weights,
