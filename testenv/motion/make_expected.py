@@ -43,7 +43,9 @@ def write(path: Path, pixels: np.ndarray) -> None:
     """A 16-bit grey PNG."""
     output = oiio.ImageOutput.create(str(path))
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 1, oiio.UINT16)
-    if not (output and output.open(str(path), spec) and output.write_image(pixels[..., None]) and output.close()):
+    if not (
+        output and output.open(str(path), spec) and output.write_image(pixels[..., None]) and output.close()
+    ):
         raise OSError(f"{path}: {output.geterror() if output else oiio.geterror()}")
 
 

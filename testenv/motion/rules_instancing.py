@@ -112,7 +112,10 @@ def instancer_orientations(scene: Scene) -> None:
 @rule(POINT, "orientationsf wins over orientations", "orientations", shutter=FULL)
 def instancer_orientationsf(scene: Scene) -> None:
     instancer = point_instancer(scene, [(-3, 0), (3, 0)])
-    samples(instancer.CreateOrientationsAttr(), {t: [quaternion(a)] * 2 for t, a in {9.5: 0.0, 10.5: 120.0}.items()})
+    samples(
+        instancer.CreateOrientationsAttr(),
+        {t: [quaternion(a)] * 2 for t, a in {9.5: 0.0, 10.5: 120.0}.items()},
+    )
     if not scene.mistaken:
         turns = {9.5: 180.0, 10.5: 280.0}
         values = {t: [quaternion(a, Gf.Quatf)] * 2 for t, a in turns.items()}
@@ -211,7 +214,7 @@ def in_rows(x: float) -> list[Vector]:
 @rule(POINT, "invisibleIds are not drawn", "every instance is drawn")
 def instancer_invisible_ids(scene: Scene) -> None:
     instancer = point_instancer(scene, [(0, 0)] * 3)
-    positions_between(instancer, {9.0: in_rows(-6), 11.0: in_rows(4)})
+    positions_between(instancer, {9.0: in_rows(-3), 11.0: in_rows(3)})
     instancer.CreateIdsAttr([7, 5, 3])
     if not scene.mistaken:
         instancer.CreateInvisibleIdsAttr([5])
@@ -220,7 +223,7 @@ def instancer_invisible_ids(scene: Scene) -> None:
 @rule(POINT, "inactiveIds are not drawn", "every instance is drawn")
 def instancer_inactive_ids(scene: Scene) -> None:
     instancer = point_instancer(scene, [(0, 0)] * 3)
-    positions_between(instancer, {9.0: in_rows(-6), 11.0: in_rows(4)})
+    positions_between(instancer, {9.0: in_rows(-3), 11.0: in_rows(3)})
     instancer.CreateIdsAttr([7, 5, 3])
     if not scene.mistaken:
         instancer.DeactivateIds([7, 3])

@@ -40,14 +40,16 @@ def animate(
     scene: Scene,
     angles: Mapping[float, tuple[float, float]],
     path: str = "/Root",
-    axis: Gf.Vec3d = Gf.Vec3d.ZAxis(),
+    axis: tuple[float, float, float] = (0, 0, 1),
 ) -> UsdSkel.Animation:
     """Rotations in degrees of both joints by time; binds the animation to the skeleton."""
     animation = UsdSkel.Animation.Define(scene.stage, f"{path}/Animation")
     animation.CreateJointsAttr(["Upper", "Upper/Lower"])
     animation.CreateTranslationsAttr([Gf.Vec3f(-2, 0, 0), Gf.Vec3f(2, 0, 0)])
     animation.CreateScalesAttr([Gf.Vec3h(1)] * 2)
-    turns = {t: [Gf.Quatf(Gf.Rotation(axis, a).GetQuat()) for a in pair] for t, pair in angles.items()}
+    turns = {
+        t: [Gf.Quatf(Gf.Rotation(Gf.Vec3d(*axis), a).GetQuat()) for a in pair] for t, pair in angles.items()
+    }
     samples(animation.CreateRotationsAttr(), turns)
     bind(scene, f"{path}/Skeleton", animation)
     return animation
@@ -88,7 +90,7 @@ def skin_dual_quaternion(scene: Scene) -> None:
     mesh = arm(scene)
     binding = UsdSkel.BindingAPI(mesh)
     binding.CreateSkinningMethodAttr("classicLinear" if scene.mistaken else "dualQuaternion")
-    animate(scene, {9.5: (0.0, 150.0), 10.5: (0.0, 175.0)}, axis=Gf.Vec3d.XAxis())
+    animate(scene, {9.5: (0.0, 150.0), 10.5: (0.0, 175.0)}, axis=(1, 0, 0))
 
 
 @rule(TOPIC, "A skeleton's own transform moves what it skins, in place of the mesh's", "the mesh's own")
@@ -107,7 +109,9 @@ def skin_moving_skeleton(scene: Scene) -> None:
 def skin_geom_bind_transform(scene: Scene) -> None:
     mesh = arm(scene)
     if not scene.mistaken:
-        bind_space = Gf.Matrix4d().SetScale(Gf.Vec3d(1, 2, 1)) * Gf.Matrix4d().SetTranslate(Gf.Vec3d(0.5, -1, 0))
+        bind_space = Gf.Matrix4d().SetScale(Gf.Vec3d(1, 2, 1)) * Gf.Matrix4d().SetTranslate(
+            Gf.Vec3d(0.5, -1, 0)
+        )
         UsdSkel.BindingAPI(mesh).CreateGeomBindTransformAttr(bind_space)
     animate(scene, {9.5: (-20.0, 0.0), 10.5: (20.0, 90.0)})
 
@@ -125,7 +129,12 @@ def skin_rigid(scene: Scene) -> None:
     animate(scene, {9.5: (0.0, 0.0), 10.5: (20.0, 120.0)})
 
 
-@rule(TOPIC, "Joint samples beyond the shutter bracket it", "samples inside the shutter alone", shutter=(-0.1, 0.1))
+@rule(
+    TOPIC,
+    "Joint samples beyond the shutter bracket it",
+    "samples inside the shutter alone",
+    shutter=(-0.1, 0.1),
+)
 def skin_bracketing(scene: Scene) -> None:
     arm(scene)
     animate(scene, {10.0: (0.0, 0.0)} if scene.mistaken else {9.0: (-90.0, -90.0), 11.0: (90.0, 90.0)})

@@ -68,7 +68,9 @@ def velocity_wins(scene: Scene) -> None:
         samples(mesh.CreateVelocitiesAttr(), {t: [Gf.Vec3f(24 * 6, 0, 0)] * 4 for t in (10.0, 11.0)})
 
 
-@rule(TOPIC, "All positions come from the sample at or before the frame", "each from its own", frames=(10.25,))
+@rule(
+    TOPIC, "All positions come from the sample at or before the frame", "each from its own", frames=(10.25,)
+)
 def velocity_base_sample(scene: Scene) -> None:
     """The shutter passes the sample at 10.5."""
     mesh = scene.square("/Square")
@@ -194,7 +196,12 @@ def velocity_scale_and_accelerations(scene: Scene) -> None:
     UsdGeom.MotionAPI.Apply(mesh.GetPrim()).CreateVelocityScaleAttr(3.0)
 
 
-@rule(MOTION_API, "Accelerations at motion:nonlinearSampleCount 33 are a parabola", "a chord", shutter=(-0.5, 0.5))
+@rule(
+    MOTION_API,
+    "Accelerations at motion:nonlinearSampleCount 33 are a parabola",
+    "a chord",
+    shutter=(-0.5, 0.5),
+)
 def nonlinear_sample_count(scene: Scene) -> None:
     """A renderer that consumes accelerations directly may ignore the count; 33 samples are as good."""
     mesh = flying(scene, "/Square", (8, 0), None if scene.mistaken else (0, 32), at=(0, -2))
@@ -223,7 +230,9 @@ def varying_with_velocities(scene: Scene) -> None:
     samples(mesh.CreateVelocitiesAttr(), {9.9: [velocity] * 4, 10.2: [-velocity] * 8})
 
 
-@rule(VARYING, "Without velocities the frame's pose is held where the topology changes", "both poses are seen")
+@rule(
+    VARYING, "Without velocities the frame's pose is held where the topology changes", "both poses are seen"
+)
 def varying_without_velocities(scene: Scene) -> None:
     one, two = [box(-1, 0, 2, 2)], [box(3, 0, 2, 2), box(3, -2.2, 1, 1)]
     if not scene.mistaken:
@@ -249,7 +258,8 @@ def varying_of_one_count(scene: Scene) -> None:
     mesh = scene.square("/Mesh")
     corners = box(-2, 0, 2, 2) + box(2.5, 0, 1, 1)
     mesh.GetPointsAttr().Clear()
-    samples(mesh.GetPointsAttr(), {9.0: spatial(corners), 11.0: spatial([(x, y + 4) for x, y in corners])})
+    paths = {9.0: -4, 11.0: 4}
+    samples(mesh.GetPointsAttr(), {t: spatial([(x, y + up) for x, y in corners]) for t, up in paths.items()})
     if scene.mistaken:
         return
     indices = mesh.GetFaceVertexIndicesAttr()

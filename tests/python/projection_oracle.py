@@ -80,9 +80,7 @@ def fan(counts: np.ndarray, indices: np.ndarray) -> np.ndarray:
 class _View:
     """What one camera sees at one time, sampled once in every sub-pixel."""
 
-    def __init__(
-        self, camera: Gf.Camera, size: tuple[int, int], subpixels: int, shift: np.ndarray
-    ) -> None:
+    def __init__(self, camera: Gf.Camera, size: tuple[int, int], subpixels: int, shift: np.ndarray) -> None:
         """`shift` in [0, 1): where in its sub-pixel each sample stands, right and down."""
         self._camera, self._subpixels, self._shift = camera, subpixels, shift
         self._columns, self._rows = size[0] * subpixels, size[1] * subpixels
@@ -131,8 +129,10 @@ class _View:
 
 
 def _crossing(a: np.ndarray, b: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Where edges a-b float64[S, 2] meet the lines y; nan where they do not. Both triangles at an edge compute
-    the same, so that no gap opens between them."""
+    """Where edges a-b float64[S, 2] meet the lines y; nan where they do not.
+
+    Both triangles at an edge compute the same, so that no gap opens between them.
+    """
     swapped = (a[:, 1] > b[:, 1]) | ((a[:, 1] == b[:, 1]) & (a[:, 0] > b[:, 0]))
     low, high = np.where(swapped[:, None], b, a), np.where(swapped[:, None], a, b)
     meets = (low[:, 1] <= y) & (y < high[:, 1])

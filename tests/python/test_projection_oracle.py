@@ -79,7 +79,8 @@ def test_what_passes_the_eye_is_clipped() -> None:
     scene.mesh("/floor", [(-1e4, -2, 100), (1e4, -2, 100), (1e4, -2, -5000), (-1e4, -2, -5000)])
     found = coverage(scene.stage, 10.0, "/Camera", SIZE, Sampling(16, 4))
     assert found[:24].max() == 0.0
-    assert found[26:].min() == 1.0  # At the far plane, 1000 units off: 24 + 2 / 1000 * 160 = 24.3 pixels down.
+    # It ends at the far plane, 1000 units off: 24 + 2 / 1000 * 160 = 24.3 pixels down.
+    assert found[26:].min() == 1.0
     assert found[24].mean() == pytest.approx(0.68, abs=0.05)
 
 

@@ -26,10 +26,12 @@ from .images import ImageReadError, read_alpha
 
 MANIFEST = "rules.json"
 EVEN_ERROR = 0.004
-"""Mean error that no number of samples takes away: a tenth of a pixel that tracks may stray over blurs that are
-some ten pixels long, and the expected images' own sampling (512 times, 16 places)."""
+"""Mean error that no number of samples takes away: a tenth of a pixel that tracks may stray, over blurs that
+are some ten pixels long, and the expected images' own sampling (512 times, 16 places)."""
 WORST_EVEN_ERROR = 0.06
 """The same for a single pixel, where the blur is as short as two pixels."""
+MEAN_DEVIATIONS = 3.0
+"""Standard deviations of the mean error over an image: one image in seven hundred goes beyond."""
 WORST_DEVIATIONS = 5.0
 """Standard deviations of a pixel's noise: one in two million pixels goes beyond."""
 
@@ -105,7 +107,16 @@ class Renderer:
         return [_filled(argument, values) for argument in self.arguments]
 
 
-USDRECORD_ARGUMENTS = ("--frames", "{frames}", "--imageWidth", "{width}", "--camera", "{camera}", "{scene}", "{out}")
+USDRECORD_ARGUMENTS = (
+    "--frames",
+    "{frames}",
+    "--imageWidth",
+    "{width}",
+    "--camera",
+    "{camera}",
+    "{scene}",
+    "{out}",
+)
 """What follows a command line that names no scene itself."""
 
 
@@ -146,17 +157,22 @@ def find_suite(folder: Path | None) -> Path:
         if (candidate / MANIFEST).is_file():
             return candidate
     searched = " or ".join(str(candidate / MANIFEST) for candidate in candidates)
-    raise SceneError(f"conformance suite: found no {searched}; expected a folder with {MANIFEST}, give --suite DIR")
+    raise SceneError(
+        f"conformance suite: found no {searched}; expected a folder with {MANIFEST}, give --suite DIR"
+    )
 
 
 def read_rules(suite: Path, pattern: str = "*") -> list[Rule]:
-    """The rules whose names match, in the manifest's order. Raises SceneError for a broken manifest or none."""
+    """The rules whose names match, in the manifest's order. Raises SceneError for a broken manifest, and where
+    none matches."""
     manifest = suite / MANIFEST
     try:
         entries = json.loads(manifest.read_text(encoding="utf-8"))["rules"]
         rules = [_rule(suite, entry) for entry in entries]
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise SceneError(f"{manifest}: found {type(error).__name__}: {error}, expected a list of rules") from None
+        raise SceneError(
+            f"{manifest}: found {type(error).__name__}: {error}, expected a list of rules"
+        ) from None
     chosen = [rule for rule in rules if any(fnmatch.fnmatchcase(rule.name, p) for p in pattern.split(","))]
     if not chosen:
         raise SceneError(f"--rules: found '{pattern}', which none of the {len(rules)} rules matches")
@@ -230,13 +246,16 @@ def errors(found: np.ndarray, expected: np.ndarray) -> tuple[float, float]:
 def allowed_errors(expected: np.ndarray, spp: int, slack: float = 0.0) -> tuple[float, float]:
     """Mean and largest error that `spp` independent samples a pixel explain.
 
-    A pixel of coverage c has a standard deviation of sqrt(c (1 - c) / spp), and the mean absolute value of a
-    normal error is sqrt(2 / pi) of it. Renderers that stratify stay far below.
+    A pixel of coverage c has a standard deviation s of sqrt(c (1 - c) / spp). The absolute value of a normal
+    error has a mean of sqrt(2 / pi) s and a deviation of sqrt(1 - 2 / pi) s. Renderers that stratify stay far
+    below.
     """
-    deviation = np.sqrt(expected * (1 - expected) / spp)
-    covered = expected > 0
-    noise = np.sqrt(2 / np.pi) * float(deviation[covered].mean()) if covered.any() else 0.0
-    return noise + EVEN_ERROR + slack, WORST_DEVIATIONS * 0.5 / np.sqrt(spp) + WORST_EVEN_ERROR + 10 * slack
+    deviation = np.sqrt(expected * (1 - expected) / spp)[expected > 0]
+    count = max(len(deviation), 1)
+    mean = np.sqrt(2 / np.pi) * deviation.sum() / count
+    of_mean = np.sqrt(1 - 2 / np.pi) * np.linalg.norm(deviation) / count
+    worst = WORST_DEVIATIONS * 0.5 / np.sqrt(spp)
+    return float(mean + MEAN_DEVIATIONS * of_mean + EVEN_ERROR + slack), worst + WORST_EVEN_ERROR + 10 * slack
 
 
 class _Failure(Exception):
@@ -284,7 +303,9 @@ def _run(command: Sequence[str], folder: Path, timeout_seconds: float) -> None:
     if done.returncode:
         lines = log.read_text(encoding="utf-8", errors="replace").split("\n")
         last = next((" ".join(line.split()) for line in reversed(lines) if line.strip()), "it said nothing")
-        how = f"exit code {done.returncode}" if done.returncode > 0 else f"killed by signal {-done.returncode}"
+        how = (
+            f"exit code {done.returncode}" if done.returncode > 0 else f"killed by signal {-done.returncode}"
+        )
         raise _Failure(f"{how}: {last[:160]}")
 
 
