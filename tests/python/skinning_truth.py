@@ -10,7 +10,7 @@ class Skinning:
 
     def __init__(self, stage: Usd.Stage) -> None:
         self._cache = UsdSkel.Cache()
-        self._queries: dict[str, tuple[UsdSkel.SkinningQuery, UsdSkel.SkeletonQuery]] = {}
+        self._queries: dict[str, tuple[UsdSkel.SkinningQuery, UsdSkel.SkeletonQuery, Usd.Prim]] = {}
         predicate = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded & ~Usd.PrimIsAbstract)
         for prim in Usd.PrimRange.Stage(stage, predicate):
             if prim.IsA(UsdSkel.Root):
@@ -21,13 +21,15 @@ class Skinning:
         for binding in self._cache.ComputeSkelBindings(root, predicate):
             skeleton = self._cache.GetSkelQuery(binding.GetSkeleton())
             for query in binding.GetSkinningTargets():
-                self._queries[str(query.GetPrim().GetPath())] = (query, skeleton)
+                # Inside an instance the query's own prim is the shared prototype's, which stands nowhere.
+                own = (query, skeleton, binding.GetSkeleton().GetPrim())
+                self._queries[str(query.GetPrim().GetPath())] = own
 
     def points(self, prim: Usd.Prim, time: float) -> tuple[Vt.Vec3fArray, Usd.Prim] | None:
         """The points at a time and the skeleton in whose space they are; None if nothing deforms the prim."""
         if str(prim.GetPath()) not in self._queries:
             return None
-        query, skeleton = self._queries[str(prim.GetPath())]
+        query, skeleton, skeleton_prim = self._queries[str(prim.GetPath())]
         points = Vt.Vec3fArray(prim.GetAttribute("points").Get(time) or ())
         if query.HasBlendShapes():
             points = self._blended(query, skeleton, points, time)
@@ -36,7 +38,7 @@ class Skinning:
         transforms = skeleton.ComputeSkinningTransforms(time)
         assert transforms is not None, f"{skeleton.GetPrim().GetPath()}: no skinning transforms"
         assert query.ComputeSkinnedPoints(transforms, points, time), f"{prim.GetPath()}: cannot be skinned"
-        return points, skeleton.GetPrim()
+        return points, skeleton_prim
 
     @staticmethod
     def _blended(
