@@ -117,6 +117,8 @@ class StageTruth:
         indices = np.array(instancer.GetProtoIndicesAttr().Get(self.frame) or (), int)
         mask = np.array(instancer.ComputeMaskAtTime(self.frame), bool)
         indices = indices[mask] if len(mask) else indices
+        if not len(matrices):  # USD computes none where positions are missing or do not fit.
+            return
         assert len(indices) == len(matrices), f"{instancer.GetPath()}: {len(indices)} != {len(matrices)}"
         above = self._relative(instancer.GetPrim(), root, prim_time)
         places = np.einsum("mij,jk,wkl->wmil", matrices, above, world)

@@ -163,8 +163,10 @@ def find_suite(folder: Path | None) -> Path:
 
 
 def read_rules(suite: Path, pattern: str = "*") -> list[Rule]:
-    """The rules whose names match, in the manifest's order. Raises SceneError for a broken manifest, and where
-    none matches."""
+    """The rules whose names match, in the manifest's order.
+
+    Raises SceneError for a broken manifest, and where none matches.
+    """
     manifest = suite / MANIFEST
     try:
         entries = json.loads(manifest.read_text(encoding="utf-8"))["rules"]

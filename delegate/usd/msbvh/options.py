@@ -261,7 +261,7 @@ CONFORM: Sequence[Decorator] = (
         type=click.IntRange(1, MAX_SPP),
         default=256,
         show_default=True,
-        help="Samples a pixel: what msbvh takes, and what the allowed error is for. Fewer: quicker, and blinder.",
+        help="Samples a pixel that msbvh takes and the allowed error is for. Fewer: quicker, and blinder.",
     ),
     click.option("--json", "as_json", is_flag=True, help="For scripts."),
     click.option(
@@ -271,8 +271,8 @@ CONFORM: Sequence[Decorator] = (
         "--command",
         default="",
         metavar="COMMAND",
-        help="Another renderer, such as 'usdrecord --renderer X': usdrecord's options, scene and image are added,"
-        " unless it has {scene} {out} {frame} {frames} {width} {height} {camera} of its own.",
+        help="Another renderer, such as 'usdrecord --renderer X'. usdrecord's options, scene and image"
+        " follow, unless it names {scene} {out} {frame} {frames} {width} {height} {camera} itself.",
     ),
     click.option(
         "--timeout",
