@@ -31,15 +31,15 @@ def main() -> None:
 
 RULES_TEXT = """## Rules of motion
 
-`msbvh conform` runs them; **{passed} of {count} pass**. A rule is a small scene and the coverage that usd-core's
-own evaluation has, projected at 512 times of the shutter (`testenv/motion`). The error is the mean of alpha's
-absolute error over what either image covers; allowed is what as many independent samples a pixel explain.
+`msbvh conform` runs them; **{passed} of {count} pass**. A rule is a small scene and the coverage that
+usd-core's own evaluation has, projected at 512 times of the shutter (`testenv/motion`). The error is the mean of
+alpha's absolute error over what either image covers; allowed is what as many independent samples a pixel explain.
 `msbvh conform --command 'usdrecord --renderer X'` holds another renderer to them."""
 
 REFERENCES_TEXT = """Scenes of Autodesk/arnold-usd's test suite, whose reference images' alpha is coverage.
-Mean absolute error of alpha over the whole image, ours and that of the oracle: usd-core's evaluation, projected
-as triangles at {times} times and {subpixels} x {subpixels} places of each pixel. What the oracle is out by is the
-reference's own noise and pixel filter; ours is to stay below {bound} times that.
+Mean absolute error of alpha over the whole image, ours and that of the oracle: usd-core's evaluation,
+projected as triangles at {times} times and {subpixels} x {subpixels} places of each pixel. What the oracle
+is out by is the reference's own noise and pixel filter; ours is to stay below {bound} times that.
 
 | scene | frame | ours | oracle | ratio | bound |
 |---|---|---|---|---|---|"""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from authoring import Scene, box, rule, samples, slide, spatial, turn
+from authoring import FRAME, Scene, box, rule, samples, slide, spatial, turn
 from pxr import Gf, UsdGeom
 
 TOPIC, VISIBILITY = "shapes", "visibility"
@@ -52,6 +52,36 @@ def visibility_of_instance(scene: Scene) -> None:
         prim.GetPrim().SetInstanceable(True)
         slide(prim, {9.0: (-8, y), 11.0: (8, y)})
         seen(prim, {0.0: times[0.0]} if scene.mistaken else times)
+
+
+@rule(VISIBILITY, "A PointInstancer may vanish within the shutter", "the frame's visibility for all")
+def visibility_of_instancer(scene: Scene) -> None:
+    instancer = velocity_instancer(scene)
+    seen(instancer, {0.0: True} if scene.mistaken else {0.0: True, 10.125: False})
+
+
+@rule(
+    VISIBILITY,
+    "What a prototype hides within the shutter is hidden in every instance",
+    "the frame's visibility",
+)
+def visibility_in_prototype(scene: Scene) -> None:
+    velocity_instancer(scene)
+    part = UsdGeom.Imageable.Get(scene.stage, "/Instancer/Root/Part")
+    seen(part, {0.0: False} if scene.mistaken else {0.0: False, 10.1: True})
+
+
+def velocity_instancer(scene: Scene) -> UsdGeom.PointInstancer:
+    """Two flying instances of two squares each, /Instancer/Root/Whole and Part."""
+    instancer = UsdGeom.PointInstancer.Define(scene.stage, "/Instancer")
+    UsdGeom.Xform.Define(scene.stage, "/Instancer/Root")
+    scene.square("/Instancer/Root/Whole", 0, 0.9, 0.4)
+    scene.square("/Instancer/Root/Part", 0, -0.4, 1.4)
+    instancer.CreatePrototypesRel().SetTargets(["/Instancer/Root"])
+    instancer.CreateProtoIndicesAttr([0, 0])
+    instancer.CreatePositionsAttr().Set(spatial([(-1, 1.6), (1, -1.6)]), FRAME)
+    instancer.CreateVelocitiesAttr().Set(spatial([(24 * 6, 0), (-24 * 6, 0)]), FRAME)
+    return instancer
 
 
 @rule(VISIBILITY, "What is invisible all the time is not drawn, however it moves", "it is drawn")

@@ -193,6 +193,14 @@ def blend_shape_in_betweens(scene: Scene) -> None:
     blend_shape(scene, {9.5: [0.0], 10.5: [1.0]}, middle=not scene.mistaken)
 
 
+@rule(TOPIC, "motion:blurScale counts for skinned points", "full blur", shutter=FULL)
+def skin_blur_scale(scene: Scene) -> None:
+    mesh = arm(scene)
+    animate(scene, {9.5: (0.0, -100.0), 10.5: (60.0, 100.0)})
+    if not scene.mistaken:
+        UsdGeom.MotionAPI.Apply(mesh.GetPrim()).CreateMotionBlurScaleAttr(0.4)
+
+
 @rule(TOPIC, "Skinning and an ancestor's motion add up", "the ancestor's alone")
 def skin_under_moving_parent(scene: Scene) -> None:
     turn(UsdGeom.Xform.Define(scene.stage, "/Parent"), {9.0: -30.0, 11.0: 60.0})

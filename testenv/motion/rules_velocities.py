@@ -178,6 +178,18 @@ def blur_scale_of_instancer(scene: Scene) -> None:
     _scale_blur(scene, instancer, 0.5)
 
 
+@rule(MOTION_API, "motion:blurScale on a native instance counts for what it shows", "full blur")
+def blur_scale_of_native_instance(scene: Scene) -> None:
+    scene.stage.CreateClassPrim("/_Bar")
+    turn(scene.bar("/_Bar/Mesh"), {9.0: -40.0, 11.0: 40.0})
+    for name, y, scale in (("Still", 1.6, 0.0), ("Half", -1.6, 0.5)):
+        instance = UsdGeom.Xform.Define(scene.stage, f"/{name}")
+        instance.GetPrim().GetInherits().AddInherit("/_Bar")
+        instance.GetPrim().SetInstanceable(True)
+        slide(instance, {9.0: (-4, y), 11.0: (4, y)})
+        _scale_blur(scene, instance, scale)
+
+
 def _scale_blur(scene: Scene, prim: UsdGeom.Imageable, scale: float) -> None:
     if not scene.mistaken:
         UsdGeom.MotionAPI.Apply(prim.GetPrim()).CreateMotionBlurScaleAttr(scale)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,6 @@ import numpy as np
 import OpenImageIO as oiio
 
 sys.path.insert(0, {tests!r})
-from pxr import Usd
 
 def write(out, alpha, channels=("R", "G", "B", "A")):
     pixels = np.repeat(np.asarray(alpha, np.float32)[..., None], len(channels), axis=-1)
@@ -38,7 +38,7 @@ def expected(scene):
 
 def still(scene, frame, camera, width):
     from projection_oracle import Sampling, coverage
-    from pxr import UsdGeom
+    from pxr import Usd, UsdGeom
     stage = Usd.Stage.Open(scene)
     UsdGeom.Camera.Get(stage, camera).GetShutterCloseAttr().Set(-9.0)
     return coverage(stage, frame, camera, (width, width // 2), Sampling(16, 4))
@@ -100,6 +100,16 @@ def test_what_a_renderer_does_wrong_is_a_row(msbvh: Run, tmp_path: Path, body: s
     entry = found["rotate_op"]
     assert not entry["passed"] and entry["error"] is None
     assert reason in entry["reason"]
+
+
+def test_a_wrapper_that_hangs_takes_its_renderer_along(msbvh: Run, tmp_path: Path) -> None:
+    late = tmp_path / "late"
+    child = f"import time, pathlib; time.sleep(3); pathlib.Path({str(late)!r}).touch()"
+    body = f"import subprocess; subprocess.run([sys.executable, '-c', {child!r}])"
+    _, found = outcomes(msbvh, fake(tmp_path, body), "rotate_op", "--timeout", 1)
+    assert found["rotate_op"]["reason"] == "ran for more than 1 s"
+    time.sleep(3)
+    assert not late.exists()
 
 
 def test_a_command_that_does_not_exist_is_a_row(msbvh: Run) -> None:

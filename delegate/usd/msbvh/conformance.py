@@ -7,16 +7,19 @@ line of usdrecord's kind, ours by default; whatever it does wrong is a row of th
 
 from __future__ import annotations
 
+import contextlib
 import fnmatch
 import json
+import os
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
@@ -290,25 +293,30 @@ def _run(command: Sequence[str], folder: Path, timeout_seconds: float) -> None:
     log = folder / "renderer.log"
     try:
         with log.open("wb") as stream:
-            done = subprocess.run(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=stream,
-                stderr=subprocess.STDOUT,
-                timeout=timeout_seconds,
-                check=False,
-            )
+            code = _exit_code(command, stream, timeout_seconds)
     except subprocess.TimeoutExpired:
         raise _Failure(f"ran for more than {timeout_seconds:g} s") from None
     except OSError as error:
         raise _Failure(f"cannot be run: {command[0]}: {error.strerror}") from None
-    if done.returncode:
+    if code:
         lines = log.read_text(encoding="utf-8", errors="replace").split("\n")
         last = next((" ".join(line.split()) for line in reversed(lines) if line.strip()), "it said nothing")
-        how = (
-            f"exit code {done.returncode}" if done.returncode > 0 else f"killed by signal {-done.returncode}"
-        )
+        how = f"exit code {code}" if code > 0 else f"killed by signal {-code}"
         raise _Failure(f"{how}: {last[:160]}")
+
+
+def _exit_code(command: Sequence[str], log: IO[bytes], timeout_seconds: float) -> int:
+    """Waits for a command. What ends the waiting ends its children too: renderers come in wrapper scripts."""
+    process = subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, start_new_session=True
+    )
+    try:
+        return process.wait(timeout_seconds)
+    except BaseException:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        raise
 
 
 def table(outcomes: Sequence[Outcome]) -> str:
