@@ -30,8 +30,12 @@ class SharedScene:
     """Time code; empty: the stage's start time."""
 
     @property
+    def folder(self) -> Path:
+        return SCENES / self.group / self.name
+
+    @property
     def path(self) -> Path:
-        return SCENES / self.group / self.name / self.root
+        return self.folder / self.root
 
     def __str__(self) -> str:
         return f"{self.group}-{self.name}-{Path(self.root).stem}"
@@ -39,11 +43,16 @@ class SharedScene:
 
 def shared_scenes(*groups: str) -> list[SharedScene]:
     """The scenes of some groups in the order of the index; [] where there is no index."""
+    return [scene for scene in every_scene() if scene.group in groups]
+
+
+def every_scene() -> list[SharedScene]:
+    """All scenes in the order of the index; [] where there is no index."""
     index = SCENES / "INDEX.tsv"
     if not index.exists():
         return []
     with index.open(encoding="utf-8", newline="") as lines:
-        rows = [row for row in csv.DictReader(lines, delimiter="\t") if row["group"] in groups]
+        rows = list(csv.DictReader(lines, delimiter="\t"))
     return [
         SharedScene(row["group"], row["name"], row["root"], row["frame"].replace("None", "")) for row in rows
     ]

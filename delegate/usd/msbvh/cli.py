@@ -14,10 +14,12 @@ import click
 from . import _core
 from .atomic import OutputError
 from .color import ColorCorrection, ColorError
+from .conformance import conform, find_suite, other_renderer, own_renderer, read_rules, table
 from .errors import Diagnostics, SceneError
 from .frames import FrameError, check_single_outputs, frame_jobs, parse_frame_specs
 from .images import ImageSettings
-from .options import OUTPUT, RENDER, SCENE, with_options
+from .options import CONFORM, OUTPUT, RENDER, SCENE, with_options
+from .progress import Progress
 from .reader import ReadSettings, read_frame
 from .record import FrameJob, RecordSettings, RenderSettings, plan_entries, record, report, software
 from .report import Reporter, one_line
@@ -119,6 +121,28 @@ def plan_command(scene: str, frame: str | None, as_json: bool, **options: Any) -
         for entry in plan:
             print(f"{entry['effect']:20} {entry['prim']}{': ' if entry['prim'] else ''}{entry['why']}")
     return DONE
+
+
+@commands.command("conform")
+@with_options(CONFORM)
+def conform_command(
+    suite: Path | None, pattern: str, spp: int, as_json: bool, out: Path | None, command: str, timeout: float
+) -> int:
+    """Hold a renderer to the rules of USD's motion: one small scene each, its alpha against the coverage that
+    usd-core's own evaluation has.
+
+    Exit code 1 if a rule fails. The renderer is msbvh, or any other that --command runs.
+    """
+    renderer = other_renderer(command, timeout) if command else own_renderer(spp)
+    rules = read_rules(find_suite(suite), pattern)
+    with Progress("msbvh: conform") as progress:
+        outcomes = list(conform(rules, renderer, spp, out, progress))
+    if as_json:
+        plain = {"renderer": renderer.name, "rules": [outcome.plain() for outcome in outcomes]}
+        print(json.dumps(plain, indent=2))
+    else:
+        print(table(outcomes))
+    return DONE if all(outcome.passed for outcome in outcomes) else WRONG
 
 
 def _parse(parser: Callable[[], Any]) -> Any:

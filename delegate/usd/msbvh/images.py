@@ -1,4 +1,4 @@
-"""Writes pixels as EXR, PNG, JPEG or TIFF by OpenImageIO.
+"""Writes pixels as EXR, PNG, JPEG or TIFF by OpenImageIO, and reads coverage back.
 
 EXR keeps what the renderer made: linear, premultiplied. The others are display-referred: colour correction
 works on colours that are not premultiplied, then each format gets the alpha that it is defined with: PNG
@@ -33,6 +33,30 @@ class ImageSettings:
     """Something lies behind what alpha covers (a visible dome): display formats then get alpha 1."""
     exr_float: bool = False
     """EXR in 32-bit floats: twice the bytes of half; no rounding to 11 bits, no limit at HALF_MAX."""
+
+
+class ImageReadError(Exception):
+    """An image cannot be read; str() is one line that names it and says why."""
+
+
+def read_alpha(path: Path) -> np.ndarray:
+    """The alpha of an image, or its one channel: float64[height, width], top row first.
+
+    Raises ImageReadError where there is no image, or one of several channels without alpha.
+    """
+    image = oiio.ImageInput.open(str(path))
+    if image is None:
+        raise ImageReadError(f"cannot read '{path}': {oiio.geterror()}")
+    spec = image.spec()
+    channel = spec.alpha_channel if spec.nchannels > 1 else 0
+    if channel < 0:
+        names = ", ".join(spec.channelnames)
+        raise ImageReadError(f"'{path.name}' has no alpha channel: found {names}, expected RGBA")
+    pixels = image.read_image(channel, channel + 1, oiio.FLOAT)
+    image.close()
+    if pixels is None:
+        raise ImageReadError(f"cannot read '{path}': {image.geterror()}")
+    return np.asarray(pixels, np.float64).reshape(spec.height, spec.width)
 
 
 def check_image_path(path: Path) -> None:

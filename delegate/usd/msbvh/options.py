@@ -240,3 +240,48 @@ RENDER: Sequence[Decorator] = (
     click.option("--disableGpu", is_flag=True, expose_value=False, help="Accepted; there is no GPU in use."),
 )
 """How the renderer works."""
+
+CONFORM: Sequence[Decorator] = (
+    click.option(
+        "--suite",
+        type=click.Path(path_type=Path),
+        metavar="DIR",
+        help="A folder with rules.json. Default: testenv/motion of the checkout.",
+    ),
+    click.option(
+        "--rules",
+        "pattern",
+        default="*",
+        show_default=True,
+        metavar="GLOB[,...]",
+        help="Only rules of these names.",
+    ),
+    click.option(
+        "--spp",
+        type=click.IntRange(1, MAX_SPP),
+        default=256,
+        show_default=True,
+        help="Samples a pixel that msbvh takes and the allowed error is for. Fewer: quicker, and blinder.",
+    ),
+    click.option("--json", "as_json", is_flag=True, help="For scripts."),
+    click.option(
+        "--out", type=click.Path(path_type=Path), metavar="DIR", help="Keep the images and the logs there."
+    ),
+    click.option(
+        "--command",
+        default="",
+        metavar="COMMAND",
+        help="Another renderer, such as 'usdrecord --renderer X'. usdrecord's options, scene and image"
+        " follow, unless it names {scene} {out} {frame} {frames} {width} {height} {camera} itself.",
+    ),
+    click.option(
+        "--timeout",
+        type=click.FloatRange(0.0, min_open=True),
+        callback=_finite,
+        default=120.0,
+        show_default=True,
+        metavar="SECONDS",
+        help="How long another renderer may take for a rule.",
+    ),
+)
+"""What the suite is, and which renderer is held to it."""

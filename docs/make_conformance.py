@@ -1,0 +1,117 @@
+"""Writes docs/conformance.md: how we do by the suite of testenv/motion, and against public reference images.
+
+    python docs/make_conformance.py    # some minutes; with msbvh installed or on PYTHONPATH
+
+The second table needs ../shared/scenes beside the checkout.
+"""
+
+from __future__ import annotations
+
+import platform
+import sys
+import tempfile
+from collections.abc import Iterator
+from itertools import groupby
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "tests" / "python"))
+
+from alpha_references import BOUND, SAMPLING, SPP, alpha_errors, comparisons  # noqa: E402
+from msbvh import _core  # noqa: E402
+from msbvh.conformance import Outcome, conform, find_suite, own_renderer, read_rules  # noqa: E402
+from msbvh.progress import Progress  # noqa: E402
+from pxr import Usd  # noqa: E402
+
+
+def main() -> None:
+    text = "\n".join([*heading(), *rules_table(), *references_table()])
+    (ROOT / "docs" / "conformance.md").write_text(text + "\n", encoding="utf-8")
+
+
+RULES_TEXT = """## Rules of motion
+
+`msbvh conform` runs them; **{passed} of {count} pass**. A rule is a small scene and the coverage that
+usd-core's own evaluation has, projected at 512 times of the shutter (`testenv/motion`). The error is the mean of
+alpha's absolute error over what either image covers; allowed is what as many independent samples a pixel explain.
+`msbvh conform --command 'usdrecord --renderer X'` holds another renderer to them."""
+
+REFERENCES_TEXT = """Scenes of Autodesk/arnold-usd's test suite, whose reference images' alpha is coverage.
+Mean absolute error of alpha over the whole image, ours and that of the oracle: usd-core's evaluation,
+projected as triangles at {times} times and {subpixels} x {subpixels} places of each pixel. What the oracle
+is out by is the reference's own noise and pixel filter; ours is to stay below {bound} times that.
+
+| scene | frame | ours | oracle | ratio | bound |
+|---|---|---|---|---|---|"""
+
+
+def heading() -> Iterator[str]:
+    version = ".".join(map(str, Usd.GetVersion()[1:]))
+    yield "# Conformance"
+    yield ""
+    yield f"Made by `python docs/make_conformance.py`: msbvh {_core.__version__}, usd-core {version},"
+    yield f"Python {platform.python_version()}, {SPP} samples a pixel, seed 0."
+    yield ""
+
+
+def rules_table() -> Iterator[str]:
+    """Every rule of the suite with its result."""
+    rules = read_rules(find_suite(ROOT / "testenv" / "motion"))
+    with Progress("rules") as progress:
+        outcomes = list(conform(rules, own_renderer(SPP), SPP, progress=progress))
+    passed = sum(outcome.passed for outcome in outcomes)
+    yield RULES_TEXT.format(passed=passed, count=len(outcomes))
+    for topic, group in groupby(outcomes, key=lambda outcome: outcome.rule.topic):
+        yield ""
+        yield f"### {topic[0].upper()}{topic[1:]}"
+        yield ""
+        yield "| rule | result | error | allowed | statement |"
+        yield "|---|---|---|---|---|"
+        yield from map(rule_row, group)
+    yield ""
+
+
+def rule_row(outcome: Outcome) -> str:
+    error = "-" if outcome.error is None else f"{outcome.error:.4f}"
+    result = "pass" if outcome.passed else "**fail**"
+    why = "" if outcome.passed else f" ({outcome.reason})"
+    cells = (f"`{outcome.rule.name}`", result, error, f"{outcome.allowed:.4f}", outcome.rule.statement + why)
+    return f"| {' | '.join(cell.replace('|', '/') for cell in cells)} |"
+
+
+def references_table() -> Iterator[str]:
+    """Every public scene with a reference image: compared, or the reason why not."""
+    every = comparisons()
+    yield "## Reference images of another renderer"
+    yield ""
+    if not every:
+        yield "Not made: `../shared/scenes` was not on the machine."
+        return
+    times, subpixels = SAMPLING.times, SAMPLING.subpixels
+    yield REFERENCES_TEXT.format(times=times, subpixels=subpixels, bound=BOUND)
+    compared = [comparison for comparison in every if not comparison.excluded]
+    with tempfile.TemporaryDirectory() as folder, Progress("reference images") as progress:
+        for done, comparison in enumerate(compared):
+            found = alpha_errors(comparison, Path(folder))
+            progress((done + 1) / len(compared))
+            ratio = f"{found.ratio:.2f}" if found.ratio <= BOUND else f"**{found.ratio:.2f}**"
+            cells = (
+                str(comparison),
+                f"{comparison.frame:g}",
+                f"{found.ours:.4f}",
+                f"{found.oracle:.4f}",
+                ratio,
+            )
+            yield f"| {' | '.join(cells)} | {BOUND} |"
+    yield ""
+    yield "Not compared:"
+    yield ""
+    yield "| scene | reason |"
+    yield "|---|---|"
+    for comparison in every:
+        if comparison.excluded:
+            yield f"| {comparison} | {comparison.excluded} |"
+
+
+if __name__ == "__main__":
+    main()

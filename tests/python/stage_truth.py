@@ -1,0 +1,249 @@
+"""What usd-core itself says is on a stage at any time code: the polygons of everything that is drawn.
+
+Nothing here knows how the renderer reads a stage. Transforms come from UsdGeom.XformCache, points from
+PointBased.ComputePointsAtTime, instances from PointInstancer.ComputeInstanceTransformsAtTime, skinning from
+UsdSkel's queries, all at the very time asked for; no tracks, no keys. Where usd-core computes nothing, the
+rule of its documentation is applied: motion:blurScale, motion:velocityScale, topology that changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from msbvh.context import FrameContext
+from msbvh.errors import Diagnostics
+from msbvh.implicit import IMPLICIT_TYPES, read_implicit
+from msbvh.times import Shutter
+from pxr import Gf, Sdf, Usd, UsdGeom
+from skinning_truth import Skinning
+
+DEFINED = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
+PROTOTYPE = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded & ~Usd.PrimIsAbstract)
+"""Prototypes of point instancers may be mere overs."""
+
+
+@dataclass(frozen=True)
+class Polygons:
+    """A mesh at one time, and every place where it stands."""
+
+    path: str
+    points: np.ndarray
+    """float64[N, 3] in a space of its own."""
+    world_from_points: np.ndarray
+    """float64[I, 4, 4] for row vectors: one for each instance, [1, 4, 4] outside of instancers."""
+    counts: np.ndarray
+    """int[F] vertices a face; holes are left out."""
+    indices: np.ndarray
+    """int[sum(counts)]."""
+
+    def world_points(self) -> np.ndarray:
+        """float64[I, N, 3]."""
+        matrices = self.world_from_points
+        return self.points @ matrices[:, :3, :3] + matrices[:, None, 3, :3]
+
+
+class StageTruth:
+    """A frame of a stage. Times are time codes; the topology is the frame's."""
+
+    def __init__(
+        self,
+        stage: Usd.Stage,
+        frame: float,
+        shutter: tuple[float, float] = (0.0, 0.0),
+        purposes: tuple[str, ...] = ("proxy",),
+    ) -> None:
+        """`shutter` is opening and closing relative to the frame: where a topology changes within it, the
+        pose is held. `purposes` are drawn beside the default one."""
+        self._uses_motion_api = any(prim.HasAPI(UsdGeom.MotionAPI) for prim in _every_prim(stage))
+        self.stage = _with_scaled_velocities(stage, frame) if self._uses_motion_api else stage
+        self.frame = frame
+        self._shutter = (frame + shutter[0], frame + shutter[1])
+        self._purposes = {"default", *purposes}
+        self._caches: dict[float, UsdGeom.XformCache] = {}
+        self._topologies: dict[str, tuple[np.ndarray, np.ndarray]] = {}
+        self._holds: dict[str, bool] = {}
+        self._skinning = Skinning(self.stage)
+
+    def polygons(self, time: float) -> list[Polygons]:
+        """Everything visible at a time code."""
+        self._caches.clear()
+        return list(self._drawn(self.stage.GetPseudoRoot(), None, np.eye(4)[None], time, DEFINED))
+
+    def world_points(self, path: str, time: float) -> np.ndarray:
+        """The points of one mesh, or of one instance proxy, that stands in the world: float64[N, 3]."""
+        self._caches.clear()
+        return self._mesh(self.stage.GetPrimAtPath(path), None, np.eye(4)[None], time).world_points()[0]
+
+    def instance_points(self, time: float) -> dict[str, np.ndarray]:
+        """World-space points float64[N, 3] by `path`, or `path[i]` where a point instancer draws it."""
+        found = {}
+        for drawn in self.polygons(time):
+            every = drawn.world_points()
+            for i, points in enumerate(every):
+                found[drawn.path if len(every) == 1 else f"{drawn.path}[{i}]"] = points
+        return found
+
+    def camera(self, path: str, time: float) -> Gf.Camera:
+        """The camera at a time code."""
+        return UsdGeom.Camera.Get(self.stage, path).GetCamera(time)
+
+    def _drawn(
+        self, top: Usd.Prim, root: Usd.Prim | None, world: np.ndarray, time: float, predicate: object
+    ) -> Iterator[Polygons]:
+        """The shapes below `top` at a time; `root` is the prototype's root, whose own transform and
+        visibility are its instancer's affair, `world` float64[I, 4, 4] its places."""
+        prims = iter(Usd.PrimRange(top, predicate))
+        for prim in prims:
+            if prim != root and _is_invisible(prim, time):
+                prims.PruneChildren()
+            elif prim.IsA(UsdGeom.PointInstancer):
+                prims.PruneChildren()
+                if self._has_purpose(prim):
+                    yield from self._instances(UsdGeom.PointInstancer(prim), root, world, time)
+            elif (prim.IsA(UsdGeom.Mesh) or prim.GetTypeName() in IMPLICIT_TYPES) and self._has_purpose(prim):
+                drawn = self._mesh(prim, root, world, time)
+                if len(drawn.points):
+                    yield drawn
+
+    def _instances(
+        self, instancer: UsdGeom.PointInstancer, root: Usd.Prim | None, world: np.ndarray, time: float
+    ) -> Iterator[Polygons]:
+        """USD's own instance transforms, instances of the mask alone, by prototype."""
+        prim_time = self._prim_time(instancer.GetPrim(), time)
+        computed = instancer.ComputeInstanceTransformsAtTime(prim_time, self.frame)
+        matrices = np.array(computed, float).reshape(-1, 4, 4)
+        indices = np.array(instancer.GetProtoIndicesAttr().Get(self.frame) or (), int)
+        mask = np.array(instancer.ComputeMaskAtTime(self.frame), bool)
+        indices = indices[mask] if len(mask) else indices
+        if not len(matrices):  # USD computes none where positions are missing or do not fit.
+            return
+        assert len(indices) == len(matrices), f"{instancer.GetPath()}: {len(indices)} != {len(matrices)}"
+        above = self._relative(instancer.GetPrim(), root, prim_time)
+        places = np.einsum("mij,jk,wkl->wmil", matrices, above, world)
+        for index, path in enumerate(instancer.GetPrototypesRel().GetForwardedTargets()):
+            prototype, chosen = self.stage.GetPrimAtPath(path), indices == index
+            if prototype and chosen.any():
+                own = places[:, chosen].reshape(-1, 4, 4)
+                yield from self._drawn(prototype, prototype, own, time, PROTOTYPE)
+
+    def _mesh(self, prim: Usd.Prim, root: Usd.Prim | None, world: np.ndarray, time: float) -> Polygons:
+        """One shape at a time."""
+        prim_time, frame = self._prim_time(prim, time), self.frame
+        path = str(prim.GetPath())
+        if not prim.IsA(UsdGeom.Mesh):
+            context = FrameContext(self.stage, Shutter(prim_time), False, Diagnostics())
+            surface = read_implicit(prim, context)
+            points = np.asarray(surface["samples"].values[0][1], float)
+            local = self._relative(prim, root, prim_time)
+            counts, indices = surface["face_vertex_counts"], surface["face_vertex_indices"]
+            return Polygons(path, points, local @ world, counts, indices)
+        mesh = UsdGeom.Mesh(prim)
+        point_time = frame if self._holds_pose(mesh) else prim_time
+        skinned = self._skinning.points(prim, point_time)
+        if skinned is None:
+            points, space = mesh.ComputePointsAtTime(point_time, frame), prim
+        else:
+            points, space = skinned
+        counts, indices = self._topology(mesh)
+        matrices = self._relative(space, root, prim_time) @ world
+        return Polygons(path, np.array(points, float).reshape(-1, 3), matrices, counts, indices)
+
+    def _relative(self, prim: Usd.Prim, root: Usd.Prim | None, time: float) -> np.ndarray:
+        """float64[4, 4] to the space in which `root` stands, or to the world."""
+        cache = self._caches.setdefault(time, UsdGeom.XformCache(time))
+        if root is None:
+            return np.array(cache.GetLocalToWorldTransform(prim))
+        if prim == root:
+            return np.eye(4)
+        return np.array(cache.ComputeRelativeTransform(prim, root)[0])
+
+    def _prim_time(self, prim: Usd.Prim, time: float) -> float:
+        """motion:blurScale stretches a prim's whole motion about the frame (UsdGeomMotionAPI)."""
+        if not self._uses_motion_api:
+            return time
+        scale = UsdGeom.MotionAPI(prim).ComputeMotionBlurScale(self.frame)
+        return self.frame + scale * (time - self.frame)
+
+    def _has_purpose(self, prim: Usd.Prim) -> bool:
+        return str(UsdGeom.Imageable(prim).ComputePurpose()) in self._purposes
+
+    def _topology(self, mesh: UsdGeom.Mesh) -> tuple[np.ndarray, np.ndarray]:
+        """The frame's face counts and indices, without holes."""
+        path = str(mesh.GetPath())
+        if path not in self._topologies:
+            counts = np.array(mesh.GetFaceVertexCountsAttr().Get(self.frame) or (), int)
+            indices = np.array(mesh.GetFaceVertexIndicesAttr().Get(self.frame) or (), int)
+            solid = np.ones(len(counts), bool)
+            solid[np.array(mesh.GetHoleIndicesAttr().Get(self.frame) or (), int)] = False
+            self._topologies[path] = (counts[solid], indices[np.repeat(solid, counts)])
+        return self._topologies[path]
+
+    def _holds_pose(self, mesh: UsdGeom.Mesh) -> bool:
+        """Whether the topology changes within the shutter and no velocities carry the frame's points."""
+        path = str(mesh.GetPath())
+        if path not in self._holds:
+            attributes = (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr())
+            varies = any(self._differs(attribute, len_only=False) for attribute in attributes)
+            varies = varies or self._differs(mesh.GetPointsAttr(), len_only=True)
+            self._holds[path] = varies and not self._carried(mesh)
+        return self._holds[path]
+
+    def _differs(self, attribute: Usd.Attribute, len_only: bool) -> bool:
+        """Whether an array, or its length, is not the frame's everywhere in the shutter."""
+        opening, closing = self._shutter
+        inside = attribute.GetTimeSamplesInInterval(Gf.Interval(opening, closing))
+        values = [attribute.Get(time) for time in (self.frame, opening, *inside)]
+        if len_only:
+            return len({len(value) for value in values if value is not None}) > 1
+        return any(value != values[0] for value in values)
+
+    def _carried(self, mesh: UsdGeom.Mesh) -> bool:
+        """Whether velocities belong to the sample of the points that is the frame's (ComputePointsAtTime)."""
+        velocities, points = mesh.GetVelocitiesAttr(), mesh.GetPointsAttr()
+        around = points.GetBracketingTimeSamples(self.frame)
+        if not around or velocities.GetBracketingTimeSamples(self.frame) != around:
+            return False
+        return len(velocities.Get(around[0]) or ()) == len(points.Get(around[0]) or ()) > 0
+
+
+def _every_prim(stage: Usd.Stage) -> Iterator[Usd.Prim]:
+    """Prims of instances and prototypes included."""
+    yield from Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate))
+
+
+def _is_invisible(prim: Usd.Prim, time: float) -> bool:
+    """Of its own; visibility is held between samples, as all tokens are."""
+    if not prim.IsA(UsdGeom.Imageable):
+        return False
+    return UsdGeom.Imageable(prim).GetVisibilityAttr().Get(time) == UsdGeom.Tokens.invisible
+
+
+def _with_scaled_velocities(stage: Usd.Stage, frame: float) -> Usd.Stage:
+    """A view of the stage with motion:velocityScale multiplied into its velocities.
+
+    usd-core 26.11 computes the scale, but leaves its use to the renderer. Multiplied in a session layer, the
+    rest stays usd-core's own computation: p + scale * v * dt + a * dt^2 / 2.
+    """
+    scaled = Usd.Stage.Open(stage.GetRootLayer(), _session_copy(stage))
+    scaled.SetInterpolationType(stage.GetInterpolationType())
+    scaled.SetEditTarget(scaled.GetSessionLayer())
+    for prim in _every_prim(scaled):
+        scale = UsdGeom.MotionAPI(prim).ComputeVelocityScale(frame)
+        for name in ("velocities", "angularVelocities") if scale != 1.0 else ():
+            attribute = prim.GetAttribute(name)
+            if not attribute or not attribute.HasAuthoredValue():
+                continue
+            assert not prim.IsInstanceProxy(), f"{prim.GetPath()}: cannot be edited inside an instance"
+            for time in attribute.GetTimeSamples() or [Usd.TimeCode.Default()]:
+                value = attribute.Get(time)
+                attribute.Set(type(value).FromNumpy(np.array(value) * np.float32(scale)), time)
+    return scaled
+
+
+def _session_copy(stage: Usd.Stage) -> Sdf.Layer:
+    copy = Sdf.Layer.CreateAnonymous()
+    if stage.GetSessionLayer():
+        copy.TransferContent(stage.GetSessionLayer())
+    return copy
