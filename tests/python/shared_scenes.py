@@ -18,6 +18,16 @@ MOTION_GROUPS = (
 )
 """The groups that must render today."""
 
+EVERY_GROUP = (
+    *MOTION_GROUPS,
+    "skinned",
+    "subdiv",
+    "lights_materials",
+    "cameras",
+    "render_settings",
+    "edge",
+)
+
 
 @dataclass(frozen=True)
 class SharedScene:

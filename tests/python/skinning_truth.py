@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from pxr import Usd, UsdSkel, Vt
 
 
@@ -39,6 +40,17 @@ class Skinning:
         assert transforms is not None, f"{skeleton.GetPrim().GetPath()}: no skinning transforms"
         assert query.ComputeSkinnedPoints(transforms, points, time), f"{prim.GetPath()}: cannot be skinned"
         return points, skeleton_prim
+
+    def transform(self, prim: Usd.Prim, time: float) -> tuple[np.ndarray, Usd.Prim] | None:
+        """float64[4, 4] from a shape's own space to that of the skeleton, which is returned too, where it is
+        deformed as a rigid whole; None elsewhere."""
+        if str(prim.GetPath()) not in self._queries:
+            return None
+        query, skeleton, skeleton_prim = self._queries[str(prim.GetPath())]
+        if not query.HasJointInfluences() or not query.IsRigidlyDeformed():
+            return None
+        computed = query.ComputeSkinnedTransform(skeleton.ComputeSkinningTransforms(time), time)
+        return np.array(computed), skeleton_prim
 
     @staticmethod
     def _blended(

@@ -136,8 +136,11 @@ class StageTruth:
             context = FrameContext(self.stage, Shutter(prim_time), False, Diagnostics())
             surface = read_implicit(prim, context)
             points = np.asarray(surface["samples"].values[0][1], float)
-            local = self._relative(prim, root, prim_time)
             counts, indices = surface["face_vertex_counts"], surface["face_vertex_indices"]
+            rigid = self._skinning.transform(prim, prim_time)
+            local = self._relative(prim, root, prim_time)
+            if rigid is not None:
+                local = rigid[0] @ self._relative(rigid[1], root, prim_time)
             return Polygons(path, points, local @ world, counts, indices)
         mesh = UsdGeom.Mesh(prim)
         point_time = frame if self._holds_pose(mesh) else prim_time
