@@ -32,8 +32,9 @@ def main() -> None:
 RULES_TEXT = """## Rules of motion
 
 `msbvh conform` runs them; **{passed} of {count} pass**. A rule is a small scene and the coverage that
-usd-core's own evaluation has, projected at 512 times of the shutter (`testenv/motion`). The error is the mean of
-alpha's absolute error over what either image covers; allowed is what as many independent samples a pixel explain.
+usd-core's own evaluation has, projected at 512 times of the shutter (`testenv/motion`). The error is the
+mean of alpha's absolute error over what either image covers; allowed is what as many independent samples a
+pixel explain.
 `msbvh conform --command 'usdrecord --renderer X'` holds another renderer to them."""
 
 REFERENCES_TEXT = """Scenes of Autodesk/arnold-usd's test suite, whose reference images' alpha is coverage.

@@ -24,7 +24,7 @@ SUITE = Path(__file__).resolve().parent
 TOLERANCE = (
     "Mean absolute error of alpha over the pixels that either image covers: what the renderer's samples a"
     " pixel explain if they are independent (three standard deviations), plus 0.004 for tracks that stray"
-    " by a tenth of a pixel, plus a rule's slack where it gives one: allowed_errors() of msbvh/conformance.py."
+    " by a tenth of a pixel, plus a rule's slack where it gives one: allowed_errors() of conformance.py."
 )
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import ROOT
-from msbvh.conformance import allowed_errors, errors, read_rules
+from msbvh.conformance import Rule, allowed_errors, conform, errors, own_renderer, read_rules
 from msbvh.images import read_alpha
 from projection_oracle import Sampling, coverage
 from pxr import Usd, UsdGeom
@@ -49,6 +49,13 @@ def test_expected_answers_are_made_again(entry: dict) -> None:
     again = make_expected.expected(entry, SUITE / entry["scene"])
     committed = read_alpha(SUITE / entry["expected"]) * 65535
     assert np.abs(again - committed).max() <= 65535 / (512 * 16) + 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("rule", read_rules(SUITE), ids=lambda rule: rule.name)
+def test_our_renderer_follows_the_rule(rule: Rule, tmp_path: Path) -> None:
+    (outcome,) = conform([rule], own_renderer(256), 256, tmp_path)
+    assert outcome.passed, outcome.reason
 
 
 @pytest.mark.slow
