@@ -80,7 +80,8 @@ Clock TimeLayout::clock() const {
     const LayoutSegment& s = uneven_[i];
     if (!s.used) continue;
     const auto begin = static_cast<float>(s.begin01);
-    if (!clock.pieces.empty() && begin <= clock.pieces.back().begin) continue;  // shorter than time resolves
+    // The one before is shorter than time resolves: a step.
+    if (!clock.pieces.empty() && begin <= clock.pieces.back().begin) clock.pieces.pop_back();
     clock.pieces.push_back({begin, float(i) / float(segments_), float(i + 1) / float(segments_)});
   }
   return clock;

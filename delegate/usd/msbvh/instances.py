@@ -121,7 +121,7 @@ class Placer:
         return self._caches.motion(prims, group.root, first.varying, shutter, first.bends)
 
     def _visible(self, part: Part) -> np.ndarray | None:
-        return visible_intervals(part.blinking, self._context.shutter.scaled(part.scales.blur))
+        return visible_intervals(part.blinking, self._context.shutter)
 
     def _points(self, part: Part, group: Group) -> Iterator[Placement]:
         group_from_instancer = self._motion([part], group)

@@ -219,7 +219,7 @@ class _FrameReader:
             mesh.update(normals=skinned.normals, normals_indices=None, computed_points=True)
             for name in ("velocities", "accelerations"):
                 mesh.pop(name, None)
-        mesh["visible"] = visible_intervals(part.blinking, context.shutter)
+        mesh["visible"] = visible_intervals(part.blinking, self._context.shutter)
         mesh.update(points=samples.values, points_held=samples.held)
         motion = self._caches.motion([placed_by], root, varying, context.shutter, bends)
         return Shape(part, mesh, samples.box(), motion)

@@ -126,7 +126,7 @@ class Traversal:
         blinking = above.blinking
         if not is_root:
             visibility = imageable.GetVisibilityAttr()
-            if changes_inside(visibility, shutter):
+            if changes_inside(visibility, self._context.shutter):  # Not motion: no blur scale stretches it.
                 blinking += (visibility,)
             elif visibility.Get(self._context.code) == UsdGeom.Tokens.invisible:
                 return None
