@@ -132,7 +132,7 @@ def test_colours_of_instances_are_the_frames():
     primvar.Set([RED, GREEN], 9.0)
     primvar.Set([GREEN, RED], 11.0)
     result = shot.read()
-    assert np.allclose(result.scene.instances[0]["color"], [[0.5, 0.5, 0], [0.5, 0.5, 0]])
+    assert np.allclose(result.scene.instances[0]["display_color"], [[0.5, 0.5, 0], [0.5, 0.5, 0]])
     (warning,) = messages(result, "warning")
     assert warning.startswith(
         "/Points.primvars:displayColor: changes within the shutter, which is not supported"

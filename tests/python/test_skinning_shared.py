@@ -10,7 +10,7 @@ import pytest
 from msbvh.errors import Diagnostics
 from msbvh.reader import ReadSettings, read_frame
 from pxr import Gf, Usd, UsdGeom
-from recording import Recording, interpolated, messages, points_at, transformed
+from recording import Recording, interpolated, messages, points_at
 from shared_scenes import SCENES
 from skinning_oracle import pixels, usd_skinned_points, worst_skinned_deviation
 
@@ -132,20 +132,10 @@ def test_a_crowd_of_instances_and_copies_stands_where_usdskel_puts_it():
     stage = Usd.Stage.Open(str(SKINNED / "arnold_1352/data/test.usd"))
     result = read(stage, 1600.0)
     assert not messages(result, "error")
-    instances = {
-        mesh["path"]: (mesh, matrices[0])
-        for entry in result.scene.instances
-        for mesh in result.scene.prototypes[entry["prototype"]][1].values()
-        for matrices in [interpolated(entry["times01"], entry["matrices"], 0.0)]
-    }
-    skinned = [path for path in [*result.scene.meshes, *instances] if is_skinned(stage, path)]
+    poses = {mesh: points[0] for mesh, _, points in result.scene.poses(0.0)}
+    skinned = [path for path in poses if is_skinned(stage, path)]
     assert len(skinned) == 22
     for path in skinned:
-        prim = stage.GetPrimAtPath(path)
-        expected = usd_skinned_points(prim, Usd.TimeCode(1600.0))
-        if path in instances:
-            mesh, matrix = instances[path]
-            found = transformed(points_at(mesh, 0.0), matrix)
-        else:
-            found = points_at(result.scene.meshes[path], 0.0)
+        expected = usd_skinned_points(stage.GetPrimAtPath(path), Usd.TimeCode(1600.0))
+        found = poses[path]
         assert np.abs(found - expected).max() <= RELATIVE * np.ptp(expected, axis=0).max(), path
