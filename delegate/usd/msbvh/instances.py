@@ -164,7 +164,7 @@ def level_keywords(
             choices.append([(np.arange(level.count), {**level.arrays})])
             continue
         sizes = _pixel_sizes(coarse[index + 1 :], boxes[index], level, measure)
-        sampled = transform_samples(level.motion, boxes[index], sizes, tolerance_pixels, held)
+        sampled = transform_samples(level.motion, [boxes[index]], sizes, tolerance_pixels, held)
         choices.append([(samples.indices, _keywords(samples)) for samples in sampled])
     counts = [level.count for level in placement.levels]
     for chosen in product(*choices):

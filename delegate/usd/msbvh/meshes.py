@@ -16,14 +16,16 @@ def is_shape(prim: Usd.Prim) -> bool:
     return prim.IsA(UsdGeom.Mesh) or prim.GetTypeName() in IMPLICIT_TYPES
 
 
-def read_shape(prim: Usd.Prim, context: FrameContext, velocity_scale: float = 1.0) -> dict | None:
+def read_shape(
+    prim: Usd.Prim, context: FrameContext, velocity_scale: float, authored: frozenset[str]
+) -> dict | None:
     """The translator's keywords of a mesh, without transform and material; None if there is nothing to draw.
 
-    `context` has the prim's own shutter (FrameContext.scaled). `points` stands as Samples under "samples".
-    Nothing is checked here that the translator checks.
+    `context` has the prim's own shutter (FrameContext.scaled), `authored` are the names of its properties that
+    have opinions. `points` stands as Samples under "samples". Nothing is checked here that the translator checks.
     """
     if prim.IsA(UsdGeom.Mesh):
-        mesh = _read_mesh(UsdGeom.Mesh(prim), context, velocity_scale)
+        mesh = _read_mesh(UsdGeom.Mesh(prim), context, velocity_scale, authored)
     else:
         mesh = read_implicit(prim, context)
     path = str(prim.GetPath())
@@ -34,25 +36,29 @@ def read_shape(prim: Usd.Prim, context: FrameContext, velocity_scale: float = 1.
     mesh.setdefault("normals_interpolation", "vertex")
     mesh.setdefault("normals_indices", None)
     mesh["path"] = path
-    mesh["display_color"] = sample_primvar(prim, "displayColor", 3, context)
-    mesh["display_opacity"] = sample_primvar(prim, "displayOpacity", None, context)
+    for keyword, name, columns in (("display_color", "displayColor", 3), ("display_opacity", "displayOpacity", None)):
+        has = f"primvars:{name}" in authored or context.inherited.has(prim, name)
+        mesh[keyword] = sample_primvar(prim, name, columns, context) if has else None
     if not prim.IsA(UsdGeom.Mesh):
         mesh["display_color"] = _constant(mesh["display_color"], "primvars:displayColor", path, context)
         mesh["display_opacity"] = _constant(mesh["display_opacity"], "primvars:displayOpacity", path, context)
     return mesh
 
 
-def _read_mesh(mesh: UsdGeom.Mesh, context: FrameContext, velocity_scale: float) -> dict:
+def _read_mesh(
+    mesh: UsdGeom.Mesh, context: FrameContext, velocity_scale: float, authored: frozenset[str]
+) -> dict:
     code = context.code
     counts, indices = mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()
-    samples, carried_by = sample_points(mesh, context)
-    holes = array(mesh.GetHoleIndicesAttr().Get(code), np.int32)
+    samples, carried_by = sample_points(mesh, context, "velocities" in authored)
+    holes = array(mesh.GetHoleIndicesAttr().Get(code) if "holeIndices" in authored else None, np.int32)
     scheme = mesh.GetSubdivisionSchemeAttr().Get(code)
     keywords = {
         "face_vertex_counts": array(counts.Get(code), np.int32),
         "face_vertex_indices": array(indices.Get(code), np.int32),
         "hole_indices": holes if len(holes) else None,
-        "left_handed": mesh.GetOrientationAttr().Get(code) == UsdGeom.Tokens.leftHanded,
+        "left_handed": "orientation" in authored
+        and mesh.GetOrientationAttr().Get(code) == UsdGeom.Tokens.leftHanded,
         "samples": samples,
         "topology_varies": changes(counts, context) or changes(indices, context),
         "computed_normals": "faceted" if scheme == UsdGeom.Tokens.none else "smooth",
@@ -60,7 +66,8 @@ def _read_mesh(mesh: UsdGeom.Mesh, context: FrameContext, velocity_scale: float)
         **rate_clock(context, velocity_scale),
     }
     if scheme == UsdGeom.Tokens.none:
-        keywords.update(_normals(mesh, context))
+        if not authored.isdisjoint(("normals", "primvars:normals")):
+            keywords.update(_normals(mesh, context))
     else:
         message = (
             f"'{scheme}' is not supported yet; the control cage is drawn as polygons with smooth normals"

@@ -10,6 +10,9 @@ from pxr import Usd, UsdGeom
 from .errors import Diagnostics
 
 
+MOTION_PROPERTIES = frozenset(("motion:blurScale", "motion:velocityScale"))
+
+
 @dataclass(frozen=True)
 class MotionScales:
     """What holds at a prim.

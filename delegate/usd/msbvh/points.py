@@ -89,9 +89,13 @@ def rate_clock(context: FrameContext, velocity_scale: float) -> dict:
     }
 
 
-def sample_points(shape: UsdGeom.PointBased, context: FrameContext) -> tuple[Samples, dict]:
+def sample_points(
+    shape: UsdGeom.PointBased, context: FrameContext, has_velocities: bool
+) -> tuple[Samples, dict]:
     """The points of a mesh, and the translator's keywords of its velocities and accelerations."""
-    carried_by = rates(shape.GetVelocitiesAttr(), shape.GetAccelerationsAttr(), context)
+    carried_by = {}
+    if has_velocities:
+        carried_by = rates(shape.GetVelocitiesAttr(), shape.GetAccelerationsAttr(), context)
     values = raw_samples(shape.GetPointsAttr(), context, needs_times=bool(carried_by))
     empty = np.zeros((0, 3), np.float32)
     return Samples(values or [(None, empty)], context.held), carried_by

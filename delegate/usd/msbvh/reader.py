@@ -20,12 +20,12 @@ from .materials import Materials
 from .meshes import faces_by_material, read_shape
 from .skinning import read_skinning
 from .stage import tf_messages
-from .times import is_held
+from .times import Shutter, is_held
 from .transforms import (
     SAMPLING_SHARE,
     Box,
-    Motion,
     PixelSizes,
+    TransformSamples,
     XformCaches,
     bends_of,
     may_move,
@@ -100,6 +100,10 @@ def _core_translator(**settings: Any) -> Any:
         raise SceneError(str(error)) from None
 
 
+BATCH_WEIGHT = 2**22
+"""Points that are held in memory at once, for meshes that are evaluated together."""
+
+
 @dataclass(frozen=True)
 class Shape:
     """A mesh as it was read, before its transform is sampled."""
@@ -109,13 +113,21 @@ class Shape:
     """The translator's keywords, all but the transform and the material."""
     box: Box
     """Around its points over the shutter, in their own space."""
-    motion: Motion
+    placed_by: Usd.Prim
+    """Whose transform places it: itself, or its skeleton."""
+    course: tuple[bool, tuple[float, ...], Shutter]
+    """Whether that may vary, where it may change its course, and over which shutter."""
 
-    def extent(self) -> Box:
+    def weight(self) -> int:
+        """Points in all samples, and a thousand for the prim itself."""
+        return 1000 + sum(len(points) for _, points in self.mesh["points"])
+
+    def extent(self, caches: XformCaches, root: Usd.Prim | None) -> Box:
         """Around the points in the space of the group, at a few times."""
-        times = (0.0,) if self.motion.still else (0.0, 0.5, 1.0)
-        corners = [self.box.corners() @ self.motion.at_time(time)[0, :, :3] for time in times]
-        return Box.around(np.concatenate(corners))
+        varying, _, shutter = self.course
+        times = (0.0, 0.5, 1.0) if varying and shutter.moving else (0.0,)
+        matrices = [caches.matrix(time, self.placed_by, root, shutter) for time in times]
+        return Box.around(np.concatenate([self.box.corners() @ matrix[:, :3] for matrix in matrices]))
 
 
 def _unlimited(corners: np.ndarray) -> np.ndarray:
@@ -194,21 +206,31 @@ class _FrameReader:
         }
 
     def _add_world_meshes(self) -> None:
+        """Meshes by the hundred, so that those that move alike are evaluated together."""
+        batch: list[Shape] = []
+        weight = 0
         for part in self._traversal.groups[WORLD].shapes:
             shape = self._read_part(part, None, self._world_pixel_sizes)
             if shape is not None:
-                self._hand_down(shape, self._world_pixel_sizes, self._translator.add_mesh)
+                batch.append(shape)
+                weight += shape.weight()
+            if weight > BATCH_WEIGHT:
+                self._hand_down(batch, None, self._world_pixel_sizes, self._translator.add_mesh)
+                batch, weight = [], 0
+        self._hand_down(batch, None, self._world_pixel_sizes, self._translator.add_mesh)
 
     def _read_part(self, part: Part, root: Usd.Prim | None, pixel_sizes: PixelSizes) -> Shape | None:
         """A mesh and how it moves; None if it is not drawn."""
         context = self._context.scaled(part.scales.blur)
-        mesh = read_shape(part.prim, context, part.scales.velocity)
+        mesh = read_shape(part.prim, context, part.scales.velocity, part.authored)
         if mesh is None:
             return None
         samples = mesh.pop("samples")
         placed_by, varying, bends = part.prim, part.varying, part.bends
         tolerance = self._skinning_tolerance(root, context, pixel_sizes)
-        skinned = read_skinning(part.prim, {**mesh, "samples": samples}, context, tolerance)
+        skinned = read_skinning(
+            part.prim, {**mesh, "samples": samples}, context, tolerance, part.authored
+        )
         if skinned is not None:
             if skinned.samples is None:
                 return None
@@ -221,17 +243,35 @@ class _FrameReader:
                 mesh.pop(name, None)
         mesh["visible"] = visible_intervals(part.blinking, self._context.shutter)
         mesh.update(points=samples.values, points_held=samples.held)
-        motion = self._caches.motion([placed_by], root, varying, context.shutter, bends)
-        return Shape(part, mesh, samples.box(), motion)
+        return Shape(part, mesh, samples.box(), placed_by, (varying, bends, context.shutter))
 
-    def _hand_down(self, shape: Shape, pixel_sizes: PixelSizes, add: Callable[..., None]) -> None:
-        """Hands a mesh to the translator, once for each material on it."""
+    def _hand_down(
+        self, shapes: list[Shape], root: Usd.Prim | None, pixel_sizes: PixelSizes, add: Callable[..., None]
+    ) -> None:
+        """Hands meshes to the translator with their transforms over the shutter, in their order."""
         tolerance, held = self._settings.motion_tolerance, self._context.held
-        (transform,) = transform_samples(shape.motion, shape.box, pixel_sizes, tolerance, held)
+        alike: dict[Hashable, list[int]] = {}
+        for index, shape in enumerate(shapes):
+            alike.setdefault(shape.course, []).append(index)
+        moved: dict[int, tuple[TransformSamples, int]] = {}
+        for (varying, bends, shutter), same in alike.items():
+            prims = [shapes[index].placed_by for index in same]
+            motion = self._caches.motion(prims, root, varying, shutter, bends)
+            boxes = [shapes[index].box for index in same]
+            for samples in transform_samples(motion, boxes, pixel_sizes, tolerance, held):
+                for place, index in enumerate(samples.indices.tolist()):
+                    moved[same[index]] = samples, place
+        for index, shape in enumerate(shapes):
+            self._add_shape(shape, *moved[index], add)
+
+    def _add_shape(
+        self, shape: Shape, transform: TransformSamples, place: int, add: Callable[..., None]
+    ) -> None:
+        """Once for each material on it. Its matrices are number `place` of the samples'."""
         mesh = {
             **shape.mesh,
             "transform_times01": transform.times01,
-            "transforms": np.ascontiguousarray(transform.matrices[:, 0]),
+            "transforms": np.ascontiguousarray(transform.matrices[:, place]),
             "transform_bends01": transform.bends01,
             "transforms_held": transform.held,
             "transform_error_pixels": transform.error_pixels,
@@ -280,7 +320,7 @@ class _FrameReader:
         coarse = [self._read_part(part, group.root, _unlimited) for part in group.shapes]
         box = Box.empty()
         for shape in filter(None, coarse):
-            box = box.union(shape.extent())
+            box = box.union(shape.extent(self._caches, group.root))
         pixels_per_unit = max(self._pixels_per_unit(placement, box) for placement in placed)
 
         def pixel_sizes(corners: np.ndarray) -> np.ndarray:
@@ -291,11 +331,12 @@ class _FrameReader:
         def add(**mesh: Any) -> None:
             self._translator.add_prototype_mesh(prototype, **mesh)
 
+        shapes = []
         for part, shape in zip(group.shapes, coarse, strict=True):
             if shape is not None and shape.mesh.get("computed_points"):
                 shape = self._read_part(part, group.root, pixel_sizes)  # Skinned: sampled as the pixels ask.
-            if shape is not None:
-                self._hand_down(shape, pixel_sizes, add)
+            shapes.extend([shape] if shape is not None else [])
+        self._hand_down(shapes, group.root, pixel_sizes, add)
         for placement in placed:
             self._add_instances(placement, prototype, box)
 

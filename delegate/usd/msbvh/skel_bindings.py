@@ -14,6 +14,7 @@ from .points import changes
 
 _INDICES, _WEIGHTS = "primvars:skel:jointIndices", "primvars:skel:jointWeights"
 _METHODS = ("classicLinear", "dualQuaternion")
+_BINDING = (_INDICES, "skel:blendShapes", "skel:skeleton")
 _REST = "drawn in its rest pose"
 
 
@@ -33,11 +34,12 @@ class SkelBinding:
     act alone."""
 
 
-def read_binding(prim: Usd.Prim, context: FrameContext) -> SkelBinding | None:
+def read_binding(prim: Usd.Prim, context: FrameContext, authored: frozenset[str]) -> SkelBinding | None:
     """How a shape is skinned. None, with a warning where something is bound, if the prim is drawn at rest."""
     query = context.skeletons.skinning_query(prim)
     if query is None:
-        _warn_outside_root(prim, context)
+        if not authored.isdisjoint(_BINDING):
+            _warn_outside_root(prim, context)
         return None
     if not query or not (query.HasJointInfluences() or query.HasBlendShapes()):
         _warn_of_half_a_binding(prim, context)
@@ -159,7 +161,7 @@ def _joint_order(
 
 
 def _warn_outside_root(prim: Usd.Prim, context: FrameContext) -> None:
-    for name in (_INDICES, "skel:blendShapes", "skel:skeleton"):
+    for name in _BINDING:
         found = prim.GetProperty(name)
         if found and found.IsAuthored():
             message = f"no SkelRoot above, expected one for skinning to apply (UsdSkel); {_REST}"

@@ -27,18 +27,27 @@ class Skeletons:
         self._cache = UsdSkel.Cache()
         self._populated: set[Sdf.Path] = set()
         self._binding_parents: dict[Sdf.Path, bool] = {}
+        self._roots: dict[Sdf.Path, Usd.Prim | None] = {}
         self._poses: dict[tuple[Sdf.Path, Usd.TimeCode], np.ndarray | None] = {}
 
     def skinning_query(self, prim: Usd.Prim) -> UsdSkel.SkinningQuery | None:
         """How a prim is skinned, which may be invalid; None outside of SkelRoots, where UsdSkel does not
         apply."""
-        root = _skel_root(prim)
+        root = self._root(prim)
         if root is None:
             return None
         if root.GetPath() not in self._populated:
             self._cache.Populate(UsdSkel.Root(root), EVERY_PRIM)
             self._populated.add(root.GetPath())
         return self._cache.GetSkinningQuery(prim)
+
+    def _root(self, prim: Usd.Prim) -> Usd.Prim | None:
+        """_skel_root(), remembered for parents."""
+        parent = prim.GetParent()
+        path = parent.GetPath()
+        if path not in self._roots:
+            self._roots[path] = _skel_root(parent)
+        return self._roots[path] or (prim if prim.IsA(UsdSkel.Root) else None)
 
     def skeleton_query(self, skeleton: UsdSkel.Skeleton) -> UsdSkel.SkeletonQuery:
         """Invalid for a skeleton whose joints make no hierarchy."""

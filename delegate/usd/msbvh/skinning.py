@@ -39,16 +39,20 @@ class Skinned:
 
 
 def read_skinning(
-    prim: Usd.Prim, mesh: dict, context: FrameContext, tolerance_units: Callable[[Usd.Prim, Box], float]
+    prim: Usd.Prim,
+    mesh: dict,
+    context: FrameContext,
+    tolerance_units: Callable[[Usd.Prim, Box], float],
+    authored: frozenset[str],
 ) -> Skinned | None:
     """The skinned points and normals of a mesh; None where no skinning applies and it is drawn at rest.
 
-    `mesh` holds the translator's keywords with the rest points as "samples". Between the returned samples the
+    `authored` are the names of its properties that have opinions. `mesh` holds the translator's keywords with the rest points as "samples". Between the returned samples the
     straight line strays from UsdSkel's pose by at most `tolerance_units(placed_by, box of the points)`, in
     units of the space of `placed_by`, measured at the middles of the sampling intervals. Warns, naming prim
     and property, where a binding does not resolve.
     """
-    binding = read_binding(prim, context)
+    binding = read_binding(prim, context, authored)
     if binding is None:
         return None
     placed_by = prim if binding.joints is None else binding.skeleton.GetPrim()

@@ -96,6 +96,15 @@ class XformCaches:
             self._caches[key] = UsdGeom.XformCache(code)
         return self._caches[key]
 
+    def matrices(
+        self, time01: float, prims: Iterable[Usd.Prim], root: Usd.Prim | None, shutter: Shutter
+    ) -> np.ndarray:
+        """matrix() of several prims: float64[N, 4, 4]."""
+        if root is not None:
+            return np.array([self.matrix(time01, prim, root, shutter) for prim in prims])
+        to_world = self.cache(time01, shutter).GetLocalToWorldTransform
+        return np.array([np.array(to_world(prim)) for prim in prims])
+
     def matrix(
         self, time01: float, prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter | None = None
     ) -> np.ndarray:
@@ -124,10 +133,10 @@ class XformCaches:
         own = shutter or self.shutter
 
         def evaluate(time01: float) -> np.ndarray:
-            return np.array([self.matrix(time01, prim, root, own) for prim in prims])
+            return self.matrices(time01, prims, root, own)
 
         def evaluate_some(time01: float, indices: np.ndarray) -> np.ndarray:
-            return np.array([self.matrix(time01, prims[index], root, own) for index in indices.tolist()])
+            return self.matrices(time01, [prims[index] for index in indices.tolist()], root, own)
 
         still = not (varying and own.moving)
         bends01 = () if still else tuple(sorted({own.time01(time) for time in bends}))
@@ -256,13 +265,13 @@ PixelSizes = Callable[[np.ndarray], np.ndarray]
 
 
 def transform_samples(
-    motion: Motion, box: Box, pixel_sizes: PixelSizes, tolerance_pixels: float, held: bool = False
+    motion: Motion, boxes: list[Box], pixel_sizes: PixelSizes, tolerance_pixels: float, held: bool = False
 ) -> Iterator[TransformSamples]:
     """Samples matrices over the shutter until straight lines between them follow the stage within a share of the
     tolerance.
 
-    Halves the stretches between bends, for those things that need it. Every index comes once. `box` is that of
-    each thing, in its own space.
+    Halves the stretches between bends, for those things that need it. Every index comes once. `boxes` are those
+    of the things, each in its own space; one: of each.
     """
     everything = np.arange(motion.count)
     bends = np.array(motion.bends01)
@@ -275,14 +284,15 @@ def transform_samples(
         middles = (times01 + np.append(times01[1:], 1.0)) / 2
         yield TransformSamples(everything, times01, _evaluated(motion, middles, everything), bends, True)
         return
-    yield from _smooth_samples(motion, box, pixel_sizes, tolerance_pixels, bends)
+    local = np.array([box.corners() for box in boxes])
+    yield from _smooth_samples(motion, local, pixel_sizes, tolerance_pixels, bends)
 
 
 def _smooth_samples(
-    motion: Motion, box: Box, pixel_sizes: PixelSizes, tolerance_pixels: float, bends: np.ndarray
+    motion: Motion, local: np.ndarray, pixel_sizes: PixelSizes, tolerance_pixels: float, bends: np.ndarray
 ) -> Iterator[TransformSamples]:
+    """`local` is float64[N, 8, 4], or float64[1, 8, 4] for all."""
     remaining = np.arange(motion.count)
-    local = box.corners()
     limit = SAMPLING_SHARE * tolerance_pixels
     ends = np.unique(np.concatenate([[0.0, 1.0], bends]))
     coarse = _evaluated(motion, ends, remaining)
@@ -290,7 +300,7 @@ def _smooth_samples(
     probed = _evaluated(motion, probes, remaining)
     for split in range(FINEST_SPLIT):
         times01 = _split(ends, split + 1)
-        fine = _evaluated(motion, times01, remaining)
+        fine = _refined(motion, coarse, times01, remaining)
         corners = local @ fine[..., :3]
         size = pixel_sizes(corners)
         # Halving a chord quarters its distance from the curve.
@@ -307,10 +317,19 @@ def _smooth_samples(
         if good.all():
             return
         remaining, coarse, probed = remaining[~good], fine[:, ~good], probed[:, ~good]
+        local = local if len(local) == 1 else local[~good]
 
 
 def _evaluated(motion: Motion, times01: np.ndarray, indices: np.ndarray) -> np.ndarray:
     return np.array([motion.some(time01, indices) for time01 in times01.tolist()])
+
+
+def _refined(motion: Motion, coarse: np.ndarray, times01: np.ndarray, indices: np.ndarray) -> np.ndarray:
+    """The matrices at `times01`, every second of which `coarse` already has."""
+    fine = np.empty((len(times01), *coarse.shape[1:]))
+    fine[::2] = coarse
+    fine[1::2] = _evaluated(motion, times01[1::2], indices)
+    return fine
 
 
 def _split(ends: np.ndarray, split: int) -> np.ndarray:

@@ -14,7 +14,7 @@ from pxr import Usd, UsdGeom, UsdShade
 from .context import FrameContext
 from .lights import is_light
 from .meshes import is_shape
-from .motion_scales import MotionScales, scales_at
+from .motion_scales import MOTION_PROPERTIES, MotionScales, scales_at
 from .point_instancers import moving_attributes, prototypes
 from .primvars import primvar_source
 from .times import Shutter, xform_bends
@@ -40,6 +40,9 @@ class Part:
     scales: MotionScales = MotionScales()
     blinking: tuple[Usd.Attribute, ...] = ()
     """Visibilities, likewise, that change inside the shutter."""
+    authored: frozenset[str] = frozenset()
+    """Names of the prim's own properties that have opinions: most of what may be there is not, and asking once
+    is cheaper."""
 
 
 @dataclass
@@ -65,6 +68,7 @@ class _State:
     blinking: tuple[Usd.Attribute, ...] = ()
     bends: tuple[float, ...] = ()
     scales: MotionScales = MotionScales()
+    authored: frozenset[str] = frozenset()
 
 
 class Traversal:
@@ -120,21 +124,24 @@ class Traversal:
         """What holds at a prim; None if it is invisible. A group's root is seen as its users are."""
         if not prim.IsA(UsdGeom.Imageable):
             return above
+        authored = frozenset(prim.GetAuthoredPropertyNames())
         imageable = UsdGeom.Imageable(prim)
-        scales = above.scales.below(prim, self._context.code, self._context.diagnostics)
-        shutter = self._context.shutter.scaled(scales.blur)
-        blinking = above.blinking
-        if not is_root:
+        scales = above.scales
+        if not authored.isdisjoint(MOTION_PROPERTIES):
+            scales = scales.below(prim, self._context.code, self._context.diagnostics)
+        blinking, purpose = above.blinking, above.purpose
+        if not is_root and "visibility" in authored:
             visibility = imageable.GetVisibilityAttr()
             if changes_inside(visibility, self._context.shutter):  # Not motion: no blur scale stretches it.
                 blinking += (visibility,)
             elif visibility.Get(self._context.code) == UsdGeom.Tokens.invisible:
                 return None
-        purpose = imageable.GetPurposeAttr()
-        name = str(purpose.Get()) if purpose.HasAuthoredValue() else above.purpose
-        state = _State(above.varying, name, blinking, above.bends, scales)
-        if is_root or not prim.IsA(UsdGeom.Xformable):
+        if "purpose" in authored:
+            purpose = str(imageable.GetPurposeAttr().Get())
+        state = _State(above.varying, purpose, blinking, above.bends, scales, authored)
+        if is_root or "xformOpOrder" not in authored or not prim.IsA(UsdGeom.Xformable):
             return state
+        shutter = self._context.shutter.scaled(scales.blur)
         return self._moved(state, above, UsdGeom.Xformable(prim), group_root, shutter)
 
     def _moved(
@@ -158,7 +165,7 @@ class Traversal:
 
     def _sort(self, prim: Usd.Prim, state: _State, group: Group) -> None:
         """Puts a prim where it belongs, or says that it is not drawn."""
-        part = Part(prim, state.varying, state.bends, state.scales, state.blinking)
+        part = Part(prim, state.varying, state.bends, state.scales, state.blinking, state.authored)
         if is_light(prim):
             group.lights.append(part)
         if prim.IsInstance() and prim != group.root:
