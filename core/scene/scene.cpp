@@ -52,6 +52,17 @@ void expect_track(const std::vector<T>& keys, std::uint32_t segments, const std:
   expect_all_finite(keys, part, attribute);
 }
 
+template <typename T>
+void expect_curve(const std::vector<T>& controls, const TrackForm& form, const std::string& part,
+                  const std::string& attribute) {
+  expect_segments(form.segments, part, attribute);
+  expect(is_valid_form(form), part, attribute, "degree " + std::to_string(form.degree),
+         "1 to " + std::to_string(kMaxDegree) + ", and 1 for a still track");
+  expect(controls.size() == form.controls(), part, attribute, std::to_string(controls.size()) + " controls",
+         std::to_string(form.controls()));
+  expect_all_finite(controls, part, attribute);
+}
+
 void expect_index(std::size_t index, std::size_t size, const std::string& part,
                   const std::string& attribute) {
   expect(index < size, part, attribute, "index " + std::to_string(index),
@@ -166,7 +177,7 @@ void check_lens(const Camera& camera, const std::string& part) {
   if (camera.lens.empty()) return;
   expect(camera.projection == Projection::kPerspective, part, "lens", "one on an orthographic camera",
          "none: its rays are parallel");
-  expect_track(camera.lens, camera.segments, part, "lens");
+  expect_curve(camera.lens, camera.form(), part, "lens");
   for (const Lens& lens : camera.lens) {
     expect(lens.radius >= 0.0f, part, "lens radius", std::to_string(lens.radius), "a number of at least 0");
     expect(lens.focus_distance > 0.0f, part, "focusDistance", std::to_string(lens.focus_distance),
@@ -176,8 +187,9 @@ void check_lens(const Camera& camera, const std::string& part) {
 
 void check_camera(const Camera& camera) {
   const std::string part = camera.name.empty() ? "camera" : camera.name;
-  expect_track(camera.world_from_camera, camera.segments, part, "worldFromCamera");
-  expect_track(camera.window, camera.segments, part, "window");
+  expect_curve(camera.world_from_camera, camera.form(), part, "worldFromCamera");
+  expect_curve(camera.window, camera.form(), part, "window");
+  expect_clock(camera.clock, part);
   for (const ScreenWindow& window : camera.window) check_window(window, part);
   check_lens(camera, part);
   for (const Affine3f& m : camera.world_from_camera) {

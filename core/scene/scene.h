@@ -123,11 +123,19 @@ struct ScreenWindow {
   float left = -1.0f, right = 1.0f, bottom = -1.0f, top = 1.0f;
 };
 
+constexpr ScreenWindow lerp(const ScreenWindow& a, const ScreenWindow& b, float w) {
+  return {lerp(a.left, b.left, w), lerp(a.right, b.right, w), lerp(a.bottom, b.bottom, w), lerp(a.top, b.top, w)};
+}
+
 // A thin lens at the eye, across the camera's z axis, in camera space.
 struct Lens {
   float radius = 0.0f;          // of its aperture, a disc
   float focus_distance = 1.0f;  // along -z, of the plane in focus
 };
+
+constexpr Lens lerp(const Lens& a, const Lens& b, float w) {
+  return {lerp(a.radius, b.radius, w), lerp(a.focus_distance, b.focus_distance, w)};
+}
 
 enum class Projection : std::uint8_t { kPerspective, kOrthographic };
 
@@ -136,11 +144,15 @@ struct Camera {
   std::string name;
   Projection projection = Projection::kPerspective;
   std::uint32_t segments = 0;
-  std::vector<Affine3f> world_from_camera;  // key_count(segments), rigid or not
-  std::vector<ScreenWindow> window;         // key_count(segments)
-  std::vector<Lens> lens;                   // empty: a pinhole; else key_count(segments), perspective only
+  std::vector<Affine3f> world_from_camera;  // form().controls(), rigid or not
+  std::vector<ScreenWindow> window;         // form().controls()
+  std::vector<Lens> lens;                   // empty: a pinhole; else form().controls(), perspective only
   float near_clip = 1.0f;  // distances along -z; what lies outside is not seen by camera rays
   float far_clip = 1.0e6f;
+  std::uint32_t degree = 1;
+  Clock clock{};  // of the tracks; hides nothing
+
+  TrackForm form() const { return {segments, degree}; }
 };
 
 struct Scene {

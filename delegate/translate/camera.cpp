@@ -1,13 +1,16 @@
 #include "delegate/translate/camera.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "core/base/error.h"
 #include "core/base/lerp.h"
-#include "core/motion/track.h"
+#include "core/motion/bezier.h"
+#include "core/motion/bezier_fit.h"
 #include "delegate/translate/diagnostics.h"
+#include "delegate/translate/time_layout.h"
 #include "delegate/translate/time_samples.h"
 #include "delegate/translate/transform_samples.h"
 
@@ -55,6 +58,32 @@ CameraInstant lerp(const CameraInstant& a, const CameraInstant& b, double w) {
           lerp(a.lens, b.lens, w)};
 }
 
+// All that a camera's tracks hold at one time, as numbers that can be interpolated.
+struct CameraValues {
+  std::array<double, 18> v;
+
+  explicit CameraValues(const CameraInstant& c) {
+    const Affine3d& m = c.world_from_camera;
+    v = {m.x.x, m.x.y, m.x.z, m.y.x, m.y.y, m.y.z, m.z.x, m.z.y, m.z.z, m.t.x, m.t.y, m.t.z,
+         c.window.left, c.window.right, c.window.bottom, c.window.top, c.lens.radius, c.lens.focus_distance};
+  }
+  CameraInstant instant() const {
+    return {{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]}, {v[9], v[10], v[11]}},
+            {v[12], v[13], v[14], v[15]},
+            {v[16], v[17]}};
+  }
+  CameraValues operator+(const CameraValues& b) const { return combined(1.0, b, 1.0); }
+  CameraValues operator-(const CameraValues& b) const { return combined(1.0, b, -1.0); }
+  CameraValues operator*(double s) const { return combined(s, *this, 0.0); }
+
+ private:
+  CameraValues combined(double mine, const CameraValues& b, double others) const {
+    CameraValues result = *this;
+    for (std::size_t i = 0; i < v.size(); ++i) result.v[i] = mine * v[i] + others * b.v[i];
+    return result;
+  }
+};
+
 // The samples, rebased to the frame's origin and interpolated.
 class CameraMotion {
  public:
@@ -64,21 +93,30 @@ class CameraMotion {
       instants_.push_back({rebased(affine_from(sample.world_from_camera), {}, origin),
                            window_of(sample.window), lens_of(sample.lens)});
     }
+    if (times01_.size() < 2) return;
+    for (const double time01 : camera.bends01.value_or(times01_)) bends_.push_back({time01});
+    bends_ = normalized_bends(std::move(bends_));
   }
   CameraInstant at(double time01) const {
     const Bracket at = bracket(times01_, time01);
     return lerp(instants_[at.first], instants_[at.second], at.w);
   }
-  CameraInstant track(double time01, std::uint32_t segments) const {
-    if (segments == 0) return this->at(key_time(0, 0));
-    const TrackTime at = locate_key(time01, segments);
-    return lerp(this->at(key_time(at.key, segments)), this->at(key_time(at.key + 1, segments)), at.w);
+  // Controls of a segment, degree + 1.
+  std::vector<CameraInstant> controls(const LayoutSegment& segment, std::uint32_t degree) const {
+    std::vector<CameraValues> values;
+    for (const double node : fit_nodes(degree)) values.emplace_back(at(segment.at(node)));
+    controls_from_values([&](std::uint32_t i) -> CameraValues& { return values[i]; }, degree);
+    std::vector<CameraInstant> result;
+    for (const CameraValues& value : values) result.push_back(value.instant());
+    return result;
   }
+  std::span<const Bend> bends() const { return bends_; }
   const std::vector<double>& times01() const { return times01_; }
 
  private:
   std::vector<double> times01_;
   std::vector<CameraInstant> instants_;
+  std::vector<Bend> bends_;
 };
 
 // A point (or, at infinity, a direction) in camera space at a place of the window, (0, 0) to (1, 1).
@@ -151,17 +189,71 @@ double instant_error(const ProjectionDifference& difference, const CameraInput& 
   return worst;
 }
 
-double track_error(const CameraMotion& motion, const CameraInput& camera, const TranslatorSettings& settings,
-                   std::uint32_t segments, double limit) {
+// What a Camera accepts, between controls and at them.
+bool is_usable(const CameraInstant& c) {
+  return !is_singular(c.world_from_camera) && c.window.left != c.window.right && c.window.bottom != c.window.top &&
+         c.lens.radius >= 0.0 && c.lens.focus_distance > 0.0;
+}
+
+double segment_error(const CameraMotion& motion, const CameraInput& camera, const TranslatorSettings& settings,
+                     const LayoutSegment& segment, std::uint32_t degree, double limit) {
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const bool perspective = camera.projection == Projection::kPerspective;
+  const std::vector<CameraInstant> controls = motion.controls(segment, degree);
+  if (!std::ranges::all_of(controls, is_usable)) return kInfinite;
   double worst = 0.0;
-  for (const double time01 : test_times(motion.times01(), segments)) {
-    const CameraInstant track = motion.track(time01, segments);
-    if (is_singular(track.world_from_camera)) return std::numeric_limits<double>::infinity();
+  for (const double time01 : test_times01(segment, degree, motion.bends())) {
+    const double w = (time01 - segment.begin01) / (segment.end01 - segment.begin01);
+    const CameraInstant track = bezier([&](std::uint32_t i) { return controls[i]; }, degree, w);
+    if (is_singular(track.world_from_camera)) return kInfinite;
     worst = std::max(worst, instant_error({motion.at(time01), track, settings, perspective}, camera));
     if (worst > limit) break;
   }
   return worst;
+}
+
+double track_error(const CameraMotion& motion, const CameraInput& camera, const TranslatorSettings& settings,
+                   const Candidate& track, double limit) {
+  double worst = 0.0;
+  for (std::uint32_t i = 0; i < track.layout.segments() && worst <= limit; ++i) {
+    worst = std::max(worst, segment_error(motion, camera, settings, track.layout.segment(i), track.degree, limit));
+  }
+  return worst;
+}
+
+// From the pose at the shutter's centre.
+double still_error(const CameraMotion& motion, const CameraInput& camera, const TranslatorSettings& settings) {
+  const bool perspective = camera.projection == Projection::kPerspective;
+  const CameraInstant centre = motion.at(0.5);
+  double worst = 0.0;
+  for (const double time01 : test_times(motion.times01(), 0)) {
+    worst = std::max(worst, instant_error({motion.at(time01), centre, settings, perspective}, camera));
+  }
+  return worst;
+}
+
+struct CameraFit {
+  Candidate track{TimeLayout::even(0), 1};
+  double error = 0.0;
+};
+
+CameraFit cheapest(const CameraMotion& motion, const CameraInput& input, const TranslatorSettings& settings) {
+  const double tolerance = kShareOfTolerance * settings.motion_tolerance_pixels;
+  CameraFit result;
+  result.error = still_error(motion, input, settings);
+  if (result.error <= kStillShare * tolerance) return result;
+  std::vector<Candidate> tracks = candidates(motion.bends(), {tolerance, settings.max_segments, settings.choice});
+  const CandidateFit fit = cheapest_candidate(tracks.size(), tolerance, [&](std::size_t i, double limit) {
+    return track_error(motion, input, settings, tracks[i], limit);
+  });
+  return {std::move(tracks[fit.index]), fit.error};
+}
+
+void add_control(const CameraInstant& at, bool open, Camera& camera) {
+  camera.world_from_camera.push_back(Affine3f(at.world_from_camera));
+  camera.window.push_back(
+      {float(at.window.left), float(at.window.right), float(at.window.bottom), float(at.window.top)});
+  if (open) camera.lens.push_back({float(at.lens.radius), float(at.lens.focus_distance)});
 }
 
 [[noreturn]] void fail(const CameraInput& camera, const std::string& attribute, const std::string& what) {
@@ -230,31 +322,28 @@ Vec3d frame_origin(const CameraInput& camera) {
 Camera fit_camera(const CameraInput& input, const Vec3d& origin, const TranslatorSettings& settings,
                   TrackReport& track) {
   const CameraMotion motion(input, origin);
-  const double tolerance = kShareOfTolerance * settings.motion_tolerance_pixels;
-  const Fit fit =
-      fewest_segments({tolerance, settings.max_segments}, [&](std::uint32_t segments, double limit) {
-        return track_error(motion, input, settings, segments, limit);
-      });
+  const CameraFit fit = cheapest(motion, input, settings);
+  const TrackForm form = fit.track.form();
   track.path = input.path;
-  track.segments = fit.segments;
-  track.moving_transform = fit.segments > 0;
+  track.set_form(form, fit.track.layout.clock());
+  track.moving_transform = form.moving();
   track.error_pixels = fit.error;
-  track.bytes = key_count(fit.segments) * (sizeof(Affine3f) + sizeof(ScreenWindow));
+  track.bytes = form.controls() * (sizeof(Affine3f) + sizeof(ScreenWindow));
 
   Camera camera;
   camera.name = input.path;
   camera.projection = input.projection;
   camera.near_clip = input.near_clip;
   camera.far_clip = input.far_clip;
-  camera.segments = fit.segments;
+  camera.segments = form.segments;
+  camera.degree = form.degree;
+  camera.clock = fit.track.layout.clock();
   const bool open = std::any_of(input.samples.begin(), input.samples.end(),
                                 [](const CameraSample& sample) { return sample.lens.radius > 0.0f; });
-  for (std::uint32_t key = 0; key < key_count(fit.segments); ++key) {
-    const CameraInstant at = motion.at(key_time(key, fit.segments));
-    camera.world_from_camera.push_back(Affine3f(at.world_from_camera));
-    camera.window.push_back(
-        {float(at.window.left), float(at.window.right), float(at.window.bottom), float(at.window.top)});
-    if (open) camera.lens.push_back({float(at.lens.radius), float(at.lens.focus_distance)});
+  if (!form.moving()) add_control(motion.at(0.5), open, camera);
+  for (std::uint32_t i = 0; i < form.segments; ++i) {
+    const std::vector<CameraInstant> controls = motion.controls(fit.track.layout.segment(i), form.degree);
+    for (std::uint32_t c = i == 0 ? 0 : 1; c < controls.size(); ++c) add_control(controls[c], open, camera);
   }
   return camera;
 }

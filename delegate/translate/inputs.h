@@ -165,6 +165,8 @@ struct CameraInput {
   std::string path;
   Projection projection = Projection::kPerspective;
   std::vector<CameraSample> samples;  // increasing times, dense enough to be interpolated linearly
+  // Where the motion may bend: authored times. The other samples lie on smooth curves. None given: anywhere.
+  std::optional<std::vector<double>> bends01{};
   float near_clip = 1.0f;
   float far_clip = 1.0e6f;
 };

@@ -200,7 +200,7 @@ TEST_CASE("camera: window, matrix and clipping range") {
   Camera& camera = scene.camera;
   SUBCASE("keys") {
     camera.segments = 1;
-    CHECK(complaint(scene) == "/camera: worldFromCamera: found 1 keys; expected 2");
+    CHECK(complaint(scene) == "/camera: worldFromCamera: found 1 controls; expected 2");
   }
   SUBCASE("empty window") {
     camera.window[0].right = camera.window[0].left;
@@ -222,7 +222,7 @@ TEST_CASE("camera: window, matrix and clipping range") {
   }
   SUBCASE("lens keys") {
     camera.lens.resize(2);
-    CHECK(complaint(scene) == "/camera: lens: found 2 keys; expected 1");
+    CHECK(complaint(scene) == "/camera: lens: found 2 controls; expected 1");
   }
   SUBCASE("lens radius") {
     camera.lens = {{-1.0f, 2.0f}};

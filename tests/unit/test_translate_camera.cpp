@@ -23,7 +23,7 @@ CameraInput moving_camera(const Motion& motion, const std::vector<double>& times
   return camera;
 }
 
-Camera fitted(const CameraInput& input) { return Translator(input, settings_of()).finish()->camera; }
+Camera fitted(const CameraInput& input) { return Translator(input, linear_settings()).finish()->camera; }
 
 // One line that names the camera and `found`.
 void check_throws(const CameraInput& camera, const TranslatorSettings& settings, const std::string& found) {

@@ -102,6 +102,7 @@ CameraInput camera_from(Arguments& arguments) {
   camera.projection = projection_from(arguments.value<std::string>("projection", "a str"));
   camera.near_clip = arguments.value<float>("near_clip", "a float");
   camera.far_clip = arguments.value<float>("far_clip", "a float");
+  camera.bends01 = arguments.optional_times("bends01");
   const TransformSamples transform = transform_from(arguments, "times01", "world_from_camera");
   const AnyArray windows =
       checked_array<float>(arguments.required("windows"), "windows", {transform.times01.size(), 4});

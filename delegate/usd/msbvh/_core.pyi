@@ -170,6 +170,7 @@ class Translator:
         times01: F64,
         world_from_camera: F64,
         windows: F32,
+        bends01: F64 | None = None,
         lenses: F32 | None = None,
         near_clip: float,
         far_clip: float,
@@ -182,6 +183,7 @@ class Translator:
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
         bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one),
+        ``bends01``: where its motion may change its course; None: at every time.
         ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
 
         Raises Error for a camera or settings that cannot be used.

@@ -15,8 +15,12 @@ from .framing import framing_camera
 from .lens import read_lenses
 from .metadata import world_to_camera, world_to_ndc
 from .motion_scales import scales_at
-from .times import FINEST_LEVEL, Shutter, TimeGrid, checked_shutter, is_held
+from .times import Shutter, TimeGrid, checked_shutter, is_held
 from .transforms import Box, PixelSize, authored_xform_times
+
+
+CAMERA_LEVEL = 10
+"""2^10 intervals."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,8 @@ class RenderCamera:
     """float64[T, 4, 4]."""
     windows: np.ndarray
     """float32[T, 4]: left, right, bottom, top of the image at unit distance (orthographic: stage units)."""
+    bends01: np.ndarray
+    """float64[B]: where the camera may change its course."""
     lenses: np.ndarray
     """float32[T, 2]: radius and focus distance, in the camera's space; radius 0: a pinhole."""
     near_clip: float
@@ -152,7 +158,8 @@ def _sampled(
     conform: str,
     diagnostics: Diagnostics,
 ) -> RenderCamera:
-    """Evaluates `camera_at` at the grid's finest times, or once if it does not move.
+    """Evaluates `camera_at` as densely as straight lines between need for a quarter turn within the shutter, to a
+    thousandth of a pixel; or once if it does not move.
 
     The grid's shutter is the camera's own, scaled where it has a motion:blurScale."""
     at_frame = camera_at(shutter.frame_code)
@@ -161,7 +168,7 @@ def _sampled(
     height = height or image_height(width, at_frame.aspectRatio)
     window, pixel_aspect = conformed(_window(at_frame), width / height, conform)
 
-    times01 = grid.times01(FINEST_LEVEL)
+    times01 = grid.times01(CAMERA_LEVEL)
     cameras = [camera_at(grid.shutter.time_code(time01)) for time01 in times01]
     for camera in cameras:
         _check_optics(path, camera)
@@ -178,6 +185,7 @@ def _sampled(
         times01=np.array(times01[:keep]),
         world_from_camera=matrices[:keep],
         windows=windows[:keep],
+        bends01=np.array(grid.bends01),
         lenses=lenses[:keep],
         near_clip=at_frame.clippingRange.min,
         far_clip=at_frame.clippingRange.max,

@@ -194,6 +194,7 @@ class _FrameReader:
             "times01": camera.times01,
             "world_from_camera": camera.world_from_camera,
             "windows": camera.windows,
+            "bends01": camera.bends01,
             "lenses": camera.lenses,
             "near_clip": camera.near_clip,
             "far_clip": camera.far_clip,

@@ -121,6 +121,11 @@ class TimeGrid:
             if len(inside) <= 2**FINEST_LEVEL:
                 self._authored = inside + jumps
 
+    @property
+    def bends01(self) -> list[float]:
+        """The authored times, on a held stage with the instants before them."""
+        return sorted(self._authored)
+
     def times01(self, level: int) -> list[float]:
         """Increasing, from 0 to 1; [0] alone for a closed shutter. Levels nest."""
         if not self.shutter.moving:
