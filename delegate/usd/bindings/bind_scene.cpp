@@ -79,10 +79,29 @@ std::vector<nb::tuple> poses(const SceneHandle& handle, float time) {
   return result;
 }
 
+// (world_from_camera in stage space, row vectors; window left, right, bottom, top; lens radius and focus
+// distance) from the tracks as the renderer reads them.
+nb::tuple camera_at(const SceneHandle& handle, float time) {
+  const Camera& camera = handle.scene->camera;
+  float local = time;
+  camera.clock.at(time, local);
+  const SegmentTime at = locate(local, camera.segments);
+  const auto value = [&](const auto& controls) { return track_value(controls.data(), camera.form(), at.key, at.w); };
+  const Affine3d map(value(camera.world_from_camera));
+  const ScreenWindow window = value(camera.window);
+  const Lens lens = camera.lens.empty() ? Lens{} : value(camera.lens);
+  std::vector<std::vector<double>> rows;
+  for (const Vec3d& v : {map.x, map.y, map.z}) rows.push_back({v.x, v.y, v.z, 0.0});
+  const Vec3d t = map.t + handle.origin;
+  rows.push_back({t.x, t.y, t.z, 1.0});
+  return nb::make_tuple(rows, nb::make_tuple(window.left, window.right, window.bottom, window.top),
+                        nb::make_tuple(lens.radius, lens.focus_distance));
+}
+
 }  // namespace
 
 void bind_scene(nb::module_& m) {
-  nb::class_<SceneHandle>(m, "Scene").def("statistics", &statistics).def("poses", &poses, nb::arg("time01"));
+  nb::class_<SceneHandle>(m, "Scene").def("statistics", &statistics).def("poses", &poses, nb::arg("time01")).def("camera", &camera_at, nb::arg("time01"));
 }
 
 }  // namespace msbvh::python

@@ -88,6 +88,11 @@ class Scene:
     """A finished frame, for Renderer."""
 
     def statistics(self) -> SceneStatistics: ...
+    def camera(
+        self, time01: float
+    ) -> tuple[list[list[float]], tuple[float, float, float, float], tuple[float, float]]:
+        """The camera at a time, from its tracks: world_from_camera [4, 4] in stage space, the window, and the lens's
+        radius and focus distance."""
     def poses(self, time01: float) -> list[tuple[str, str, F64]]:
         """What is visible at a time: (path of the mesh, path of what instances it or again the mesh's,
         float64[M, N, 3] stage-space vertices of M instances), from the tracks as they are traced."""
