@@ -175,6 +175,8 @@ def _read_settings(options: dict[str, Any]) -> ReadSettings:
         conform=options["conform"],
         purposes=options["purposes"],
         motion_tolerance=options["motion_tolerance"],
+        interpolation=options["interpolation"],
+        segments=options["segments"] or 0,
         disable_camera_light=options["disable_camera_light"],
     )
 

@@ -50,8 +50,20 @@ class RecordSettings:
     """Where the run's figures go, as JSON."""
 
 
-TRACK_FIELDS = ("path", "segments", "moving_transform", "error_pixels")
-"""Of a _core.TrackReport."""
+TRACK_FIELDS = (
+    "path",
+    "source",
+    "rule",
+    "segments",
+    "degree",
+    "clock",
+    "hidden_partly",
+    "moving_transform",
+    "error_pixels",
+    "bytes",
+    "count",
+)
+"""Of a _core.TrackReport, for statistics."""
 
 FrameJob = tuple[float | None, Sequence[str]]
 """A time code (None: USD's default time) and the files that its image is written to."""
