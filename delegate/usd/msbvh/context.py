@@ -8,6 +8,7 @@ import numpy as np
 from pxr import Usd
 
 from .errors import Diagnostics
+from .samples import SampleLog
 from .skeletons import Skeletons
 from .times import Shutter
 
@@ -22,6 +23,8 @@ class FrameContext:
     """The stage's values jump from sample to sample."""
     diagnostics: Diagnostics
     skeletons: Skeletons = field(default_factory=Skeletons)
+    found: SampleLog | None = None
+    """Where the reader notes what moves each prim; None: nobody asks."""
 
     def scaled(self, blur: float) -> FrameContext:
         """The context of a prim with that motion:blurScale."""

@@ -204,6 +204,12 @@ SCENE: Sequence[Decorator] = (
 )
 """What is read from the stage; shared by all commands."""
 
+ONE_FRAME: Sequence[Decorator] = (
+    click.option("--frame", "-f", metavar="TIMECODE", help="Default: the stage's start time."),
+    click.option("--json", "as_json", is_flag=True, help="For scripts."),
+)
+"""Of the commands that look at a frame and render none."""
+
 OUTPUT: Sequence[Decorator] = (
     click.argument("outputs", nargs=-1, required=True, metavar="OUT..."),
     click.option(
