@@ -152,7 +152,7 @@ def _filled(
 ) -> PrimMotion:
     """With samples, warnings and what the rule has to say about UsdGeomMotionAPI. `member`: of the instances that
     move alike, the one that was asked for."""
-    prim = member or stage.GetPrimAtPath(found.path)
+    prim = member or _prim_of(stage, found)
     said = [*warnings.get(found.path, ())]
     if member and str(member.GetPath()) != found.path:
         said += warnings.get(str(member.GetPath()), ())
@@ -164,6 +164,11 @@ def _filled(
         samples=tuple(log.samples(found.path, prim)),
         warnings=tuple(dict.fromkeys(said)),
     )
+
+
+def _prim_of(stage: Usd.Stage, found: PrimMotion) -> Usd.Prim | None:
+    """A framing camera is none."""
+    return stage.GetPrimAtPath(found.path) if found.path.startswith("/") else None
 
 
 def _remarks(prim: Usd.Prim) -> list[str]:
@@ -195,7 +200,7 @@ def _at_or_below(
     prefixes = [top.GetPath(), *_prototypes_below(top)]
     chosen = []
     for found in merged:
-        prims = log.prims(found.path) or [stage.GetPrimAtPath(found.path)]
+        prims = log.prims(found.path) or [_prim_of(stage, found)]
         seen = (prim for prim in prims if prim and any(_is_below(prim, prefix) for prefix in prefixes))
         member = next(seen, None)
         if member is not None:

@@ -8,6 +8,8 @@ from .motion import DEGREES, MotionReport, PrimMotion
 from .samples import COMPOSED_TRANSFORM, FoundSamples
 
 MOST_TIMES_IN_A_LINE = 6
+WIDEST_PATH = 64
+"""Characters; a longer path has a line of its own, so that the columns stay on the screen."""
 HEADER = ("prim", "moved by", "track", "segments", "error px", "bytes")
 
 
@@ -20,7 +22,8 @@ def motion_text(report: MotionReport, prim: str | None, verbose: bool) -> str:
     lines = [_headline(report)]
     if shown:
         rows = [_cells(found, report.tolerance_pixels) for found in shown]
-        widths = [max(map(len, column)) for column in zip(HEADER, *rows, strict=True)]
+        columns = zip(HEADER, *rows, strict=True)
+        widths = [max(len(cell) for cell in column if len(cell) <= WIDEST_PATH) for column in columns]
         lines.append(_line(HEADER, widths))
         for found, row in zip(shown, rows, strict=True):
             lines.append(_line(row, widths))
@@ -67,8 +70,10 @@ def _cells(found: PrimMotion, tolerance: float) -> tuple[str, ...]:
 
 def _line(cells: Sequence[str], widths: Sequence[int]) -> str:
     """Words to the left, numbers to the right."""
-    pairs = list(zip(cells, widths, strict=True))
-    return "  ".join([cell.ljust(width) for cell, width in pairs[:3]] + [c.rjust(w) for c, w in pairs[3:]])
+    own_line = f"{cells[0]}\n" if len(cells[0]) > WIDEST_PATH else ""
+    pairs = list(zip(("" if own_line else cells[0], *cells[1:]), widths, strict=True))
+    words, numbers = pairs[:3], pairs[3:]
+    return own_line + "  ".join([c.ljust(w) for c, w in words] + [c.rjust(w) for c, w in numbers])
 
 
 def _details(found: PrimMotion) -> list[str]:
