@@ -225,6 +225,14 @@ def test_an_instance_that_moves_like_others_can_be_asked_for(motion: Motion) -> 
     assert samples_of(instance, "/row.xformOp:translate")["times"] == [9, 11]
 
 
+def test_an_instance_that_goes_within_the_shutter_says_so(motion: Motion) -> None:
+    blink = NATIVE.replace('"row"\n{', '"row"\n{ token visibility.timeSamples = { 9: "inherited", 10.1: "invisible" }')
+    _, report, _ = motion(blink, "/row", "--json")
+    instance = prim_of(report, "/row/a")
+    assert instance["track"] == "moving transform, visible for a part of the shutter"
+    assert samples_of(instance, "/row.visibility")["times"] == [9, 10.1]
+
+
 def test_the_parts_of_a_mesh_are_one_prim(motion: Motion) -> None:
     subsets = "".join(
         f"""    def GeomSubset "part{i}" (prepend apiSchemas = ["MaterialBindingAPI"])

@@ -111,8 +111,9 @@ class Placer:
             for same in alike.values():
                 motion = self._motion(same, group)
                 if self._context.found is not None:
-                    context = self._context.scaled(same[0].scales.blur)
-                    self._context.found.instances(same, group.root, context)
+                    shutter = self._context.shutter.scaled(same[0].scales.blur)
+                    prims = [part.prim for part in same]
+                    self._context.found.instances(prims, same[0].blinking, group.root, shutter)
                 visible = self._visible(same[0])
                 path = str(same[0].prim.GetPath())
                 yield Placement(path, key, (Level(motion),), visible, None, lambda motion=motion: motion)
@@ -133,7 +134,8 @@ class Placer:
         instancer = UsdGeom.PointInstancer(part.prim)
         context = self._context.scaled(part.scales.blur)
         if self._context.found is not None:
-            self._context.found.instancer(part, group.root, context, prototypes(instancer))
+            shown = prototypes(instancer)
+            self._context.found.instancer(part.prim, part.blinking, group.root, context.shutter, shown)
         for points in read_point_instancer(instancer, self._caches, context, part.scales.velocity):
             own = own_transform(points.prototype, self._caches, context.shutter)
             levels = (

@@ -251,7 +251,8 @@ class _FrameReader:
         if context.found is not None:
             animation, posed = (skinned.animation, samples.values) if skinned is not None else (None, ())
             times01 = [time01 for time01, _ in posed]
-            context.found.shape(part, root, context, placed_by, animation, times01)
+            own = part.prim, part.blinking, root, context.shutter
+            context.found.shape(*own, placed_by, animation, times01)
         mesh["visible"] = visible_intervals(part.blinking, self._context.shutter)
         mesh.update(points=samples.values, points_held=samples.held)
         motion = self._caches.motion([placed_by], root, varying, context.shutter, bends)

@@ -8,15 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from pxr import Usd, UsdGeom
 
 from .times import Shutter, bracketing_times
-
-if TYPE_CHECKING:
-    from .context import FrameContext
-    from .traversal import Part
 
 COMPOSED_TRANSFORM = "xformOpOrder"
 """The attribute that stands for a transform as a whole, as in diagnostics."""
@@ -47,8 +42,8 @@ class _Entry:
     prims: Sequence[Usd.Prim]
     root: Usd.Prim | None
     """In whose space it moves."""
-    context: FrameContext
-    """With the prim's own shutter."""
+    shutter: Shutter
+    """Its own."""
     placed_by: Usd.Prim
     attributes: tuple[str, ...] = ()
     """Of the prim, as far as they are authored."""
@@ -64,7 +59,7 @@ class _Entry:
 
     def samples(self, prim: Usd.Prim) -> Iterator[FoundSamples]:
         """What moves one of the prims."""
-        shutter, path = self.context.shutter, prim.GetPath()
+        shutter, path = self.shutter, prim.GetPath()
         for name in self.attributes:
             attribute = prim.GetAttribute(name)
             posed = name == "points" and self.posed_at01
@@ -78,7 +73,7 @@ class _Entry:
                 if attribute and attribute.HasAuthoredValue():
                     yield found_samples(attribute, shutter)
         for visibility in self.blinking:
-            yield found_samples(visibility, self.context.shutter)
+            yield found_samples(visibility, shutter)
         placed_by = prim if self.placed_by == self.prims[0] else self.placed_by
         yield from transform_samples_of(placed_by, self.root, shutter)
         for prototype in self.prototypes:
@@ -90,7 +85,7 @@ class _Entry:
     def _tells(self, attribute: Usd.Attribute, name: str) -> bool:
         """Whether an attribute is worth a line: topology and sizes only where they may change."""
         if name in _TOPOLOGY or name == "protoIndices":
-            return self.context.shutter.moving and attribute.ValueMightBeTimeVarying()
+            return self.shutter.moving and attribute.ValueMightBeTimeVarying()
         return name in _SHAPE[:5] + _INSTANCER + _RATES or attribute.ValueMightBeTimeVarying()
 
 
@@ -115,33 +110,44 @@ class SampleLog:
 
     def shape(
         self,
-        part: Part,
+        prim: Usd.Prim,
+        blinking: tuple[Usd.Attribute, ...],
         root: Usd.Prim | None,
-        context: FrameContext,
+        shutter: Shutter,
         placed_by: Usd.Prim,
         animation: Usd.Prim | None = None,
         posed_at01: Sequence[float] = (),
     ) -> None:
-        """A mesh; `posed_at01` and `animation` where it is skinned."""
+        """A mesh that moves in the space of `root` by the transform of `placed_by`; `blinking` are visibilities that
+        change. `posed_at01` and `animation` where it is skinned."""
         names = (*_SHAPE, *_EXTENTS, *_TOPOLOGY)
-        entry = _Entry((part.prim,), root, context, placed_by, names, animation, tuple(posed_at01), part.blinking)
-        self._shapes[str(part.prim.GetPath())] = entry
+        entry = _Entry((prim,), root, shutter, placed_by, names, animation, tuple(posed_at01), blinking)
+        self._shapes[str(prim.GetPath())] = entry
 
-    def instances(self, parts: Sequence[Part], root: Usd.Prim | None, context: FrameContext) -> None:
+    def instances(
+        self,
+        prims: Sequence[Usd.Prim],
+        blinking: tuple[Usd.Attribute, ...],
+        root: Usd.Prim | None,
+        shutter: Shutter,
+    ) -> None:
         """Native instances that move alike; the first gives its name to their track."""
-        first = parts[0]
-        path = str(first.prim.GetPath())
+        path = str(prims[0].GetPath())
         if path not in self._instances:
-            prims = [part.prim for part in parts]
-            self._instances[path] = _Entry(prims, root, context, first.prim, blinking=first.blinking)
+            self._instances[path] = _Entry(prims, root, shutter, prims[0], blinking=blinking)
 
     def instancer(
-        self, part: Part, root: Usd.Prim | None, context: FrameContext, prototypes: Sequence[Usd.Prim]
+        self,
+        prim: Usd.Prim,
+        blinking: tuple[Usd.Attribute, ...],
+        root: Usd.Prim | None,
+        shutter: Shutter,
+        prototypes: Sequence[Usd.Prim],
     ) -> None:
         """A point instancer."""
-        path = str(part.prim.GetPath())
+        path = str(prim.GetPath())
         if path not in self._instances:
-            entry = _Entry((part.prim,), root, context, part.prim, _INSTANCER + _RATES, blinking=part.blinking)
+            entry = _Entry((prim,), root, shutter, prim, _INSTANCER + _RATES, blinking=blinking)
             entry.prototypes = tuple(prototypes)
             self._instances[path] = entry
 
