@@ -106,6 +106,7 @@ TranslatedInstances translate_instances(const InstancesInput& given, const Insta
 
   TranslatedInstances result;
   result.track = report_track(verdicts, *chain, fitter, target.settings.tolerance, log);
+  result.track.hidden_partly = input.visible.has_value();
   std::vector<std::vector<std::size_t>> members(fitter.track_count());
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     if (verdicts[i].fate == Fate::kDrawn) members[verdicts[i].track].push_back(i);

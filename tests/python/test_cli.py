@@ -140,6 +140,31 @@ def test_stats(msbvh: Run, tmp_path: Path, scene: Path) -> None:
     assert first["render"]["accel"]["references"] >= 2
     assert {track["path"] for track in first["tracks"]} == {"/world/main_cam", "/world/square"}
     assert any("/world/square" in entry["prim"] for entry in first["plan"])
+    square = first["tracks"][1]
+    assert {name: square[name] for name in ("source", "segments", "degree", "clock", "hidden_partly", "count")} == {
+        "source": "transform",
+        "segments": 1,
+        "degree": 1,
+        "clock": False,
+        "hidden_partly": False,
+        "count": 1,
+    }
+    assert square["rule"] and square["bytes"] == 2 * 12 * 4  # Two keys of an affine map in floats.
+
+
+@pytest.mark.parametrize(
+    ("interpolation", "segments", "degree"), [("linear", 4, 1), ("quadratic", 2, 2), ("cubic", 1, 3)]
+)
+def test_interpolation_and_segments_are_as_asked_for(
+    msbvh: Run, tmp_path: Path, scene: Path, interpolation: str, segments: int, degree: int
+) -> None:
+    chosen = ("--interpolation", interpolation, "--segments", segments)
+    done = msbvh("record", scene, "a.exr", "--stats", "s.json", *chosen, *SMALL)
+    assert done.returncode == 0, done.stderr
+    stats = json.loads((tmp_path / "s.json").read_text())
+    square = stats["frames"][0]["tracks"][1]
+    assert (square["segments"], square["degree"]) == (segments, degree)
+    assert stats["settings"]["read"]["interpolation"] == interpolation
 
 
 def test_plan(msbvh: Run, scene: Path) -> None:
@@ -209,6 +234,11 @@ def test_a_warning_is_said_once_for_all_frames(msbvh: Run, scene: Path) -> None:
         ),
         (("record", "scene.usda", "a.exr", "--motion-tolerance", "0"), "--motion-tolerance"),
         (("record", "scene.usda", "a.exr", "--motion-tolerance", "nan"), "expected a finite number"),
+        (("record", "scene.usda", "a.exr", "--interpolation", "spline"), "'spline' is not one of"),
+        (("record", "scene.usda", "a.exr", "--segments", "0"), "found '0', expected a power of two"),
+        (("record", "scene.usda", "a.exr", "--segments", "256"), "found '256', expected a power of two"),
+        (("plan", "scene.usda", "--segments", "3"), "found '3', expected a power of two"),
+        (("plan", "scene.usda", "--segments", "two"), "found 'two', expected a power of two"),
         (("record", "scene.usda", "a.exr", "-r", "Storm"), "only msbvh renders here"),
         (("record", "scene.usda", "a.exr", "-rs", "/Render"), "--renderSettingsPrimPath is not supported"),
         (("record", "scene.usda", "a.exr", "-rp", "/Render"), "--renderPassPrimPath is not supported"),

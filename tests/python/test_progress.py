@@ -4,7 +4,12 @@ from __future__ import annotations
 
 import io
 
+import pytest
+from msbvh import progress as progress_module
 from msbvh.progress import Progress
+from msbvh.reader import read_frame
+from pxr import Gf, UsdGeom
+from recording import Shot
 
 
 class Terminal(io.StringIO):
@@ -36,3 +41,51 @@ def test_a_terminal_gets_a_bar() -> None:
     assert "frame 1" in terminal.getvalue()
     assert "100%" in terminal.getvalue()
     assert "\n" not in terminal.getvalue().rstrip("\n")
+
+
+class Clock:
+    """A clock that stands until it is set."""
+
+    now = 0.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
+    clock = Clock()
+    monkeypatch.setattr(progress_module, "time", clock)
+    return clock
+
+
+@pytest.mark.parametrize("stream", [io.StringIO, Terminal])
+def test_what_is_quick_says_nothing(clock: Clock, stream: type[io.StringIO]) -> None:
+    log = stream()
+    with Progress("reading", log, delay_seconds=1.0) as progress:
+        for share, clock.now in ((0.1, 0.2), (0.9, 0.9), (1.0, 1.5)):
+            progress(share)
+    assert log.getvalue() == ""
+
+
+def test_what_takes_longer_shows_from_then_on(clock: Clock) -> None:
+    log, terminal = io.StringIO(), Terminal()
+    with Progress("reading", log, 1.0) as plain, Progress("reading", terminal, 1.0) as bar:
+        for share, clock.now in ((0.1, 0.2), (0.35, 1.5), (1.0, 3.0)):
+            plain(share)
+            bar(share)
+    assert log.getvalue().splitlines() == ["reading: 30 %", "reading: 100 %"]
+    assert "100%" in terminal.getvalue()
+
+
+def test_reading_calls_once_a_mesh_and_not_once_an_instance() -> None:
+    shot, shares = Shot(), []
+    for index in range(4):
+        shot.mesh(f"/square{index}")
+    instancer = UsdGeom.PointInstancer.Define(shot.stage, "/dots")
+    instancer.CreatePrototypesRel().SetTargets([shot.mesh("/dots/dot").GetPath()])
+    instancer.CreateProtoIndicesAttr([0] * 500)
+    instancer.CreatePositionsAttr([Gf.Vec3f(x, 0, 0) for x in range(500)])
+    read_frame(shot.stage, 10.0, progress=shares.append)
+    assert shares == sorted(shares) and shares[-1] == 1.0
+    assert 4 < len(shares) < 12

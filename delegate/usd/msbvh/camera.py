@@ -136,8 +136,12 @@ def _authored_times(prim: Usd.Prim, shutter: Shutter) -> set[float]:
         return set()
     ancestors = [UsdGeom.Xformable(prim.GetStage().GetPrimAtPath(p)) for p in prim.GetPath().GetPrefixes()]
     times = authored_xform_times([xformable for xformable in ancestors if xformable], shutter)
-    camera = UsdGeom.Camera(prim)
-    optics = (
+    return times.union(*(a.GetTimeSamplesInInterval(shutter.interval) for a in optics(UsdGeom.Camera(prim))))
+
+
+def optics(camera: UsdGeom.Camera) -> tuple[Usd.Attribute, ...]:
+    """The attributes that zoom and focus a camera."""
+    return (
         camera.GetFocalLengthAttr(),
         camera.GetHorizontalApertureAttr(),
         camera.GetVerticalApertureAttr(),
@@ -146,7 +150,6 @@ def _authored_times(prim: Usd.Prim, shutter: Shutter) -> set[float]:
         camera.GetFStopAttr(),
         camera.GetFocusDistanceAttr(),
     )
-    return times.union(*(attribute.GetTimeSamplesInInterval(shutter.interval) for attribute in optics))
 
 
 def _sampled(

@@ -10,19 +10,32 @@ from pathlib import Path
 from typing import Any
 
 import click
+from pxr import Usd
 
 from . import _core
 from .atomic import OutputError
 from .color import ColorCorrection, ColorError
 from .conformance import conform, find_suite, other_renderer, own_renderer, read_rules, table
 from .errors import Diagnostics, SceneError
+from .motion import motion_report
+from .motion_table import beyond_text, motion_text
 from .frames import FrameError, check_single_outputs, frame_jobs, parse_frame_specs
 from .images import ImageSettings
-from .options import CONFORM, OUTPUT, RENDER, SCENE, with_options
+from .options import CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
 from .progress import Progress
-from .reader import ReadSettings, read_frame
-from .record import FrameJob, RecordSettings, RenderSettings, plan_entries, record, report, software
+from .reader import ReadResult, ReadSettings, read_frame
+from .record import (
+    FrameJob,
+    RecordSettings,
+    RenderSettings,
+    plan_entries,
+    reading_progress,
+    record,
+    report,
+    software,
+)
 from .report import Reporter, one_line
+from .samples import SampleLog
 from .stage import open_stage
 
 DONE, WRONG, USAGE, DEGRADED, INTERRUPTED = 0, 1, 2, 3, 130
@@ -97,21 +110,11 @@ def record_command(
 
 
 @commands.command("plan")
-@with_options(SCENE)
-@click.option("--frame", "-f", metavar="TIMECODE", help="Default: the stage's start time.")
-@click.option("--json", "as_json", is_flag=True, help="For scripts.")
+@with_options(SCENE, ONE_FRAME)
 def plan_command(scene: str, frame: str | None, as_json: bool, **options: Any) -> int:
     """Print the effects that SCENE calls for, and the prims that are the reason."""
-    frames = _parse(lambda: parse_frame_specs(frame))[0] if frame else []
-    if len(frames) > 1 or (frames and options["default_time"]):
-        raise click.UsageError(
-            "plan looks at one frame: --frame takes one time code, and not beside --defaultTime"
-        )
-    reporter, diagnostics = Reporter(), Diagnostics()
-    stage = open_stage(scene, diagnostics, options["mask"])
-    report(diagnostics, reporter)
-    start = None if options["default_time"] else stage.GetStartTimeCode()
-    result = read_frame(stage, frames[0] if frames else start, _read_settings(options))
+    reporter = Reporter()
+    _, _, result = _read_one_frame("plan", scene, frame, options, reporter)
     report(result.diagnostics, reporter)
     renderer = _core.Renderer(result.scene, width=result.camera.width, height=result.camera.height)
     plan = plan_entries(renderer)
@@ -121,6 +124,34 @@ def plan_command(scene: str, frame: str | None, as_json: bool, **options: Any) -
         for entry in plan:
             print(f"{entry['effect']:20} {entry['prim']}{': ' if entry['prim'] else ''}{entry['why']}")
     return DONE
+
+
+@commands.command("motion")
+@with_options(SCENE, ONE_FRAME)
+@click.argument("prim", required=False)
+@click.option("--verbose", "-v", is_flag=True, help="Rule and samples of every prim, the still ones too.")
+def motion_command(
+    scene: str, prim: str | None, frame: str | None, as_json: bool, verbose: bool, **options: Any
+) -> int:
+    """Print how the prims of SCENE move within the shutter: the samples found, the rule that decided, the track
+    that follows them, its error in pixels and its bytes.
+
+    PRIM limits the report to a prim and those below it, with the rule and the samples of each. Exit code 1 if a
+    track misses --motion-tolerance.
+    """
+    reporter, log = Reporter(), SampleLog()
+    stage, time, result = _read_one_frame("motion", scene, frame, options, reporter, log)
+    found = motion_report(stage, time, result, log, options["motion_tolerance"], prim)
+    if prim is None:
+        report(result.diagnostics, reporter)
+    if as_json:
+        print(json.dumps({"scene": scene, **found.plain()}, indent=2, allow_nan=False))
+    else:
+        print(motion_text(found, prim, verbose))
+    if found.beyond:
+        sys.stdout.flush()
+        Reporter.error(beyond_text(found))
+    return WRONG if found.beyond else DONE
 
 
 @commands.command("conform")
@@ -143,6 +174,31 @@ def conform_command(
     else:
         print(table(outcomes))
     return DONE if all(outcome.passed for outcome in outcomes) else WRONG
+
+
+def _read_one_frame(
+    command: str,
+    scene: str,
+    frame: str | None,
+    options: dict[str, Any],
+    reporter: Reporter,
+    log: SampleLog | None = None,
+) -> tuple[Usd.Stage, float | None, ReadResult]:
+    """The stage, the frame and what was read of it; the start time where none is given. What the reader has to say
+    is left to the caller."""
+    frames = _parse(lambda: parse_frame_specs(frame))[0] if frame else []
+    if len(frames) > 1 or (frames and options["default_time"]):
+        raise click.UsageError(
+            f"{command} looks at one frame: --frame takes one time code, and not beside --defaultTime"
+        )
+    diagnostics = Diagnostics()
+    stage = open_stage(scene, diagnostics, options["mask"])
+    report(diagnostics, reporter)
+    start = None if options["default_time"] else stage.GetStartTimeCode()
+    time = frames[0] if frames else start
+    with reading_progress(time) as progress:
+        result = read_frame(stage, time, _read_settings(options), progress=progress, found=log)
+    return stage, time, result
 
 
 def _parse(parser: Callable[[], Any]) -> Any:
@@ -175,6 +231,8 @@ def _read_settings(options: dict[str, Any]) -> ReadSettings:
         conform=options["conform"],
         purposes=options["purposes"],
         motion_tolerance=options["motion_tolerance"],
+        interpolation=options["interpolation"],
+        segments=options["segments"] or 0,
         disable_camera_light=options["disable_camera_light"],
     )
 

@@ -9,6 +9,7 @@ from pxr import Usd
 
 from .errors import Diagnostics
 from .inherited import InheritedPrimvars
+from .samples import SampleLog
 from .skeletons import Skeletons
 from .times import Shutter
 
@@ -24,6 +25,8 @@ class FrameContext:
     diagnostics: Diagnostics
     skeletons: Skeletons = field(default_factory=Skeletons)
     inherited: InheritedPrimvars = field(default_factory=InheritedPrimvars)
+    found: SampleLog | None = None
+    """Where the reader notes what moves each prim; None: nobody asks."""
 
     def scaled(self, blur: float) -> FrameContext:
         """The context of a prim with that motion:blurScale."""

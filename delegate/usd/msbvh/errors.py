@@ -4,7 +4,7 @@ approximated."""
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 
 class SceneError(Exception):
@@ -56,6 +56,18 @@ class Diagnostics:
         paths = self._grouped.setdefault((severity, attribute, message), [])
         if path not in paths[:1]:
             paths.append(path)
+
+    def by_path(self) -> dict[str, list[str]]:
+        """Warnings and errors by the prim that they name; what many have in common stands with each of them."""
+        found: dict[str, list[str]] = {}
+        for diagnostic in self._single:
+            if diagnostic.severity != "note":
+                text = str(replace(diagnostic, path=""))
+                found.setdefault(diagnostic.path, []).append(text)
+        for (severity, attribute, message), paths in self._grouped.items():
+            for path in paths if severity != "note" else ():
+                found.setdefault(path, []).append(str(Diagnostic(severity, "", attribute, message)))
+        return found
 
     def __iter__(self) -> Iterator[Diagnostic]:
         yield from self._single

@@ -12,7 +12,7 @@ import numpy as np
 from pxr import UsdGeom
 
 from .context import FrameContext
-from .point_instancers import own_transform, read_point_instancer
+from .point_instancers import own_transform, prototypes, read_point_instancer
 from .transforms import Box, Motion, PixelSizes, TransformSamples, XformCaches, transform_samples
 from .traversal import WORLD, Group, Part, Traversal
 from .visibility import common_intervals, visible_intervals
@@ -98,6 +98,8 @@ class Placer:
         yield outer
         group = self._groups[outer.key]
         for inner in self._inner(group):
+            if self._context.found is not None:
+                self._context.found.inside(inner.path, outer.path)
             yield from self._below(inner.inside(outer), (*trail, outer.key))
 
     def _inner(self, group: Group) -> Iterator[Placement]:
@@ -108,6 +110,10 @@ class Placer:
                 alike.setdefault((part.varying, part.bends, part.scales, part.blinking), []).append(part)
             for same in alike.values():
                 motion = self._motion(same, group)
+                if self._context.found is not None:
+                    shutter = self._context.shutter.scaled(same[0].scales.blur)
+                    prims = [part.prim for part in same]
+                    self._context.found.instances(prims, same[0].blinking, group.root, shutter)
                 visible = self._visible(same[0])
                 path = str(same[0].prim.GetPath())
                 yield Placement(path, key, (Level(motion),), visible, None, lambda motion=motion: motion)
@@ -127,6 +133,9 @@ class Placer:
         group_from_instancer = self._motion([part], group)
         instancer = UsdGeom.PointInstancer(part.prim)
         context = self._context.scaled(part.scales.blur)
+        if self._context.found is not None:
+            shown = prototypes(instancer)
+            self._context.found.instancer(part.prim, part.blinking, group.root, context.shutter, shown)
         for points in read_point_instancer(instancer, self._caches, context, part.scales.velocity):
             own = own_transform(points.prototype, self._caches, context.shutter)
             levels = (

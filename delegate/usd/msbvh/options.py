@@ -12,10 +12,13 @@ import click
 
 from .color import MODES
 from .conform import POLICIES
+from .times import FINEST_LEVEL
 
 PURPOSES = ("default", "render", "proxy", "guide")
 MAX_PIXELS_ACROSS = 65535
 MAX_SPP = 1 << 20
+SEGMENT_COUNTS = tuple(2**k for k in range(FINEST_LEVEL + 1))
+INTERPOLATIONS = ("auto", "linear", "quadratic", "cubic")
 
 
 class Names(click.ParamType):
@@ -51,6 +54,22 @@ def _finite(ctx: click.Context, param: click.Parameter, value: float) -> float:
     if not math.isfinite(value):
         raise click.BadParameter(f"found {value}, expected a finite number", ctx, param)
     return value
+
+
+class PowerOfTwo(click.ParamType):
+    """A power of two up to the most segments that a track has."""
+
+    name = "integer"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        try:
+            number = int(value)
+        except ValueError:
+            number = -1
+        if number not in SEGMENT_COUNTS:
+            counts = ", ".join(map(str, SEGMENT_COUNTS))
+            self.fail(f"found '{value}', expected a power of two: one of {counts}", param, ctx)
+        return number
 
 
 Decorator = Callable[..., Any]
@@ -129,6 +148,23 @@ SCENE: Sequence[Decorator] = (
         help="Pixels that a track may stray from the stage's own motion. Less: more keys, more memory.",
     ),
     click.option(
+        "--interpolation",
+        type=click.Choice(INTERPOLATIONS),
+        default="auto",
+        show_default=True,
+        help="Of meshes and instances between keys. linear: the quickest rays, but arcs take many segments."
+        " quadratic, cubic: 2 or 3 times the bytes a segment and slower rays, but arcs take few."
+        " auto: for each prim what takes the fewest bytes.",
+    ),
+    click.option(
+        "--segments",
+        type=PowerOfTwo(),
+        default=None,
+        metavar="N",
+        help="Exactly these for meshes and instances that move: a power of two, 1 to 128. Memory grows in"
+        " proportion; too few miss --motion-tolerance, with a warning. Default: as few as it takes.",
+    ),
+    click.option(
         "--disableCameraLight",
         "disable_camera_light",
         is_flag=True,
@@ -167,6 +203,12 @@ SCENE: Sequence[Decorator] = (
     ),
 )
 """What is read from the stage; shared by all commands."""
+
+ONE_FRAME: Sequence[Decorator] = (
+    click.option("--frame", "-f", metavar="TIMECODE", help="Default: the stage's start time."),
+    click.option("--json", "as_json", is_flag=True, help="For scripts."),
+)
+"""Of the commands that look at a frame and render none."""
 
 OUTPUT: Sequence[Decorator] = (
     click.argument("outputs", nargs=-1, required=True, metavar="OUT..."),

@@ -11,13 +11,15 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .camera import RenderCamera, read_camera
+from .camera import RenderCamera, optics, read_camera
 from .context import FrameContext
 from .errors import Diagnostics, SceneError
 from .instances import Placement, Placer, coarse_keywords, level_keywords
 from .lights import add_lights, camera_light
 from .materials import Materials
 from .meshes import faces_by_material, read_shape
+from .motion_scales import scales_at
+from .samples import SampleLog
 from .skinning import read_skinning
 from .stage import tf_messages
 from .times import Shutter, is_held
@@ -79,16 +81,21 @@ def read_frame(
     settings: ReadSettings = ReadSettings(),
     diagnostics: Diagnostics | None = None,
     make_translator: Callable[..., Any] | None = None,
+    *,
+    progress: Callable[[float], object] | None = None,
+    found: SampleLog | None = None,
 ) -> ReadResult:
     """Reads what is visible at a frame, and its motion over the camera's shutter.
 
     `frame` is a time code; None: USD's default time, without blur. `make_translator` stands in for
-    msbvh._core.Translator in tests. Raises SceneError where there is nothing that could be rendered through
+    msbvh._core.Translator in tests. `progress` is called with the finished share in [0, 1], after each mesh and
+    after each prototype's instances; `found` notes which samples moved what. Raises SceneError where there is nothing that could be rendered through
     this camera; whatever else is wrong or unsupported leaves a diagnostic, and the rest is read.
     """
     diagnostics = Diagnostics() if diagnostics is None else diagnostics
+    make_translator = make_translator or _core_translator
     with tf_messages(diagnostics):
-        return _FrameReader(stage, frame, settings, diagnostics, make_translator or _core_translator).read()
+        return _FrameReader(stage, frame, settings, diagnostics, make_translator, progress, found).read()
 
 
 def _core_translator(**settings: Any) -> Any:
@@ -145,6 +152,8 @@ class _FrameReader:
         settings: ReadSettings,
         diagnostics: Diagnostics,
         make_translator: Callable[..., Any],
+        progress: Callable[[float], object] | None,
+        found: SampleLog | None,
     ) -> None:
         self._settings = settings
         self._seconds: dict[str, float] = {}
@@ -160,13 +169,17 @@ class _FrameReader:
                 diagnostics,
             )
             shutter = self._camera.shutter
-            self._context = FrameContext(stage, shutter, is_held(stage), diagnostics)
+            self._context = FrameContext(stage, shutter, is_held(stage), diagnostics, found=found)
             self._traversal = Traversal(self._context, purposes)
             self._caches = XformCaches(shutter, self._traversal.authored_times, self._context.held)
         self._pixel = self._camera.pixel_size()
         self._translator = make_translator(**self._translator_settings())
         self._materials = Materials(self._translator, self._context)
         self._light_count = 0
+        self._progress, self._steps_done = progress, 0
+        self._steps = sum(len(group.shapes) + 1 for group in self._traversal.groups.values())
+        if found is not None and self._camera.path:
+            self._note_camera(found)
 
     def read(self) -> ReadResult:
         """Hands everything down and finishes the scene."""
@@ -178,7 +191,22 @@ class _FrameReader:
         with self._timed("lights"):
             self._add_lights(placements)
         with self._timed("finish"):
-            return self._finish()
+            result = self._finish()
+        if self._progress is not None:
+            self._progress(1.0)
+        return result
+
+    def _step(self) -> None:
+        """A mesh is done, or a prototype's instances are."""
+        self._steps_done += 1
+        if self._progress is not None:
+            self._progress(min(self._steps_done / self._steps, 1.0))
+
+    def _note_camera(self, found: SampleLog) -> None:
+        prim = self._context.stage.GetPrimAtPath(self._camera.path)
+        scales = scales_at(prim, self._context.code, Diagnostics())
+        shutter = self._context.shutter.scaled(scales.blur)
+        found.camera(optics(UsdGeom.Camera(prim)), prim, shutter, self._camera.times01)
 
     @contextmanager
     def _timed(self, step: str) -> Iterator[None]:
@@ -215,6 +243,7 @@ class _FrameReader:
             if shape is not None:
                 batch.append(shape)
                 weight += shape.weight()
+            self._step()
             if weight > BATCH_WEIGHT:
                 self._hand_down(batch, None, self._world_pixel_sizes, self._translator.add_mesh)
                 batch, weight = [], 0
@@ -242,6 +271,11 @@ class _FrameReader:
             mesh.update(normals=skinned.normals, normals_indices=None, computed_points=True)
             for name in ("velocities", "accelerations"):
                 mesh.pop(name, None)
+        if context.found is not None:
+            animation, posed = (skinned.animation, samples.values) if skinned is not None else (None, ())
+            times01 = [time01 for time01, _ in posed]
+            own = part.prim, part.blinking, root, context.shutter
+            context.found.shape(*own, placed_by, animation, times01)
         mesh["visible"] = visible_intervals(part.blinking, self._context.shutter)
         mesh.update(points=samples.values, points_held=samples.held)
         return Shape(part, mesh, samples.box(), placed_by, (varying, bends, context.shutter))
@@ -269,6 +303,8 @@ class _FrameReader:
         self, shape: Shape, transform: TransformSamples, place: int, add: Callable[..., None]
     ) -> None:
         """Once for each material on it. Its matrices are number `place` of the samples'."""
+        if self._context.found is not None:
+            self._context.found.evaluated_shape(shape.mesh["path"], transform.times01)
         mesh = {
             **shape.mesh,
             "transform_times01": transform.times01,
@@ -336,10 +372,12 @@ class _FrameReader:
         for part, shape in zip(group.shapes, coarse, strict=True):
             if shape is not None and shape.mesh.get("computed_points"):
                 shape = self._read_part(part, group.root, pixel_sizes)  # Skinned: sampled as the pixels ask.
+            self._step()
             shapes.extend([shape] if shape is not None else [])
         self._hand_down(shapes, group.root, pixel_sizes, add)
         for placement in placed:
             self._add_instances(placement, prototype, box)
+        self._step()
 
     def _pixels_per_unit(self, placement: Placement, box: Box) -> float:
         return self._measure([coarse_keywords(level) for level in placement.levels], box)
@@ -353,6 +391,8 @@ class _FrameReader:
         tolerance, held = self._settings.motion_tolerance, self._context.held
         for levels, indices in level_keywords(placement, box, self._measure, tolerance, held):
             colour = placement.display_color
+            if self._context.found is not None:
+                self._context.found.evaluated_instances(placement.path, levels)
             self._translator.add_instances(
                 path=placement.path,
                 prototype=prototype,

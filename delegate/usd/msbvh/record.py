@@ -16,7 +16,7 @@ from .atomic import check_writable
 from .errors import Diagnostics
 from .images import ImageSettings, check_image_path, write_image
 from .metadata import ImageMetadata
-from .progress import Progress
+from .progress import PATIENCE_SECONDS, Progress
 from .reader import ReadResult, ReadSettings, read_frame
 from .report import Reporter
 from .stage import open_stage
@@ -50,8 +50,20 @@ class RecordSettings:
     """Where the run's figures go, as JSON."""
 
 
-TRACK_FIELDS = ("path", "segments", "moving_transform", "error_pixels")
-"""Of a _core.TrackReport."""
+TRACK_FIELDS = (
+    "path",
+    "source",
+    "rule",
+    "segments",
+    "degree",
+    "clock",
+    "hidden_partly",
+    "moving_transform",
+    "error_pixels",
+    "bytes",
+    "count",
+)
+"""Of a _core.TrackReport, for statistics."""
 
 FrameJob = tuple[float | None, Sequence[str]]
 """A time code (None: USD's default time) and the files that its image is written to."""
@@ -102,8 +114,8 @@ def _record_frame(
     stage: Usd.Stage, frame: float | None, files: Sequence[str], settings: RecordSettings, reporter: Reporter
 ) -> FrameStats:
     stats = FrameStats(frame, list(files))
-    with stats.timed("sample"):
-        result = read_frame(stage, frame, settings.read)
+    with stats.timed("sample"), reading_progress(frame) as progress:
+        result = read_frame(stage, frame, settings.read, progress=progress)
     report(result.diagnostics, reporter)
     camera = result.camera
     stats.width, stats.height = camera.width, camera.height
@@ -135,6 +147,11 @@ def report(diagnostics: Diagnostics, reporter: Reporter) -> None:
 def plan_entries(renderer: Any) -> list[dict[str, str]]:
     """The effect plan as plain data."""
     return [{"effect": effect, "prim": prim, "why": why} for effect, prim, why in renderer.plan]
+
+
+def reading_progress(frame: float | None) -> Progress:
+    """For read_frame(); silent where that is quick."""
+    return Progress(f"msbvh: reading {frame_label(frame)}", delay_seconds=PATIENCE_SECONDS)
 
 
 def frame_label(frame: float | None) -> str:

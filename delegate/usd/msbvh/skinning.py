@@ -36,6 +36,8 @@ class Skinned:
     """float32[M, 3] each, with the interpolation that the mesh has authored but no indices."""
     placed_by: Usd.Prim
     """Whose transform counts: the skeleton, or the mesh itself where blend shapes alone act."""
+    animation: Usd.Prim | None = None
+    """What moves the joints and weights; None where the skeleton rests."""
 
 
 def read_skinning(
@@ -63,7 +65,8 @@ def read_skinning(
         return Skinned(None, None, placed_by)
     points = [(time01, poser.points[time01]) for time01 in times01]
     normals = [(time01, poser.normals[time01]) for time01 in times01 if time01 in poser.normals]
-    return Skinned(Samples(points, held), normals or None, placed_by)
+    animation = binding.animation.GetPrim() if binding.animation else None
+    return Skinned(Samples(points, held), normals or None, placed_by, animation)
 
 
 class _Rejected(Exception):

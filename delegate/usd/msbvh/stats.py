@@ -36,7 +36,7 @@ class FrameStats:
     plan: list[dict[str, str]] = field(default_factory=list)
     """The effects that the frame calls for: effect, prim, why."""
     tracks: list[dict[str, Any]] = field(default_factory=list)
-    """How each moving prim was kept: path, segments, moving_transform, error_pixels."""
+    """How the motion of the camera and of each prim was kept, and by which rule: record.TRACK_FIELDS."""
 
     @contextmanager
     def timed(self, phase: str) -> Iterator[None]:
