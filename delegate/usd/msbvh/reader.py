@@ -21,6 +21,7 @@ from .meshes import faces_by_material, read_shape
 from .skinning import read_skinning
 from .stage import tf_messages
 from .times import is_held
+from .transform_faults import report_unusable
 from .transforms import (
     SAMPLING_SHARE,
     Box,
@@ -228,6 +229,9 @@ class _FrameReader:
         """Hands a mesh to the translator, once for each material on it."""
         tolerance, held = self._settings.motion_tolerance, self._context.held
         (transform,) = transform_samples(shape.motion, shape.box, pixel_sizes, tolerance, held)
+        if not transform.usable:
+            report_unusable(shape.motion, 0, self._context.diagnostics)
+            return
         mesh = {
             **shape.mesh,
             "transform_times01": transform.times01,
@@ -309,7 +313,8 @@ class _FrameReader:
 
     def _add_instances(self, placement: Placement, prototype: int, box: Box) -> None:
         tolerance, held = self._settings.motion_tolerance, self._context.held
-        for levels, indices in level_keywords(placement, box, self._measure, tolerance, held):
+        diagnostics = self._context.diagnostics
+        for levels, indices in level_keywords(placement, box, self._measure, tolerance, held, diagnostics):
             colour = placement.display_color
             self._translator.add_instances(
                 path=placement.path,
