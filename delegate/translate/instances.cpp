@@ -25,12 +25,17 @@ std::vector<Verdict> judge(const InstanceChain& chain, const TransformFitter& fi
   return verdicts;
 }
 
-void report_left_out(const std::vector<Verdict>& verdicts, Fate fate, const char* found, const char* expected,
-                     PrimLog& log) {
+void report_left_out(const InstanceChain& chain, const std::vector<Verdict>& verdicts, Fate fate,
+                     const char* found, const char* expected, PrimLog& log) {
   const auto is_such = [fate](const Verdict& verdict) { return verdict.fate == fate; };
   const auto count = std::ranges::count_if(verdicts, is_such);
   if (count == 0) return;
   const auto first = std::ranges::find_if(verdicts, is_such) - verdicts.begin();
+  if (const auto blame = fate == Fate::kNotFinite ? chain.blame(std::size_t(first)) : std::nullopt) {
+    log.warn(blame->attribute, message(blame->found, "; expected ", expected, "; ", count, " of ",
+                                       verdicts.size(), " instances placed together are left out"));
+    return;
+  }
   log.warn(kMatrices, message(count, " of ", verdicts.size(), " instances placed together (number ", first,
                               " is the first) ", found, "; expected ", expected, "; they are left out"));
 }
@@ -100,9 +105,9 @@ TranslatedInstances translate_instances(const InstancesInput& given, const Insta
   const TransformFitter fitter(*chain, {target.prototype_origin, target.world_origin, target.box},
                                target.measure, target.settings);
   const std::vector<Verdict> verdicts = judge(*chain, fitter);
-  report_left_out(verdicts, Fate::kNotFinite, "have a matrix that is not finite or too large",
+  report_left_out(*chain, verdicts, Fate::kNotFinite, "have a matrix that is not finite or too large",
                   "finite numbers of at most 2^60 in size", log);
-  report_left_out(verdicts, Fate::kFlat, "are flattened to a plane", "an invertible matrix", log);
+  report_left_out(*chain, verdicts, Fate::kFlat, "are flattened to a plane", "an invertible matrix", log);
 
   TranslatedInstances result;
   result.track = report_track(verdicts, *chain, fitter, target.settings.tolerance, log);

@@ -145,5 +145,5 @@ def test_a_pose_that_is_no_number_keeps_the_mesh_out_of_the_picture():
     arm.animation.GetTranslationsAttr().Set([Gf.Vec3f(float("nan"), 0, 0), Gf.Vec3f(1, 0, 0)], 10)
     arm.rotate({9: (0, 0), 11: (10, 10)})
     assert one_message(arm, "error").startswith(
-        "/Root/Animation.translations: found (nan, 0, 0) for joint 'a' at shutter time "
+        "/Root/Skeleton/Animation.translations: found (nan, 0, 0) for joint 'a' at shutter time "
     )

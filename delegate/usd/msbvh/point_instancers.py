@@ -89,6 +89,7 @@ def _arrays(
         "positions": raw_samples(instancer.GetPositionsAttr(), context, needs_times=bool(carried_by)),
         "scales": raw_samples(instancer.GetScalesAttr(), context),
         "orientations": raw_samples(orientations, context, columns=4, needs_times=spun),
+        "orientations_name": orientations.GetName(),
         **({"angular_velocities": raw_samples(angular, context, needs_times=True)} if spun else {}),
         **carried_by,
         **rate_clock(context, velocity_scale),

@@ -3,26 +3,30 @@
 from __future__ import annotations
 
 import numpy as np
-from pxr import Usd
+from pxr import Usd, UsdGeom
 
 from .errors import Diagnostics
 from .times import Shutter, bracketing_times
-from .transforms import LARGEST, Motion, xformables
+from .transforms import LARGEST, Motion
 
-_EXPECTED = f"expected finite numbers of at most 2^{int(np.log2(LARGEST))} in size; what it moves is not drawn"
+_EXPECTED = f"expected finite numbers of at most 2^{int(np.log2(LARGEST))} in size"
 
 
 def report_unusable(motion: Motion, index: int, diagnostics: Diagnostics) -> None:
     """One error for one fault, whatever hangs below it: on the outermost op with a value that is no number."""
-    carriers = motion.carriers(index)
+    path, attribute, message = unusable_op(motion.carriers(index), motion.shutter)
+    diagnostics.error(path, attribute, f"{message}; what it moves is not drawn")
+
+
+def unusable_op(carriers: list[UsdGeom.Xformable], shutter: Shutter) -> tuple[str, str, str]:
+    """Prim, attribute, and what was found and expected there. `carriers`: the innermost first."""
     for xformable in reversed(carriers):
         for op in xformable.GetOrderedXformOps():
-            found = _bad_value(op.GetAttr(), motion.shutter)
+            found = _bad_value(op.GetAttr(), shutter)
             if found:
-                diagnostics.error(str(xformable.GetPath()), op.GetAttr().GetName(), f"{found}, {_EXPECTED}")
-                return
+                return str(xformable.GetPath()), op.GetAttr().GetName(), f"{found}, {_EXPECTED}"
     path = str(carriers[0].GetPath()) if carriers else ""
-    diagnostics.error(path, "xformOpOrder", f"found a product that is no number or too large, {_EXPECTED}")
+    return path, "xformOpOrder", f"found a product that is no number or too large, {_EXPECTED}"
 
 
 def _bad_value(attribute: Usd.Attribute, shutter: Shutter) -> str:
