@@ -5,6 +5,7 @@
 
 #include "core/base/parallel.h"
 #include "delegate/translate/instance_chain.h"
+#include "delegate/translate/primvars.h"
 #include "delegate/translate/transform_fit.h"
 #include "delegate/translate/transform_samples.h"
 
@@ -86,10 +87,10 @@ InstanceSet gather(const InstancesInput& input, const TransformFitter& fitter, s
 InstancesInput with_checked_colors(InstancesInput input, std::size_t count, PrimLog log) {
   const std::span<const Vec3f> colors = input.display_color;
   if (colors.empty()) return input;
-  const bool finite = std::ranges::all_of(colors, [](const Vec3f& color) { return is_finite(color); });
+  const bool finite = std::ranges::all_of(colors, [](const Vec3f& color) { return is_color(color); });
   if (colors.size() == count && finite) return input;
   log.of_optional_part().reject(
-      "primvars:displayColor", message("found ", colors.size(), finite ? "" : " not all finite",
+      "primvars:displayColor", message("found ", colors.size(), finite ? "" : " not all finite and of at most 65504",
                                        " values; expected ", count, ", one finite colour for each instance"));
   input.display_color = {};
   return input;

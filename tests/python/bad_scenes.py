@@ -174,7 +174,7 @@ def primvar_of_another_length(shot: Shot) -> None:
     primvar.Set(vec3s((1, 0, 0), (0, 1, 0), (0, 0, 1)))
 
 
-@fault("/World/Bad.primvars:displayColor", "finite", nan=(NAN,), inf=(INF,))
+@fault("/World/Bad.primvars:displayColor", "finite", nan=(NAN,), inf=(INF,), huge=(HUGE,))
 def one_sample_of_a_primvar(shot: Shot, bad: float) -> None:
     primvar = bad_mesh(shot).CreateDisplayColorPrimvar("constant")
     for time, red in ((9, 1.0), (10.25, bad), (11, 1.0)):
@@ -202,6 +202,15 @@ def a_matrix_that_is_no_number(shot: Shot) -> None:
     matrix = Gf.Matrix4d(1)
     matrix[3, 0] = NAN
     bad_mesh(shot).AddTransformOp().Set(matrix)
+
+
+@fault("/World/Bad.points", "a coordinate reaches", "expected at most 2^60")
+def points_whose_curve_has_controls_beyond_what_is_representable(shot: Shot) -> None:
+    """A parabola up to 0.9 * 2^60: its middle control lies at 1.8 * 2^60, which used to end the run."""
+    mesh = bad_mesh(shot)
+    mesh.GetPointsAttr().Set(left(), 9.5)
+    mesh.CreateVelocitiesAttr().Set(vec3s(*with_value(3.6 * 2.0**60 * 24)), 9.5)
+    mesh.CreateAccelerationsAttr().Set(vec3s(*with_value(-7.2 * 2.0**60 * 24 * 24)), 9.5)
 
 
 # Point instancers.
@@ -352,6 +361,14 @@ def one_angular_velocity(shot: Shot, bad: float) -> None:
     attribute = instancer.CreateOrientationsAttr()
     attribute.Set(quaternions(attribute), 10)
     instancer.CreateAngularVelocitiesAttr().Set(vec3s(*with_value(bad)), 10)
+
+
+@fault("/World/Bad.velocities", "value 1", "expected finite numbers of at most 2^60")
+def instances_whose_curve_has_controls_beyond_what_is_representable(shot: Shot) -> None:
+    instancer = bad_instancer(shot)
+    instancer.GetPositionsAttr().Set(row(), 9.5)
+    instancer.CreateVelocitiesAttr().Set(vec3s(*with_value(3.6 * 2.0**60 * 24)), 9.5)
+    instancer.CreateAccelerationsAttr().Set(vec3s(*with_value(-7.2 * 2.0**60 * 24 * 24)), 9.5)
 
 
 @fault("/World/Bad/Prototype.points", "value 1", "expected")
