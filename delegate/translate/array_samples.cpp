@@ -72,12 +72,16 @@ bool check_finite(const ArraySample& sample, const std::string& attribute, PrimL
 bool check_array(const ArraySamples& input, const std::string& attribute, PrimLog& log) {
   if (!check_times(times_of(input).times01, attribute, log)) return false;
   const std::size_t count = input.samples.front().values.size();
-  return std::ranges::all_of(input.samples, [&](const ArraySample& sample) {
-    if (sample.values.size() == count) return check_finite(sample, attribute, log);
+  const auto other = std::ranges::find_if(
+      input.samples, [&](const ArraySample& sample) { return sample.values.size() != count; });
+  if (other != input.samples.end()) {
     return log.reject(attribute,
-                      message("found ", sample.values.size(), " values ", at_shutter_time(sample.time01),
+                      message("found ", other->values.size(), " values ", at_shutter_time(other->time01),
                               "; expected ", count, " as in the first sample (topology must not change)"));
-  });
+  }
+  const SampleRange seen = samples_of_shutter(times_of(input).times01, input.held);
+  return std::ranges::all_of(std::span(input.samples).subspan(seen.first, seen.count()),
+                             [&](const ArraySample& sample) { return check_finite(sample, attribute, log); });
 }
 
 ArraySamples samples_of_size(const ArraySamples& input, std::size_t base, std::size_t count) {

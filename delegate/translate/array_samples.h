@@ -52,6 +52,9 @@ class ArrayTrack {
   bool held() const { return held_; }
   bool carried() const { return carried_; }
   std::size_t size() const { return values_.front().size(); }
+  // The samples that are kept.
+  const std::vector<double>& times01() const { return times01_; }
+  std::span<const Vec3f> values(std::size_t sample) const { return values_[sample]; }
   // Where interpolation bends or, held, jumps.
   std::vector<Bend> bends() const;
   // 0, 1, and the samples between: what a hull of the values needs.
@@ -66,7 +69,7 @@ class ArrayTrack {
   bool carried_ = false;
 };
 
-// Increasing times; as many values in every sample; all of them finite.
+// Increasing times; as many values in every sample; finite ones in those that the shutter sees.
 bool check_array(const ArraySamples& samples, const std::string& attribute, PrimLog& log);
 bool check_finite(const ArraySample& sample, const std::string& attribute, PrimLog& log);
 

@@ -127,6 +127,7 @@ struct PointInstancerInput {
   std::size_t count = 0;  // of protoIndices at the frame
   ArraySamples positions, scales;
   QuaternionSamples orientations;
+  std::string orientations_name = "orientations";  // or orientationsf, for messages
   RateInput rates;
   ArraySamples angular_velocities;  // degrees per second
   RateClock clock;

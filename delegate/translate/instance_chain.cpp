@@ -118,6 +118,14 @@ std::string InstanceChain::rule() const {
   return rule.empty() ? "still" : rule;
 }
 
+std::optional<Blame> InstanceChain::blame(std::size_t instance) const {
+  for (const auto& level : levels_) {
+    if (std::optional<Blame> found = level->blame(instance % level->count())) return found;
+    instance /= level->count();
+  }
+  return std::nullopt;
+}
+
 InstanceChain::Instant InstanceChain::at(double time01, double within) const {
   Instant instant;
   for (const auto& level : levels_) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/affine.h"
@@ -21,6 +22,11 @@ class LevelInstant {
   virtual Affine3d map(std::size_t index) const = 0;
 };
 
+// Which attribute puts an instance nowhere, and what was found there.
+struct Blame {
+  std::string attribute, found;
+};
+
 // A level of instancing over the shutter.
 class ChainLevel {
  public:
@@ -32,6 +38,8 @@ class ChainLevel {
   virtual std::unique_ptr<LevelInstant> at(double time01, double within) const = 0;
   // In words, for reports: which rule says how the level moves.
   virtual std::string rule() const = 0;
+  // Of a map that is not finite or too large; nothing where the level does not know.
+  virtual std::optional<Blame> blame(std::size_t) const { return std::nullopt; }
 };
 
 // Borrows the input's arrays. Null, with an error in the log, for an input that cannot be used.
@@ -47,6 +55,7 @@ class InstanceChain {
   bool is_still() const;
   std::vector<Bend> bends() const;
   std::string rule() const;
+  std::optional<Blame> blame(std::size_t instance) const;
 
   // All instances at one time.
   class Instant {

@@ -5,6 +5,7 @@
 
 #include "core/base/parallel.h"
 #include "delegate/translate/instance_chain.h"
+#include "delegate/translate/primvars.h"
 #include "delegate/translate/transform_fit.h"
 #include "delegate/translate/transform_samples.h"
 
@@ -25,12 +26,17 @@ std::vector<Verdict> judge(const InstanceChain& chain, const TransformFitter& fi
   return verdicts;
 }
 
-void report_left_out(const std::vector<Verdict>& verdicts, Fate fate, const char* found, const char* expected,
-                     PrimLog& log) {
+void report_left_out(const InstanceChain& chain, const std::vector<Verdict>& verdicts, Fate fate,
+                     const char* found, const char* expected, PrimLog& log) {
   const auto is_such = [fate](const Verdict& verdict) { return verdict.fate == fate; };
   const auto count = std::ranges::count_if(verdicts, is_such);
   if (count == 0) return;
   const auto first = std::ranges::find_if(verdicts, is_such) - verdicts.begin();
+  if (const auto blame = fate == Fate::kNotFinite ? chain.blame(std::size_t(first)) : std::nullopt) {
+    log.warn(blame->attribute, message(blame->found, "; expected ", expected, "; ", count, " of ",
+                                       verdicts.size(), " instances placed together are left out"));
+    return;
+  }
   log.warn(kMatrices, message(count, " of ", verdicts.size(), " instances placed together (number ", first,
                               " is the first) ", found, "; expected ", expected, "; they are left out"));
 }
@@ -81,10 +87,10 @@ InstanceSet gather(const InstancesInput& input, const TransformFitter& fitter, s
 InstancesInput with_checked_colors(InstancesInput input, std::size_t count, PrimLog log) {
   const std::span<const Vec3f> colors = input.display_color;
   if (colors.empty()) return input;
-  const bool finite = std::ranges::all_of(colors, [](const Vec3f& color) { return is_finite(color); });
+  const bool finite = std::ranges::all_of(colors, [](const Vec3f& color) { return is_color(color); });
   if (colors.size() == count && finite) return input;
   log.of_optional_part().reject(
-      "primvars:displayColor", message("found ", colors.size(), finite ? "" : " not all finite",
+      "primvars:displayColor", message("found ", colors.size(), finite ? "" : " not all finite and of at most 65504",
                                        " values; expected ", count, ", one finite colour for each instance"));
   input.display_color = {};
   return input;
@@ -100,9 +106,9 @@ TranslatedInstances translate_instances(const InstancesInput& given, const Insta
   const TransformFitter fitter(*chain, {target.prototype_origin, target.world_origin, target.box},
                                target.measure, target.settings);
   const std::vector<Verdict> verdicts = judge(*chain, fitter);
-  report_left_out(verdicts, Fate::kNotFinite, "have a matrix that is not finite or too large",
+  report_left_out(*chain, verdicts, Fate::kNotFinite, "have a matrix that is not finite or too large",
                   "finite numbers of at most 2^60 in size", log);
-  report_left_out(verdicts, Fate::kFlat, "are flattened to a plane", "an invertible matrix", log);
+  report_left_out(*chain, verdicts, Fate::kFlat, "are flattened to a plane", "an invertible matrix", log);
 
   TranslatedInstances result;
   result.track = report_track(verdicts, *chain, fitter, target.settings.tolerance, log);

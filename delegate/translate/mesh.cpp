@@ -29,6 +29,13 @@ bool check_range(const Box3d& box, PrimLog& log) {
   return log.reject(kPoints, message("a coordinate reaches ", found, "; expected at most 2^60 in size"));
 }
 
+// Controls of curves lie up to five times as far out as the curve.
+bool check_controls(const TriangleMesh& shape, PrimLog& log) {
+  Box3d box;
+  for (std::size_t i = 0; i < shape.position_count(); ++i) box.grow(Vec3d(shape.positions[i]));
+  return check_range(box, log);
+}
+
 TriangleMesh shape_of(const MovingArray& points, const Candidate& track, const Triangulation& topology,
                       const std::string& name) {
   TriangleMesh shape;
@@ -92,6 +99,11 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
   const TransformFitter fitter(*chain, {shift, *target.origin, box, samples.error_pixels}, *target.measure,
                                target.settings);
   const TransformFitter::Verdict verdict = fitter.judge(0);
+  if (verdict.fate == TransformFitter::Fate::kNotFinite) {
+    log.reject(kTransform, "the motion has an element that is not finite or too large; expected finite numbers of at "
+                           "most 2^60 in size");
+    return std::nullopt;
+  }
   const TrackForm form = fitter.form(verdict.track);
   report_fit({form.segments, verdict.error}, target.settings.tolerance, kTransform, "the motion", "", log);
 
@@ -134,6 +146,7 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
 
   TranslatedMesh result;
   result.mesh.shape = shape_of(moving, fit.track, topology, input.path);
+  if (!check_controls(result.mesh.shape, log)) return std::nullopt;
   add_primvars(input, topology, {moving.transform, fit.track.layout, points.frame_only}, target, result.mesh, log);
   const bool by_transform = points.track.is_still() && !transform.is_still();
   result.track = {input.path, by_transform ? "transform" : points.source, rule_of(points, transform)};

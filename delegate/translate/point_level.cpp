@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/base/lerp.h"
+#include "core/geometry/triangle_mesh.h"
 #include "delegate/translate/array_samples.h"
 #include "delegate/translate/instance_chain.h"
 #include "delegate/translate/rates.h"
@@ -51,6 +52,15 @@ Quatd turn_about(const Vec3d& axis, double degrees) {
   return {v.x, v.y, v.z, std::cos(half)};
 }
 
+bool is_usable(const Vec3f& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}) <= kMaxCoordinate && is_finite(v);
+}
+bool is_usable(const Quatf& q) {
+  return std::isfinite(q.i) && std::isfinite(q.j) && std::isfinite(q.k) && std::isfinite(q.real);
+}
+std::string text(const Vec3f& v) { return message("(", v.x, ", ", v.y, ", ", v.z, ")"); }
+std::string text(const Quatf& q) { return message("(", q.real, ", ", q.i, ", ", q.j, ", ", q.k, ")"); }
+
 struct QuaternionInstant {
   std::span<const Quatf> first, second;
   double w = 0.0;
@@ -78,6 +88,7 @@ class PointLevel final : public ChainLevel {
         orientations_ = {orientations_[base_sample(times_of(points_.orientations), points_.clock.frame01)]};
       }
     }
+    warn_of_no_turn(log);
   }
 
   std::size_t count() const override { return selected_.size(); }
@@ -110,6 +121,24 @@ class PointLevel final : public ChainLevel {
     if (!velocities_.empty()) rule += accelerations_.empty() ? " velocities" : " velocities, accelerations";
     if (!angular_velocities_.empty()) rule += velocities_.empty() ? " angularVelocities" : ", angularVelocities";
     return rule;
+  }
+  std::optional<Blame> blame(std::size_t index) const override {
+    const auto i = std::size_t(selected_[index]);
+    std::optional<Blame> result;
+    const auto look = [&](const std::string& name, double time01, const auto& values) {
+      if (result || values.empty() || is_usable(values[i])) return;
+      result = {name, message("value ", i, " ", at_shutter_time(time01), " is ", text(values[i]))};
+    };
+    const auto look_through = [&](const char* name, const ArrayTrack& track) {
+      for (std::size_t s = 0; s < track.times01().size(); ++s) look(name, track.times01()[s], track.values(s));
+    };
+    look_through("positions", *positions_);
+    if (scales_) look_through("scales", *scales_);
+    for (const QuaternionSample& s : orientations_) look(points_.orientations_name, s.time01, s.values);
+    look("velocities", positions_->times01().front(), velocities_);
+    look("accelerations", positions_->times01().front(), accelerations_);
+    look("angularVelocities", angular_base01_, angular_velocities_);
+    return result;
   }
 
  private:
@@ -161,7 +190,7 @@ class PointLevel final : public ChainLevel {
     const SampleTimes times = times_of(q);
     const std::size_t base = base_sample(times, points_.clock.frame01);
     if (q.samples[base].values.empty()) return;
-    const RateCheck angular{times, times_of(points_.angular_velocities), "orientations", "angularVelocities",
+    const RateCheck angular{times, times_of(points_.angular_velocities), points_.orientations_name, "angularVelocities",
                             q.samples[base].values.size(), size_of(points_.angular_velocities)};
     if (rate_applies(angular, points_.clock.frame01, log)) {
       angular_velocities_ = base_of(points_.angular_velocities).values;
@@ -177,18 +206,38 @@ class PointLevel final : public ChainLevel {
     return ArrayTrack(fitting);
   }
   void keep_fitting_orientations(PrimLog& log) {
+    if (orientations_.empty()) return;
     const std::size_t before = orientations_.size();
-    std::erase_if(orientations_, [&](const QuaternionSample& s) { return s.values.size() != points_.count; });
-    if (orientations_.size() < before) warn_of_count("orientations", log);
+    const std::size_t base = base_sample(times_of(points_.orientations), points_.clock.frame01);
+    const auto fits = [&](std::size_t i) { return orientations_[i].values.size() == points_.count; };
+    std::size_t first = base, last = base;
+    while (first > 0 && fits(first - 1)) --first;
+    while (last + 1 < before && fits(last + 1)) ++last;
+    orientations_ = {orientations_.begin() + std::ptrdiff_t(first), orientations_.begin() + std::ptrdiff_t(last) + 1};
+    if (orientations_.size() < before) warn_of_count(points_.orientations_name, log);
     const bool same = std::ranges::all_of(orientations_, [&](const QuaternionSample& s) {
       return std::equal(s.values.begin(), s.values.end(), orientations_.front().values.begin(),
                         [](const Quatf& a, const Quatf& b) {
                           return a.i == b.i && a.j == b.j && a.k == b.k && a.real == b.real;
                         });
     });
-    if (same && !orientations_.empty()) orientations_.resize(1);
+    if (same) orientations_.resize(1);
   }
-  void warn_of_count(const char* name, PrimLog& log) const {
+  // USD makes the identity of them.
+  void warn_of_no_turn(PrimLog& log) const {
+    for (const QuaternionSample& s : orientations_) {
+      const auto zero = std::ranges::find_if(selected_, [&](int i) {
+        const Quatf& q = s.values[std::size_t(i)];
+        return q.i == 0.0f && q.j == 0.0f && q.k == 0.0f && q.real == 0.0f;
+      });
+      if (zero == selected_.end()) continue;
+      log.warn(points_.orientations_name, message("value ", *zero, " ", at_shutter_time(s.time01),
+                                                  " is (0, 0, 0, 0); expected a quaternion of length 1; "
+                                                  "taken as no rotation, as USD has it"));
+      return;
+    }
+  }
+  void warn_of_count(const std::string& name, PrimLog& log) const {
     log.warn(name, message("the number of values changes beside the frame's ", points_.count,
                            " and no velocities apply; the nearest sample with as many is held"));
   }
@@ -210,7 +259,7 @@ class PointLevel final : public ChainLevel {
 };
 
 template <typename Samples>
-bool check_base(const Samples& samples, const char* name, bool optional, const PointInstancerInput& points,
+bool check_base(const Samples& samples, const std::string& name, bool optional, const PointInstancerInput& points,
                 PrimLog& log) {
   if (samples.samples.empty() && optional) return true;
   const SampleTimes times = times_of(samples);
@@ -224,7 +273,7 @@ bool check(const InstanceLevel& level, PrimLog& log) {
   const PointInstancerInput& points = *level.points;
   if (!check_base(points.positions, "positions", false, points, log) ||
       !check_base(points.scales, "scales", true, points, log) ||
-      !check_base(points.orientations, "orientations", true, points, log)) {
+      !check_base(points.orientations, points.orientations_name, true, points, log)) {
     return false;
   }
   const auto bad = std::ranges::find_if(

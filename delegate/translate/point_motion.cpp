@@ -53,11 +53,11 @@ std::optional<PointMotion> carried(const MeshInput& input, const Carriers& by, P
 // USD holds what it has at the frame where it cannot interpolate.
 std::optional<PointMotion> held_at_frame(const MeshInput& input, const ArraySamples& fitting, PrimLog& log) {
   log.warn(kPoints, "the topology changes within the shutter and no velocities apply; held the frame's pose");
-  for (const ArraySample& sample : fitting.samples) {
-    if (!check_finite(sample, kPoints, log)) return std::nullopt;
-  }
   const std::vector<double> times01 = times_of(fitting).times01;
   const Bracket at = bracket(times01, input.clock.frame01, fitting.held);
+  for (const std::size_t sample : {at.first, at.second}) {
+    if (!check_finite(fitting.samples[sample], kPoints, log)) return std::nullopt;
+  }
   auto pose = std::make_shared<std::vector<Vec3f>>();
   const ArrayInstant instant{fitting.samples[at.first].values, fitting.samples[at.second].values, {}, at.w};
   for (std::size_t i = 0; i < instant.size(); ++i) pose->push_back(Vec3f(instant[i]));

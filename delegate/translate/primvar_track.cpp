@@ -5,6 +5,7 @@
 
 #include "core/motion/track.h"
 #include "delegate/translate/fit.h"
+#include "delegate/translate/primvars.h"
 #include "delegate/translate/time_samples.h"
 #include "delegate/translate/value_track.h"
 
@@ -15,8 +16,6 @@ double magnitude(double value) { return std::abs(value); }
 double magnitude(const Vec3d& value) {
   return std::max({std::abs(value.x), std::abs(value.y), std::abs(value.z)});
 }
-bool is_finite(float value) { return std::isfinite(value); }
-using msbvh::is_finite;
 
 template <typename T>
 struct Wide;
@@ -54,9 +53,9 @@ bool check_samples(const PrimvarInput<T>& input, std::span<const double> times01
       return held(message("found ", sample.values.size(), " values ", at_shutter_time(sample.time01),
                           "; expected ", input.values.size(), " as at the frame"));
     }
-    if (std::ranges::any_of(sample.values, [](const T& value) { return !is_finite(value); })) {
+    if (std::ranges::any_of(sample.values, [](const T& value) { return !is_color(value); })) {
       return held(message("found a value ", at_shutter_time(sample.time01),
-                          " that is not finite; expected finite numbers"));
+                          " that is not finite or too large; expected finite numbers of at most 65504 in size"));
     }
   }
   return true;

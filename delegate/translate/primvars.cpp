@@ -9,8 +9,6 @@
 namespace msbvh::translate {
 namespace {
 
-bool is_finite(float value) { return std::isfinite(value); }
-
 std::optional<Interpolation> interpolation_from(const std::string& token) {
   if (token == "constant") return Interpolation::kConstant;
   if (token == "uniform") return Interpolation::kTriangle;
@@ -88,10 +86,10 @@ template <typename T>
 Primvar<T> flattened(const PrimvarInput<T>& input, const Triangulation& mesh, const std::string& attribute,
                      PrimLog& log, std::uint32_t max_segments) {
   if (input.values.empty()) return {};
-  const auto bad = std::ranges::find_if(input.values, [](const T& value) { return !is_finite(value); });
+  const auto bad = std::ranges::find_if(input.values, [](const T& value) { return !is_color(value); });
   if (bad != input.values.end()) {
     log.reject(attribute,
-               message("value ", bad - input.values.begin(), " is not finite; expected finite numbers"));
+               message("value ", bad - input.values.begin(), " is not finite or too large; expected finite numbers of at most 65504 in size"));
     return {};
   }
   const std::optional<PrimvarMap> map =

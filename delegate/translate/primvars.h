@@ -1,6 +1,7 @@
 // USD primvars to one value for each element of a triangle mesh.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -16,6 +17,12 @@
 
 namespace msbvh::translate {
 
+// The largest colour, that of half floats: a path multiplies one by the next, and an overflow would leave pixels
+// that are no numbers.
+inline constexpr float kMaxColor = 65504.0f;
+inline bool is_color(float value) { return std::abs(value) <= kMaxColor; }  // false for NaN too
+inline bool is_color(const Vec3f& value) { return is_color(value.x) && is_color(value.y) && is_color(value.z); }
+
 // Which authored value belongs to each element of the triangle mesh. Shared by all time samples of a primvar.
 struct PrimvarMap {
   Interpolation interpolation = Interpolation::kConstant;
@@ -30,7 +37,7 @@ std::optional<PrimvarMap> map_primvar(const std::string& token, std::size_t valu
                                       const std::string& attribute, PrimLog& log);
 
 // A primvar, ready for the scene: with one key, or with as many as it takes to follow its samples
-// (primvar_track.h). One that does not fit or has a value at the frame that is not finite is left out, with a
+// (primvar_track.h). One that does not fit or has a value at the frame that is no colour is left out, with a
 // warning.
 template <typename T>
 Primvar<T> flattened(const PrimvarInput<T>& input, const Triangulation& mesh, const std::string& attribute,

@@ -43,6 +43,7 @@ std::optional<FrameBracket> frame_bracket(const SampleTimes& times, double frame
 
 bool rate_applies(const RateCheck& check, double frame01, PrimLog& log) {
   if (check.rate.times01.empty() || check.rate_size == 0) return false;
+  if (check.array_size == 0) return false;  // what is missing is the array; whoever reads it says so
   const std::optional<FrameBracket> array = frame_bracket(check.array, frame01);
   const std::optional<FrameBracket> rate = frame_bracket(check.rate, frame01);
   if (!array || !rate || !same(array->lower01, rate->lower01) || !same(array->upper01, rate->upper01)) {

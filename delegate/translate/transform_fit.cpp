@@ -150,11 +150,18 @@ TransformFitter::Verdict TransformFitter::judge(std::size_t instance) const {
     verdict.error = fit.error;
   }
   verdict.error += target_.sampling_error_pixels;
+  // Controls of curves lie up to five times as far out as the curve.
+  const auto is_far = [](const Affine3d& m) { return !is_representable({m.x * 8.0, m.y * 8.0, m.z * 8.0, m.t * 8.0}); };
+  if (std::ranges::any_of(maps, is_far) && !has_representable_controls(instance, verdict.track)) {
+    verdict.fate = Fate::kNotFinite;
+  }
   return verdict;
 }
 
-bool TransformFitter::is_singular_somewhere(std::size_t instance) const {
-  return std::ranges::any_of(probe_maps(instance), is_singular);
+bool TransformFitter::has_representable_controls(std::size_t instance, std::uint32_t track) const {
+  std::vector<Affine3f> maps(form(track).controls());
+  controls(instance, track, maps.data());
+  return std::ranges::all_of(maps, [](const Affine3f& map) { return is_representable(Affine3d(map)); });
 }
 
 void TransformFitter::controls(std::size_t instance, std::uint32_t track, Affine3f* out) const {

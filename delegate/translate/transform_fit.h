@@ -44,7 +44,6 @@ class TransformFitter {
     double error = 0.0;       // pixels
   };
   Verdict judge(std::size_t instance) const;
-  bool is_singular_somewhere(std::size_t instance) const;
 
   std::uint32_t track_count() const { return std::uint32_t(candidates_.size() + 1); }
   TrackForm form(std::uint32_t track) const;
@@ -78,6 +77,7 @@ class TransformFitter {
   double still_error(const std::vector<Affine3d>& probes) const;
   double error(std::size_t instance, std::size_t candidate, double limit) const;
   std::vector<Affine3d> probe_maps(std::size_t instance) const;
+  bool has_representable_controls(std::size_t instance, std::uint32_t track) const;
 
   const InstanceChain& chain_;
   MapTarget target_;

@@ -10,6 +10,7 @@
 #include "delegate/translate/instances.h"
 #include "delegate/translate/light.h"
 #include "delegate/translate/mesh.h"
+#include "delegate/translate/primvars.h"
 #include "delegate/translate/screen_measure.h"
 
 namespace msbvh::translate {
@@ -47,12 +48,13 @@ Box3d box_of(const TriangleMesh& shape) {
 
 // A material with a value that is not finite keeps its index but becomes the default one.
 Material checked_material(const Material& material, PrimLog& log) {
-  if (is_finite(material.diffuse_color) && is_finite(material.emissive_color) &&
+  if (is_color(material.diffuse_color) && is_finite(material.emissive_color) &&
       std::isfinite(material.opacity) && std::isfinite(material.opacity_threshold)) {
     return material;
   }
   log.warn("inputs",
-           "a colour or opacity is not finite; expected finite numbers; the default material is taken");
+           "a colour or opacity is not finite or too large; expected finite numbers, of a diffuseColor at most 65504; the "
+           "default material is taken");
   Material standard;
   standard.name = material.name;
   return standard;

@@ -118,12 +118,15 @@ def test_bad_topology_reaches_the_translators_gate_unchanged(attribute, value):
     assert recorded[key.get(attribute, "hole_indices")].tolist() == value
 
 
-def test_matrices_that_are_not_finite_do_not_stop_the_reading():
+def test_matrices_that_are_not_finite_are_named_by_the_op_that_makes_them():
     shot = Shot()
     move = shot.mesh("/Mesh").AddTranslateOp()
     move.Set((0, 0, 0), 9.0)
     move.Set((float("nan"), 0, 0), 11.0)
-    assert "/Mesh" in shot.read().scene.meshes
+    result = shot.read()
+    assert "/Mesh" not in result.scene.meshes
+    (error,) = messages(result, "error")
+    assert error.startswith("/Mesh.xformOp:translate: found (nan, 0, 0) at shutter time 1.5 ")
 
 
 def test_empty_meshes_are_notes_and_meshes_without_values_too():

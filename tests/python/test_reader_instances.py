@@ -277,7 +277,7 @@ def test_indices_of_no_prototype_leave_an_error_and_the_others():
     result = shot.read()
     (error,) = messages(result, "error")
     assert error.startswith(
-        "/Instancer.protoIndices: found -1, 7, expected the index of one of 1 existing prototypes"
+        "/Instancer.protoIndices: found -1, 7, expected the index of one of 1 prototypes"
     )
     assert len(result.scene.maps(0.5)) == 3
 

@@ -252,6 +252,7 @@ class LevelArguments {
     points_.positions = arguments_.samples("positions", held);
     points_.scales = arguments_.samples("scales", held);
     points_.orientations = arguments_.quaternions("orientations", held);
+    points_.orientations_name = arguments_.value_or("orientations_name", points_.orientations_name, "a str");
     points_.rates = {arguments_.samples("velocities", held), arguments_.samples("accelerations", held)};
     points_.angular_velocities = arguments_.samples("angular_velocities", held);
     points_.clock = clock_from(arguments_);

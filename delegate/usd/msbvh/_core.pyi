@@ -156,6 +156,8 @@ class InstanceLevel(TypedDict, total=False):
     scales: Samples
     orientations: Sequence[tuple[float | None, F32]]
     """float32[N, 4]: i, j, k, real."""
+    orientations_name: str
+    """Of the attribute, for messages."""
     velocities: Samples
     accelerations: Samples
     angular_velocities: Samples

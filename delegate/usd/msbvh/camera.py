@@ -16,7 +16,8 @@ from .lens import read_lenses
 from .metadata import world_to_camera, world_to_ndc
 from .motion_scales import scales_at
 from .times import Shutter, TimeGrid, checked_shutter, is_held
-from .transforms import Box, PixelSize, authored_xform_times
+from .transform_faults import unusable_op
+from .transforms import LARGEST, Box, PixelSize, authored_xform_times, xformables
 
 
 CAMERA_LEVEL = 10
@@ -97,7 +98,15 @@ def read_camera(
     shutter = checked_shutter(frame, opening or 0.0, closing or 0.0, str(prim.GetPath()), diagnostics)
     own = shutter.scaled(scales_at(prim, code, diagnostics).blur)
     grid = TimeGrid(own, _authored_times(prim, own), is_held(stage))
-    return _sampled(str(prim.GetPath()), shutter, grid, camera.GetCamera, image_size, conform, diagnostics)
+
+    def camera_at(code: Usd.TimeCode) -> Gf.Camera:
+        found = camera.GetCamera(code)
+        if not (np.abs(np.array(found.transform)) <= LARGEST).all():
+            path, attribute, message = unusable_op(list(xformables(prim, None)), own)
+            raise SceneError(f"{path}.{attribute}: {message}")
+        return found
+
+    return _sampled(str(prim.GetPath()), shutter, grid, camera_at, image_size, conform, diagnostics)
 
 
 def find_camera(stage: Usd.Stage, name: str | None, diagnostics: Diagnostics) -> Usd.Prim | None:
@@ -231,6 +240,13 @@ def _check_optics(path: str, camera: Gf.Camera) -> None:
     for attribute, value in sizes.items():
         if not (math.isfinite(value) and value > 0.0):
             raise SceneError(f"{path}.{attribute}: found {value:g}, expected a finite number above 0")
+    offsets = {
+        "horizontalApertureOffset": camera.horizontalApertureOffset,
+        "verticalApertureOffset": camera.verticalApertureOffset,
+    }
+    for attribute, value in offsets.items():
+        if not math.isfinite(value):
+            raise SceneError(f"{path}.{attribute}: found {value:g}, expected a finite number")
     near, far = camera.clippingRange.min, camera.clippingRange.max
     if not near < far:
         raise SceneError(f"{path}.clippingRange: found ({near:g}, {far:g}), expected near < far")

@@ -27,9 +27,13 @@ class Diagnostic:
     """Empty where the prim as a whole is meant."""
     message: str
 
+    @property
+    def subject(self) -> str:
+        """The path of the prim or the property."""
+        return ".".join(filter(None, (self.path, self.attribute)))
+
     def __str__(self) -> str:
-        subject = ".".join(filter(None, (self.path, self.attribute)))
-        return f"{subject}: {self.message}" if subject else self.message
+        return f"{self.subject}: {self.message}" if self.subject else self.message
 
 
 class Diagnostics:

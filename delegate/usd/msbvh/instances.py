@@ -12,8 +12,18 @@ import numpy as np
 from pxr import UsdGeom
 
 from .context import FrameContext
+from .errors import Diagnostics
 from .point_instancers import own_transform, prototypes, read_point_instancer
-from .transforms import Box, Motion, PixelSizes, TransformSamples, XformCaches, transform_samples
+from .transform_faults import report_unusable
+from .transforms import (
+    LARGEST,
+    Box,
+    Motion,
+    PixelSizes,
+    TransformSamples,
+    XformCaches,
+    transform_samples,
+)
 from .traversal import WORLD, Group, Part, Traversal
 from .visibility import common_intervals, visible_intervals
 
@@ -158,10 +168,16 @@ Measure = Callable[[list[dict], Box], float]
 
 
 def level_keywords(
-    placement: Placement, box: Box, measure: Measure, tolerance_pixels: float, held: bool
+    placement: Placement,
+    box: Box,
+    measure: Measure,
+    tolerance_pixels: float,
+    held: bool,
+    diagnostics: Diagnostics,
 ) -> Iterator[tuple[list[dict], np.ndarray]]:
     """The translator's levels of a placement, sampled as densely as straight lines need, and int[N]: which of its
-    instances they are. Several where some instances need more samples than others. `box` is the group's.
+    instances they are. Several where some instances need more samples than others; those that a transform puts
+    nowhere are left out, with an error. `box` is the group's.
     """
     boxes = [box]
     for level in placement.levels[:-1]:
@@ -173,14 +189,23 @@ def level_keywords(
             choices.append([(np.arange(level.count), {**level.arrays})])
             continue
         sizes = _pixel_sizes(coarse[index + 1 :], boxes[index], level, measure)
-        sampled = transform_samples(level.motion, [boxes[index]], sizes, tolerance_pixels, held)
-        choices.append([(samples.indices, _keywords(samples)) for samples in sampled])
+        sampled = list(transform_samples(level.motion, [boxes[index]], sizes, tolerance_pixels, held))
+        for samples in sampled:
+            if not samples.usable:
+                _report(level.motion, samples.indices, diagnostics)
+        choices.append([(samples.indices, _keywords(samples)) for samples in sampled if samples.usable])
     counts = [level.count for level in placement.levels]
     for chosen in product(*choices):
         indices = np.zeros(1, np.int64)
         for (own, _), count in zip(reversed(chosen), reversed(counts), strict=True):
             indices = (indices[:, None] * count + own[None]).ravel()
         yield [keywords for _, keywords in chosen], indices
+
+
+def _report(motion: Motion, indices: np.ndarray, diagnostics: Diagnostics) -> None:
+    """The faults of a few things: beyond them it is one fault further up, or more than anybody reads."""
+    for index in indices[:8].tolist():
+        report_unusable(motion, index, diagnostics)
 
 
 def _keywords(samples: TransformSamples) -> dict:
@@ -217,7 +242,12 @@ def _image(level: Level, box: Box) -> Box:
         times = (0.0,) if level.motion.still else (0.0, 0.5, 1.0)
         corners = [box.corners() @ level.motion.at_time(time)[..., :3] for time in times]
         return Box.around(np.concatenate(corners).reshape(-1, 3))
-    centres = Box.around(np.concatenate([values for _, values in level.arrays["positions"]]))
-    scales = [np.abs(values).max(initial=0.0) for _, values in level.arrays["scales"]] or [1.0]
+    centres = Box.around(_usable(np.concatenate([values for _, values in level.arrays["positions"]])))
+    scales = [np.abs(_usable(values)).max(initial=0.0) for _, values in level.arrays["scales"]] or [1.0]
     reach = float(max(scales)) * float(np.linalg.norm(box.corners()[:, :3], axis=1).max())
     return Box(centres.lo - reach, centres.hi + reach)
+
+
+def _usable(values: np.ndarray) -> np.ndarray:
+    """Without those of float32[N, 3] that put an instance nowhere: the translator leaves it out."""
+    return values[(np.abs(values) <= LARGEST).all(axis=1)]

@@ -95,16 +95,22 @@ def sample_light(
     at_frame = _sampled(prim, (), {0.0: shutter.frame_code})
     codes = _codes(attributes, shutter)
     samples = _sampled(prim, visibility, codes) if codes else at_frame
+    if codes and not all(np.isfinite(found).all() for found in (at_frame.emission, at_frame.sizes)):
+        at_frame = _first(samples)  # The frame lies outside of the shutter, or the samples show the fault too.
     values = np.concatenate([samples.emission, samples.sizes, samples.normalize[:, None]], axis=1)
     if (values == values[0]).all():
-        samples = replace(
-            samples,
-            times01=samples.times01[:1],
-            emission=samples.emission[:1],
-            sizes=samples.sizes[:1],
-            normalize=samples.normalize[:1],
-        )
+        samples = _first(samples)
     return samples, at_frame
+
+
+def _first(samples: LightSamples) -> LightSamples:
+    return replace(
+        samples,
+        times01=samples.times01[:1],
+        emission=samples.emission[:1],
+        sizes=samples.sizes[:1],
+        normalize=samples.normalize[:1],
+    )
 
 
 def _value_attributes(prim: Usd.Prim) -> list[Usd.Attribute]:

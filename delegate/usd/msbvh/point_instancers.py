@@ -89,6 +89,7 @@ def _arrays(
         "positions": raw_samples(instancer.GetPositionsAttr(), context, needs_times=bool(carried_by)),
         "scales": raw_samples(instancer.GetScalesAttr(), context),
         "orientations": raw_samples(orientations, context, columns=4, needs_times=spun),
+        "orientations_name": orientations.GetName(),
         **({"angular_velocities": raw_samples(angular, context, needs_times=True)} if spun else {}),
         **carried_by,
         **rate_clock(context, velocity_scale),
@@ -104,11 +105,17 @@ def _prototype_indices(
     if not len(indices):
         diagnostics.group(path, "", "empty: it has no instances at this frame", "note")
         return indices
-    exists = np.isin(indices, [index for index, prim in enumerate(prims) if prim])
-    if not exists.all():
-        found = ", ".join(map(str, np.unique(indices[~exists])[:8]))
-        message = f"found {found}, expected the index of one of {len(prims)} existing prototypes"
+    in_range = (indices >= 0) & (indices < len(prims))
+    if not in_range.all():
+        found = ", ".join(map(str, np.unique(indices[~in_range])[:8]))
+        message = f"found {found}, expected the index of one of {len(prims)} prototypes"
         diagnostics.error(path, "protoIndices", f"{message}; those instances are not drawn")
+    exists = np.isin(indices, [index for index, prim in enumerate(prims) if prim])
+    if not exists[in_range].all():
+        targets = instancer.GetPrototypesRel().GetForwardedTargets()
+        found = ", ".join(str(targets[index]) for index in np.unique(indices[in_range & ~exists])[:8])
+        message = f"found {found}, expected prims that exist; their instances are not drawn"
+        diagnostics.error(path, "prototypes", message)
     if changes(instancer.GetProtoIndicesAttr(), context) and not _may_be_carried(instancer):
         message = "changes within the shutter and no velocities apply; drew the frame's instances"
         diagnostics.warning(path, "protoIndices", message)
@@ -203,7 +210,10 @@ def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) ->
     def evaluate(time01: float) -> np.ndarray:
         return np.array(caches.cache(time01, shutter).GetLocalTransformation(prototype)[0])[None]
 
-    return Motion(caches.grid(shutter), 1, not moving, evaluate, tuple(bends))
+    def carriers(_: int) -> list[UsdGeom.Xformable]:
+        return [xformable] if xformable else []
+
+    return Motion(caches.grid(shutter), 1, not moving, evaluate, tuple(bends), carriers=carriers)
 
 
 def _display_color(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> np.ndarray | None:

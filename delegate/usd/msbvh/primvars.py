@@ -66,6 +66,8 @@ def sample_primvar(
         message = f"the number of values changes within the shutter; held the frame's {len(values)}"
         context.diagnostics.warning(path, primvar.GetName(), message)
         return at_frame
+    if not np.isfinite(values).all():
+        return at_frame  # The translator says so: with nothing to hold, one message is enough.
     if not all(np.isfinite(sample).all() for _, sample in samples):
         message = "found a value within the shutter that is not finite; held the frame's values"
         context.diagnostics.warning(path, primvar.GetName(), message)

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from .samples import SampleLog
 from .skinning import read_skinning
 from .stage import tf_messages
 from .times import Shutter, is_held
+from .transform_faults import report_unusable
 from .transforms import (
     SAMPLING_SHARE,
     Box,
@@ -295,9 +297,12 @@ class _FrameReader:
             boxes = [shapes[index].box for index in same]
             for samples in transform_samples(motion, boxes, pixel_sizes, tolerance, held):
                 for place, index in enumerate(samples.indices.tolist()):
-                    moved[same[index]] = samples, place
-        for index, shape in enumerate(shapes):
-            self._add_shape(shape, *moved[index], add)
+                    if samples.usable:
+                        moved[same[index]] = samples, place
+                    else:
+                        report_unusable(motion, index, self._context.diagnostics)
+        for index, (samples, place) in sorted(moved.items(), key=itemgetter(0)):
+            self._add_shape(shapes[index], samples, place, add)
 
     def _add_shape(
         self, shape: Shape, transform: TransformSamples, place: int, add: Callable[..., None]
@@ -389,7 +394,8 @@ class _FrameReader:
 
     def _add_instances(self, placement: Placement, prototype: int, box: Box) -> None:
         tolerance, held = self._settings.motion_tolerance, self._context.held
-        for levels, indices in level_keywords(placement, box, self._measure, tolerance, held):
+        diagnostics = self._context.diagnostics
+        for levels, indices in level_keywords(placement, box, self._measure, tolerance, held, diagnostics):
             colour = placement.display_color
             if self._context.found is not None:
                 self._context.found.evaluated_instances(placement.path, levels)

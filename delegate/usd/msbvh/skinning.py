@@ -16,6 +16,7 @@ from pxr import Usd, UsdGeom
 from .context import FrameContext, array
 from .points import Samples
 from .skel_bindings import SkelBinding, read_binding
+from .skel_faults import report_unusable_pose
 from .times import FINEST_LEVEL, TimeGrid
 from .transforms import Box
 
@@ -184,6 +185,9 @@ class _Poser:
 
         binding, context = self._binding, self._context
         codes = [context.shutter.time_code(time01) for time01 in times01]
+        joints = _joints(binding, codes, context)
+        if joints is not None and report_unusable_pose(binding, joints, codes, context):
+            raise _Rejected
         shapes = [] if binding.shapes is None else binding.shapes.shapes
         weights = [binding.shapes.weights(code, context) for code in codes] if shapes else None
         points, normals, diagnostics = _core.skin_points(
@@ -192,7 +196,7 @@ class _Poser:
             points=rest,
             normals=self._normals,
             normal_points=self._normal_points,
-            joints=_joints(binding, codes, context),
+            joints=joints,
             sub_shapes=shapes,
             sub_shape_weights=None if weights is None else np.array(weights),
             **binding.influences,

@@ -50,7 +50,8 @@ def _population_mask(paths: Sequence[str]) -> Usd.StagePopulationMask:
 
 @contextmanager
 def tf_messages(diagnostics: Diagnostics) -> Iterator[None]:
-    """Turns the warnings that USD's libraries would print into diagnostics."""
+    """Turns the warnings that USD's libraries would print into diagnostics, but for those on properties that
+    have one already."""
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         yield
@@ -69,6 +70,8 @@ def _record(commentary: str, diagnostics: Diagnostics) -> None:
     """Splits the prim off messages such as `In </World>: Could not open asset @a.usda@ for reference ...`."""
     text = _ADDRESS.sub("", _STAGE_SUFFIX.sub("", " ".join(commentary.split())))
     prim = _PRIM_PREFIX.match(text)
+    if prim and "." in prim[1] and any(known.subject == prim[1] for known in diagnostics):
+        return
     diagnostics.warning(prim[1] if prim else "", "", text[prim.end() :] if prim else text)
 
 

@@ -7,7 +7,7 @@ product.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -27,16 +27,19 @@ class Motion:
         evaluate: Callable[[float], np.ndarray],
         bends01: tuple[float, ...] = (),
         evaluate_some: Callable[[float, np.ndarray], np.ndarray] | None = None,
+        carriers: Callable[[int], list[UsdGeom.Xformable]] | None = None,
     ) -> None:
         """`evaluate(time01)` gives float64[count, 4, 4]; `evaluate_some(time01, indices)` those of some things,
         where that is cheaper. `still`: it is the same at any time. `bends01`: times inside the shutter at which
-        the motion may change its course (or, on a held stage, its place)."""
+        the motion may change its course (or, on a held stage, its place). `carriers(index)`: the prims whose ops
+        move a thing, the innermost first, for messages."""
         self.count = count
         self.still = still
         self.bends01 = bends01
         self._grid = grid
         self._evaluate = evaluate
         self._evaluate_some = evaluate_some
+        self._carriers = carriers
         self._known: dict[float, np.ndarray] = {}
 
     def some(self, time01: float, indices: np.ndarray) -> np.ndarray:
@@ -51,6 +54,15 @@ class Motion:
         if key not in self._known:
             self._known[key] = self._evaluate(key)
         return self._known[key]
+
+    @property
+    def shutter(self) -> Shutter:
+        """Of the things."""
+        return self._grid.shutter
+
+    def carriers(self, index: int) -> list[UsdGeom.Xformable]:
+        """The prims whose ops move a thing, the innermost first; [] where nobody said."""
+        return self._carriers(index) if self._carriers else []
 
     def times01(self, level: int) -> list[float]:
         """The times of a level of the grid; [0] where still."""
@@ -138,9 +150,12 @@ class XformCaches:
         def evaluate_some(time01: float, indices: np.ndarray) -> np.ndarray:
             return self.matrices(time01, [prims[index] for index in indices.tolist()], root, own)
 
+        def carriers(index: int) -> list[UsdGeom.Xformable]:
+            return list(xformables(prims[index], root))
+
         still = not (varying and own.moving)
         bends01 = () if still else tuple(sorted({own.time01(time) for time in bends}))
-        return Motion(self.grid(own), len(prims), still, evaluate, bends01, evaluate_some)
+        return Motion(self.grid(own), len(prims), still, evaluate, bends01, evaluate_some, carriers)
 
 
 def may_move(prim: Usd.Prim, root: Usd.Prim | None) -> bool:
@@ -148,7 +163,7 @@ def may_move(prim: Usd.Prim, root: Usd.Prim | None) -> bool:
     has come by."""
     if root is not None and not prim.GetPath().HasPrefix(root.GetPath()):
         return may_move(prim, None) or may_move(root, None)
-    return any(xformable.TransformMightBeTimeVarying() for xformable in _xformables(prim, root))
+    return any(xformable.TransformMightBeTimeVarying() for xformable in xformables(prim, root))
 
 
 def bends_of(prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter) -> set[float]:
@@ -158,11 +173,11 @@ def bends_of(prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter) -> set[flo
         return bends_of(prim, None, shutter) | bends_of(root, None, shutter)
     if not shutter.moving:
         return set()
-    return set().union(*(xform_bends(xformable, shutter) for xformable in _xformables(prim, root)))
+    return set().union(*(xform_bends(xformable, shutter) for xformable in xformables(prim, root)))
 
 
-def _xformables(prim: Usd.Prim, root: Usd.Prim | None) -> Iterator[UsdGeom.Xformable]:
-    """The prim and its ancestors below `root`, as far as they carry it."""
+def xformables(prim: Usd.Prim, root: Usd.Prim | None) -> Iterator[UsdGeom.Xformable]:
+    """The prim and its ancestors below `root` (of a prim elsewhere: all), as far as they carry it."""
     while prim and not prim.IsPseudoRoot() and prim != root:
         xformable = UsdGeom.Xformable(prim)
         if xformable:
@@ -239,6 +254,8 @@ FINEST_SPLIT = 12
 image to a hundredth of a pixel."""
 LARGEST_SAMPLES = 2**23
 """Matrices that are held at once, a gigabyte; beyond it sampling ends where it stands, and says so by its error."""
+LARGEST = 2.0**60
+"""The largest element of a usable matrix: kMaxCoordinate (core/geometry), so that products do not overflow."""
 _PROBE = 0.381966
 """Of a stretch: off the even places, so that no whole number of turns looks straight."""
 
@@ -258,6 +275,8 @@ class TransformSamples:
     held: bool = False
     error_pixels: float = 0.0
     """By which the straight lines between the samples may stray from the stage."""
+    usable: bool = True
+    """False for those things of which a matrix is not finite or too large; nothing can be drawn there."""
 
 
 PixelSizes = Callable[[np.ndarray], np.ndarray]
@@ -276,26 +295,53 @@ def transform_samples(
     everything = np.arange(motion.count)
     bends = np.array(motion.bends01)
     if motion.still:
-        yield TransformSamples(everything, np.zeros(1), motion.at_time(0.0)[None], bends)
+        yield from _by_use(TransformSamples(everything, np.zeros(1), motion.at_time(0.0)[None], bends))
         return
     if held:
         times01 = np.array([0.0, *(time for time in motion.bends01 if time > 0.0)])
         # In the middle of what holds: a time that is rounded might lie before its own sample.
         middles = (times01 + np.append(times01[1:], 1.0)) / 2
-        yield TransformSamples(everything, times01, _evaluated(motion, middles, everything), bends, True)
+        yield from _by_use(
+            TransformSamples(everything, times01, _evaluated(motion, middles, everything), bends, True)
+        )
         return
     local = np.array([box.corners() for box in boxes])
     yield from _smooth_samples(motion, local, pixel_sizes, tolerance_pixels, bends)
+
+
+def _by_use(samples: TransformSamples) -> Iterator[TransformSamples]:
+    """The usable things and the others apart; the one object where all are alike."""
+    good = (np.abs(samples.matrices) <= LARGEST).all(axis=(0, 2, 3))
+    if good.all():
+        yield samples
+        return
+    for usable, chosen in ((True, good), (False, ~good)):
+        if chosen.any():
+            yield replace(
+                samples,
+                indices=samples.indices[chosen],
+                matrices=samples.matrices[:, chosen],
+                usable=usable,
+            )
 
 
 def _smooth_samples(
     motion: Motion, local: np.ndarray, pixel_sizes: PixelSizes, tolerance_pixels: float, bends: np.ndarray
 ) -> Iterator[TransformSamples]:
     """`local` is float64[N, 8, 4], or float64[1, 8, 4] for all."""
-    remaining = np.arange(motion.count)
     limit = SAMPLING_SHARE * tolerance_pixels
     ends = np.unique(np.concatenate([[0.0, 1.0], bends]))
+    remaining = np.arange(motion.count)
     coarse = _evaluated(motion, ends, remaining)
+    # No splitting would make a number of what is none.
+    for samples in _by_use(TransformSamples(remaining, ends, coarse, bends)):
+        if samples.usable:
+            remaining, coarse = samples.indices, samples.matrices
+            local = local if len(local) == 1 else local[remaining]
+            continue
+        yield samples
+        if len(samples.indices) == motion.count:
+            return
     probes = ends[:-1] + _PROBE * np.diff(ends)
     probed = _evaluated(motion, probes, remaining)
     for split in range(FINEST_SPLIT):

@@ -1,0 +1,49 @@
+"""Which attribute makes a transform unusable, found where one is: looking at every op of a stage would cost."""
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from .errors import Diagnostics
+from .times import Shutter, bracketing_times
+from .transforms import LARGEST, Motion
+
+_EXPECTED = f"expected finite numbers of at most 2^{int(np.log2(LARGEST))} in size"
+
+
+def report_unusable(motion: Motion, index: int, diagnostics: Diagnostics) -> None:
+    """One error for one fault, whatever hangs below it: on the outermost op with a value that is no number."""
+    path, attribute, message = unusable_op(motion.carriers(index), motion.shutter)
+    diagnostics.error(path, attribute, f"{message}; what it moves is not drawn")
+
+
+def unusable_op(carriers: list[UsdGeom.Xformable], shutter: Shutter) -> tuple[str, str, str]:
+    """Prim, attribute, and what was found and expected there. `carriers`: the innermost first."""
+    for xformable in reversed(carriers):
+        for op in xformable.GetOrderedXformOps():
+            found = _bad_value(op.GetAttr(), shutter)
+            if found:
+                return str(xformable.GetPath()), op.GetAttr().GetName(), f"{found}, {_EXPECTED}"
+    path = str(carriers[0].GetPath()) if carriers else ""
+    return path, "xformOpOrder", f"found a product that is no number or too large, {_EXPECTED}"
+
+
+def _bad_value(attribute: Usd.Attribute, shutter: Shutter) -> str:
+    """In words, the first value of an op that the shutter or the frame lies beside; empty where all are sound."""
+    if not shutter.moving or not attribute.ValueMightBeTimeVarying():
+        value = attribute.Get(shutter.frame_code)
+        return "" if _is_sound(value) else f"found {value}"
+    for time in bracketing_times(attribute, shutter):
+        value = attribute.Get(time)
+        if not _is_sound(value):
+            return f"found {value} at shutter time {shutter.time01(time):.9g} (0 is the opening, 1 the closing)"
+    return ""
+
+
+def _is_sound(value: object) -> bool:
+    if value is None:
+        return True
+    if hasattr(value, "GetReal"):
+        value = (value.GetReal(), *value.GetImaginary())
+    return bool((np.abs(np.array(value, np.float64)) <= LARGEST).all())
