@@ -10,7 +10,7 @@
 namespace msbvh {
 namespace {
 
-constexpr std::array<std::pair<Effect, const char*>, 10> kNames{{
+constexpr std::array<std::pair<Effect, const char*>, 12> kNames{{
     {Effect::kDeformingKeys, "deforming keys"},
     {Effect::kInstances, "instances"},
     {Effect::kMovingInstances, "moving instances"},
@@ -21,6 +21,8 @@ constexpr std::array<std::pair<Effect, const char*>, 10> kNames{{
     {Effect::kDomeLight, "dome light"},
     {Effect::kIndirectLight, "indirect light"},
     {Effect::kLens, "lens"},
+    {Effect::kPolynomialMotion, "polynomial motion"},
+    {Effect::kOwnClocks, "own clocks"},
 }};
 
 // Collects the first reason of each effect.
@@ -51,6 +53,17 @@ std::string segments_phrase(std::uint32_t segments) {
   return std::to_string(segments) + (segments == 1 ? " segment" : " segments");
 }
 
+void plan_curve(const std::string& name, const TrackForm& form, Planner& planner) {
+  if (!form.moving() || form.degree == 1) return;
+  planner.add(Effect::kPolynomialMotion, name,
+              segments_phrase(form.segments) + (form.degree == 2 ? ", quadratic" : ", cubic"));
+}
+
+void plan_clock(const std::string& name, const Clock& clock, Planner& planner) {
+  if (clock.is_shutter()) return;
+  planner.add(Effect::kOwnClocks, name, std::to_string(clock.pieces.size()) + " pieces of the shutter");
+}
+
 // Meshes that something shows: in the world, or in a prototype that has instances. In the order of the scene.
 std::vector<const Mesh*> shown_meshes(const Scene& scene) {
   std::vector<bool> shown(scene.meshes.size(), false);
@@ -70,6 +83,7 @@ void plan_meshes(const Scene& scene, Planner& planner) {
   for (const Mesh* mesh : shown_meshes(scene)) {
     if (mesh->shape.segments > 0) {
       planner.add(Effect::kDeformingKeys, mesh->shape.name, segments_phrase(mesh->shape.segments));
+      plan_curve(mesh->shape.name, mesh->shape.form(), planner);
     }
     if (planner.needs(Effect::kOpacity)) continue;  // looking for the least opacity reads the whole primvar
     const float opacity = least_opacity(scene, *mesh);
@@ -86,6 +100,9 @@ void plan_instances(const Scene& scene, Planner& planner) {
     planner.add(Effect::kInstances, set.name,
                 std::to_string(count) + (count == 1 ? " instance" : " instances"));
     if (set.segments > 0) planner.add(Effect::kMovingInstances, set.name, segments_phrase(set.segments));
+    plan_curve(set.name, set.form(), planner);
+    plan_clock(set.name, set.clock, planner);
+    plan_clock(set.name, scene.prototypes[set.prototype].clock, planner);
   }
 }
 

@@ -10,7 +10,7 @@ from msbvh.conform import conformed
 from msbvh.errors import Diagnostics, SceneError
 from msbvh.reader import ReadResult, ReadSettings, read_frame
 from msbvh.stage import open_stage
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, UsdGeom
 from recording import DENSE_TIMES01, Shot
 from shared_scenes import EVERY_GROUP, SharedScene, shared_scenes
 

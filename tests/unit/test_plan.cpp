@@ -60,6 +60,24 @@ TEST_CASE("each effect comes with the first prim that asks for it") {
     scene.instances = {{"/instancer", 0, 0, std::vector<Affine3f>(12), {}}};
     check_only(scene, Effect::kInstances, "/instancer", "12 instances");
   }
+  SUBCASE("own clocks") {
+    scene.prototypes = {{"/prototype", {0}}};
+    scene.instances = {{"/blinking", 0, 0, std::vector<Affine3f>(1), {}}};
+    scene.instances[0].clock.pieces = {{0.0f, 0.0f, 0.5f, false}, {0.5f, 0.5f, 1.0f, true}};
+    const EffectPlan plan = plan_effects(scene, {.max_bounces = 0});
+    CHECK(plan.set == EffectSet{}.with(Effect::kInstances).with(Effect::kOwnClocks));
+    CHECK(plan.why.back().why == "2 pieces of the shutter");
+  }
+  SUBCASE("polynomial motion, beside the keys that carry it") {
+    scene.meshes.push_back(triangle("/moving", 4));
+    scene.meshes[1].shape.degree = 3;
+    scene.meshes[1].shape.positions.resize(scene.meshes[1].shape.position_count() + TriangleMesh::kGuard);
+    scene.world_meshes = {0, 1};
+    const EffectPlan plan = plan_effects(scene, {.max_bounces = 0});
+    CHECK(plan.set == EffectSet{}.with(Effect::kDeformingKeys).with(Effect::kPolynomialMotion));
+    CHECK(plan.why.back().prim == "/moving");
+    CHECK(plan.why.back().why == "4 segments, cubic");
+  }
   SUBCASE("camera motion") {
     scene.camera.name = "/camera";
     scene.camera.segments = 1;
