@@ -141,7 +141,9 @@ def test_stats(msbvh: Run, tmp_path: Path, scene: Path) -> None:
     assert {track["path"] for track in first["tracks"]} == {"/world/main_cam", "/world/square"}
     assert any("/world/square" in entry["prim"] for entry in first["plan"])
     square = first["tracks"][1]
-    assert {name: square[name] for name in ("source", "segments", "degree", "clock", "hidden_partly", "count")} == {
+    assert {
+        name: square[name] for name in ("source", "segments", "degree", "clock", "hidden_partly", "count")
+    } == {
         "source": "transform",
         "segments": 1,
         "degree": 1,

@@ -55,7 +55,9 @@ CARRIED = f"""
 def Mesh "carried" (prepend apiSchemas = ["MotionAPI"])
 {{ {SQUARE}
     point3f[] points.timeSamples = {{ 10: [{CORNERS}], 11: [{CORNERS}] }}
-    vector3f[] velocities.timeSamples = {{ 10: [{", ".join(["(24, 0, 0)"] * 4)}], 11: [{", ".join(["(0, 0, 0)"] * 4)}] }}
+    vector3f[] velocities.timeSamples = {{
+        10: [{", ".join(["(24, 0, 0)"] * 4)}], 11: [{", ".join(["(0, 0, 0)"] * 4)}]
+    }}
     vector3f[] accelerations.timeSamples = {{
         10: [{", ".join(["(0, 999, 0)"] * 4)}], 11: [{", ".join(["(0, 0, 0)"] * 4)}]
     }}
@@ -67,7 +69,9 @@ def PointInstancer "dots"
 {{
     rel prototypes = </dots/dot>
     int[] protoIndices = [0, 0, 0]
-    point3f[] positions.timeSamples = {{ 9: [(-3, 0, 0), (0, 0, 0), (3, 0, 0)], 11: [(-3, 1, 0), (0, 1, 0), (3, 1, 0)] }}
+    point3f[] positions.timeSamples = {{
+        9: [(-3, 0, 0), (0, 0, 0), (3, 0, 0)], 11: [(-3, 1, 0), (0, 1, 0), (3, 1, 0)]
+    }}
     def Mesh "dot" {{ {SQUARE} point3f[] points = [{CORNERS}]
     }}
 }}
@@ -78,7 +82,7 @@ Motion = Callable[..., tuple[int, Any, str]]
 
 @pytest.fixture
 def motion(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> Motion:
-    """The exit code, what stdout has (parsed, with --json) and stderr, of the command on a scene made of parts."""
+    """The exit code, what stdout has (parsed, with --json) and stderr, of the command on a scene of these parts."""
 
     def run(parts: str | Path, *arguments: object) -> tuple[int, Any, str]:
         path = parts
@@ -106,7 +110,13 @@ def test_json_has_the_camera_the_shutter_and_every_prim(motion: Motion) -> None:
     code, report, err = motion(STILL + SPIN + INSTANCER, "--json")
     assert (code, err) == (0, "")
     assert (report["camera"], report["shutter"], report["frame"]) == ("/cam", [-0.25, 0.25], 10)
-    assert [prim["path"] for prim in report["prims"]] == ["/cam", "/still", "/spin/square", "/dots/dot", "/dots"]
+    assert [prim["path"] for prim in report["prims"]] == [
+        "/cam",
+        "/still",
+        "/spin/square",
+        "/dots/dot",
+        "/dots",
+    ]
     for prim in report["prims"]:
         assert prim.keys() >= KEYS
         assert (prim["track"] == "still") == (prim["segments"] == 0)
@@ -141,15 +151,20 @@ def test_velocities_and_accelerations_win_and_are_exact(motion: Motion) -> None:
 
 
 def test_unused_velocities_are_a_warning_of_their_prim(motion: Motion) -> None:
-    code, report, err = motion(CARRIED.replace("velocities.timeSamples = { 10:", "velocities.timeSamples = { 9.5:"), "--json")
+    shifted = CARRIED.replace(
+        "velocities.timeSamples = {\n        10:", "velocities.timeSamples = {\n        9.5:"
+    )
+    code, report, err = motion(shifted, "--json")
     assert code == 0
     assert any("velocities: not used" in warning for warning in prim_of(report, "/carried")["warnings"])
     assert "/carried.velocities: not used" in err
 
 
 def test_motion_that_bends_between_keys_is_kept_under_a_clock(motion: Motion) -> None:
-    ops = 'double3 xformOp:translate.timeSamples = { 9: (0, 0, 0), 10.1: (1, 0, 0), 11: (0, 3, 0) }'
-    bent = SPIN.replace("float xformOp:rotateZ.timeSamples = { 8: 0, 12: 720 }", ops).replace("rotateZ", "translate")
+    ops = "double3 xformOp:translate.timeSamples = { 9: (0, 0, 0), 10.1: (1, 0, 0), 11: (0, 3, 0) }"
+    bent = SPIN.replace("float xformOp:rotateZ.timeSamples = { 8: 0, 12: 720 }", ops).replace(
+        "rotateZ", "translate"
+    )
     code, report, _ = motion(bent, "--json")
     square = prim_of(report, "/spin/square")
     assert samples_of(square, "/spin.xformOp:translate")["times"] == [9, 10.1, 11]
@@ -219,14 +234,17 @@ def Xform "row"
 
 def test_an_instance_that_moves_like_others_can_be_asked_for(motion: Motion) -> None:
     _, report, _ = motion(NATIVE, "/row/b", "--json")
-    assert {prim["path"] for prim in report["prims"]} == {"/row/a/still", "/row/b"}, "itself and what it shows"
+    assert {prim["path"] for prim in report["prims"]} == {"/row/a/still", "/row/b"}, (
+        "itself and what it shows"
+    )
     instance = prim_of(report, "/row/b")
     assert instance["count"] == 2
     assert samples_of(instance, "/row.xformOp:translate")["times"] == [9, 11]
 
 
 def test_an_instance_that_goes_within_the_shutter_says_so(motion: Motion) -> None:
-    blink = NATIVE.replace('"row"\n{', '"row"\n{ token visibility.timeSamples = { 9: "inherited", 10.1: "invisible" }')
+    visibility = 'token visibility.timeSamples = { 9: "inherited", 10.1: "invisible" }'
+    blink = NATIVE.replace('"row"\n{', '"row"\n{ ' + visibility)
     _, report, _ = motion(blink, "/row", "--json")
     instance = prim_of(report, "/row/a")
     assert instance["track"] == "moving transform, visible for a part of the shutter"
@@ -251,7 +269,12 @@ def test_the_parts_of_a_mesh_are_one_prim(motion: Motion) -> None:
 
 @pytest.mark.parametrize(
     ("prim", "paths"),
-    [("/spin/square", ["/spin/square"]), ("spin", ["/spin/square"]), ("/cam", ["/cam"]), ("/dots", ["/dots/dot", "/dots"])],
+    [
+        ("/spin/square", ["/spin/square"]),
+        ("spin", ["/spin/square"]),
+        ("/cam", ["/cam"]),
+        ("/dots", ["/dots/dot", "/dots"]),
+    ],
 )
 def test_a_prim_limits_the_report(motion: Motion, prim: str, paths: Sequence[str]) -> None:
     code, report, _ = motion(STILL + SPIN + INSTANCER, prim, "--json")
@@ -288,7 +311,9 @@ def test_a_named_or_verbose_prim_shows_rule_and_samples(motion: Motion) -> None:
     for text in (named, verbose):
         assert "rule     still" in text
         assert "points  authored for all times" in text
-    assert "/cam" not in named.splitlines()[1] and any(line.startswith("/cam") for line in verbose.splitlines())
+    assert "/cam" not in named.splitlines()[1] and any(
+        line.startswith("/cam") for line in verbose.splitlines()
+    )
 
 
 def test_a_missed_tolerance_is_exit_code_1_after_the_report(motion: Motion) -> None:
@@ -297,14 +322,16 @@ def test_a_missed_tolerance_is_exit_code_1_after_the_report(motion: Motion) -> N
     square = prim_of(report, "/spin/square")
     assert (code, square["segments"], square["degree"]) == (1, 1, 1)
     assert square["error_px"] > 10 and any("deviates" in warning for warning in square["warnings"])
-    assert err.splitlines()[-1].startswith("msbvh: error: 1 track misses the tolerance of 0.1 px: /spin/square by ")
+    said = "msbvh: error: 1 track misses the tolerance of 0.1 px: /spin/square by "
+    assert err.splitlines()[-1].startswith(said)
     code, text, err = motion(STILL + SPIN, "/spin", *few)
     assert code == 1 and " ! " in text and err.count("\n") == 1
     assert motion(STILL + SPIN, "/still", *few)[0] == 0
 
 
 @pytest.mark.parametrize(
-    "arguments", [("--segments", 3), ("--interpolation", "nurbs"), ("-f", "1:2"), ("-f", "x"), ("-f", 1, "-d")]
+    "arguments",
+    [("--segments", 3), ("--interpolation", "nurbs"), ("-f", "1:2"), ("-f", "x"), ("-f", 1, "-d")],
 )
 def test_usage(motion: Motion, arguments: Sequence[object]) -> None:
     code, out, err = motion(STILL, *arguments)

@@ -17,10 +17,10 @@ from .atomic import OutputError
 from .color import ColorCorrection, ColorError
 from .conformance import conform, find_suite, other_renderer, own_renderer, read_rules, table
 from .errors import Diagnostics, SceneError
-from .motion import motion_report
-from .motion_table import beyond_text, motion_text
 from .frames import FrameError, check_single_outputs, frame_jobs, parse_frame_specs
 from .images import ImageSettings
+from .motion import motion_report
+from .motion_table import beyond_text, motion_text
 from .options import CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
 from .progress import Progress
 from .reader import ReadResult, ReadSettings, read_frame
@@ -133,11 +133,11 @@ def plan_command(scene: str, frame: str | None, as_json: bool, **options: Any) -
 def motion_command(
     scene: str, prim: str | None, frame: str | None, as_json: bool, verbose: bool, **options: Any
 ) -> int:
-    """Print how the prims of SCENE move within the shutter: the samples found, the rule that decided, the track
-    that follows them, its error in pixels and its bytes.
+    """Print how the prims of SCENE move within the shutter: the samples found, the rule that decided, the
+    track that follows them, its error in pixels and its bytes.
 
-    PRIM limits the report to a prim and those below it, with the rule and the samples of each. Exit code 1 if a
-    track misses --motion-tolerance.
+    PRIM limits the report to a prim and those below it, with the rule and the samples of each. Exit code 1 if
+    a track misses --motion-tolerance.
     """
     reporter, log = Reporter(), SampleLog()
     stage, time, result = _read_one_frame("motion", scene, frame, options, reporter, log)
@@ -184,8 +184,8 @@ def _read_one_frame(
     reporter: Reporter,
     log: SampleLog | None = None,
 ) -> tuple[Usd.Stage, float | None, ReadResult]:
-    """The stage, the frame and what was read of it; the start time where none is given. What the reader has to say
-    is left to the caller."""
+    """The stage, the frame and what was read of it; the start time where none is given. What the reader has to
+    say is left to the caller."""
     frames = _parse(lambda: parse_frame_specs(frame))[0] if frame else []
     if len(frames) > 1 or (frames and options["default_time"]):
         raise click.UsageError(

@@ -62,7 +62,7 @@ class Diagnostics:
             paths.append(path)
 
     def by_path(self) -> dict[str, list[str]]:
-        """Warnings and errors by the prim that they name; what many have in common stands with each of them."""
+        """Warnings and errors by the prim that they name; what many have in common stands with each."""
         found: dict[str, list[str]] = {}
         for diagnostic in self._single:
             if diagnostic.severity != "note":

@@ -1,4 +1,4 @@
-"""What `msbvh motion` reports: how each prim moves, by which rule, on which track, and by how much that errs."""
+"""What `msbvh motion` reports: how each prim moves, by which rule, on which track, and how far that errs."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from .reader import ReadResult
 from .samples import FoundSamples, SampleLog
 
 DEGREES = {1: "linear", 2: "quadratic", 3: "cubic"}
+_EVERY_PRIM = Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)
 MOST_TIMES = 16
 """Sample times of an attribute that are listed; of more, the first and the last."""
 
@@ -99,7 +100,12 @@ class MotionReport:
 
 
 def motion_report(
-    stage: Usd.Stage, frame: float | None, result: ReadResult, log: SampleLog, tolerance: float, prim: str | None
+    stage: Usd.Stage,
+    frame: float | None,
+    result: ReadResult,
+    log: SampleLog,
+    tolerance: float,
+    prim: str | None,
 ) -> MotionReport:
     """What a frame's reading has found, limited to a prim and those below it where one is given.
 
@@ -121,8 +127,8 @@ def motion_report(
 
 
 def _merged(tracks: Sequence[Any]) -> PrimMotion:
-    """The tracks of one path as one: the parts of a mesh with several materials, instances that take different
-    numbers of keys, a mesh that is itself an instance."""
+    """The tracks of one path as one: the parts of a mesh with several materials, instances that take
+    different numbers of keys, a mesh that is itself an instance."""
     main = max(tracks, key=lambda track: (track.segments, track.degree, track.error_pixels))
     instances = [track.count for track in tracks if track.source == "instances"]
     rules = dict.fromkeys(track.rule for track in tracks)
@@ -150,8 +156,8 @@ def _filled(
     log: SampleLog,
     warnings: dict[str, list[str]],
 ) -> PrimMotion:
-    """With samples, warnings and what the rule has to say about UsdGeomMotionAPI. `member`: of the instances that
-    move alike, the one that was asked for."""
+    """With samples, warnings and what the rule has to say about UsdGeomMotionAPI. `member`: of the instances
+    that move alike, the one that was asked for."""
     prim = member or _prim_of(stage, found)
     said = [*warnings.get(found.path, ())]
     if member and str(member.GetPath()) != found.path:
@@ -227,7 +233,7 @@ def _find_prim(stage: Usd.Stage, path: str, result: ReadResult) -> Usd.Prim | No
     above = Sdf.Path(absolute).GetParentPath()
     while not stage.GetPrimAtPath(above):
         above = above.GetParentPath()
-    children = stage.GetPrimAtPath(above).GetFilteredChildren(Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate))
+    children = stage.GetPrimAtPath(above).GetFilteredChildren(_EVERY_PRIM)
     names = [child.GetName() for child in children]
     known = ", ".join(names[:8]) + (", ..." if len(names) > 8 else "") if names else "nothing"
     raise SceneError(f"{absolute}: found no such prim; {above} has {known}")
@@ -236,8 +242,8 @@ def _find_prim(stage: Usd.Stage, path: str, result: ReadResult) -> Usd.Prim | No
 def _prototypes_below(top: Usd.Prim) -> set[Sdf.Path]:
     """Paths in native prototypes that what lies at or below a prim shows."""
     shown = {top.GetPrimInPrototype().GetPath()} if top.IsInstanceProxy() else set()
-    every = Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)
-    return shown | {prim.GetPrototype().GetPath() for prim in Usd.PrimRange(top, every) if prim.IsInstance()}
+    below = Usd.PrimRange(top, _EVERY_PRIM)
+    return shown | {prim.GetPrototype().GetPath() for prim in below if prim.IsInstance()}
 
 
 def _is_below(prim: Usd.Prim, prefix: Sdf.Path) -> bool:

@@ -14,11 +14,10 @@ HEADER = ("prim", "moved by", "track", "segments", "error px", "bytes")
 
 
 def motion_text(report: MotionReport, prim: str | None, verbose: bool) -> str:
-    """A line on the shutter and an aligned table of what moves, with rules and samples where a prim was asked for or
-    `verbose`; how many are still."""
+    """A line on the shutter and an aligned table of what moves, with rules and samples where a prim was asked
+    for or `verbose`; how many are still."""
     named = None if prim is None else "/" + prim.lstrip("/")
     shown = [found for found in report.prims if verbose or not found.still or found.path == named]
-    shown.sort(key=lambda found: found.path != report.camera)  # The camera's first, the others as on the stage.
     lines = [_headline(report)]
     if shown:
         rows = [_cells(found, report.tolerance_pixels) for found in shown]

@@ -90,9 +90,10 @@ def read_frame(
     """Reads what is visible at a frame, and its motion over the camera's shutter.
 
     `frame` is a time code; None: USD's default time, without blur. `make_translator` stands in for
-    msbvh._core.Translator in tests. `progress` is called with the finished share in [0, 1], after each mesh and
-    after each prototype's instances; `found` notes which samples moved what. Raises SceneError where there is nothing that could be rendered through
-    this camera; whatever else is wrong or unsupported leaves a diagnostic, and the rest is read.
+    msbvh._core.Translator in tests. `progress` is called with the finished share in [0, 1], after each mesh
+    and after each prototype's instances; `found` notes which samples moved what. Raises SceneError where
+    there is nothing that could be rendered through this camera; whatever else is wrong or unsupported leaves
+    a diagnostic, and the rest is read.
     """
     diagnostics = Diagnostics() if diagnostics is None else diagnostics
     make_translator = make_translator or _core_translator

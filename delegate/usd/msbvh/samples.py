@@ -1,7 +1,7 @@
-"""What the reader found of each prim's motion: attributes, the times they were read at, and who computed them.
+"""What the reader found of each prim's motion: attributes, their sample times, and who computed them.
 
-For `msbvh motion`. While a frame is read only references are noted, a few a prim and none an instance; what they
-hold is looked up when it is asked for.
+For `msbvh motion`. While a frame is read only references are noted, a few a prim and none an instance; what
+they hold is looked up when it is asked for.
 """
 
 from __future__ import annotations
@@ -98,9 +98,13 @@ class SampleLog:
         self._camera_path = ""
         self._camera: tuple[FoundSamples, ...] = ()
 
-    def camera(self, optics: Iterable[Usd.Attribute], prim: Usd.Prim, shutter: Shutter, at01: Sequence[float]) -> None:
+    def camera(
+        self, optics: Iterable[Usd.Attribute], prim: Usd.Prim, shutter: Shutter, at01: Sequence[float]
+    ) -> None:
         """The render camera, evaluated at `at01`."""
-        found = [found_samples(a, shutter) for a in optics if a.HasAuthoredValue() and a.ValueMightBeTimeVarying()]
+        found = [
+            found_samples(a, shutter) for a in optics if a.HasAuthoredValue() and a.ValueMightBeTimeVarying()
+        ]
         found.extend(transform_samples_of(prim, None, shutter))
         if len(at01) > 1:
             path = f"{prim.GetPath()}.{COMPOSED_TRANSFORM}"
@@ -118,8 +122,8 @@ class SampleLog:
         animation: Usd.Prim | None = None,
         posed_at01: Sequence[float] = (),
     ) -> None:
-        """A mesh that moves in the space of `root` by the transform of `placed_by`; `blinking` are visibilities that
-        change. `posed_at01` and `animation` where it is skinned."""
+        """A mesh that moves in the space of `root` by the transform of `placed_by`; `blinking`: visibilities
+        that change. `posed_at01` and `animation` where it is skinned."""
         names = (*_SHAPE, *_EXTENTS, *_TOPOLOGY)
         entry = _Entry((prim,), root, shutter, placed_by, names, animation, tuple(posed_at01), blinking)
         self._shapes[str(prim.GetPath())] = entry
@@ -175,8 +179,8 @@ class SampleLog:
         return ()
 
     def samples(self, path: str, prim: Usd.Prim | None = None) -> list[FoundSamples]:
-        """All that moves what has a track of this path, each attribute once; `prim`: of the prims that the track
-        stands for."""
+        """All that moves what has a track of this path, each attribute once; `prim`: of the prims that the
+        track stands for."""
         if path == self._camera_path:
             return list(self._camera)
         found: dict[tuple[str, bool], FoundSamples] = {}
