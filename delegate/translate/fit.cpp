@@ -16,7 +16,7 @@ struct Priced {
 // Keys at even fractions catch these bends by themselves.
 bool is_dyadic(const Bend& bend, std::uint32_t segments) {
   const double scaled = bend.time01 * segments;
-  return std::abs(scaled - std::round(scaled)) <= kSameTime * segments;
+  return std::abs(scaled - std::round(scaled)) <= 1e-9 * segments;
 }
 
 void add_degrees(const TimeLayout& layout, std::uint32_t price, const TrackChoice& choice,

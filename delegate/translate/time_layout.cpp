@@ -13,8 +13,8 @@ std::vector<LayoutSegment> stretches(std::span<const Bend> bends) {
   double begin = 0.0;
   for (const Bend& bend : bends) {
     result.push_back({begin, bend.time01});
-    if (bend.jump) result.push_back({bend.time01, bend.time01, false});
-    begin = bend.time01;
+    if (bend.jump) result.push_back({bend.time01, bend.after01, false});
+    begin = bend.after01;
   }
   result.push_back({begin, 1.0});
   return result;
@@ -122,8 +122,11 @@ std::vector<Bend> normalized_bends(std::vector<Bend> bends) {
   std::vector<Bend> result;
   for (const Bend& bend : bends) {
     if (!(bend.time01 > kSameTime && bend.time01 < 1.0 - kSameTime)) continue;
-    if (!result.empty() && bend.time01 - result.back().time01 <= kSameTime) {
-      result.back().jump = result.back().jump || bend.jump;
+    const double distance = result.empty() ? 1.0 : bend.time01 - result.back().time01;
+    if (distance <= kTimeResolution) {
+      Bend& last = result.back();
+      last.jump = last.jump || bend.jump || distance > kSameTime;
+      last.after01 = std::max(last.after01, bend.after01);
     } else {
       result.push_back(bend);
     }

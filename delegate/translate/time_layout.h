@@ -17,11 +17,13 @@
 
 namespace msbvh::translate {
 
-// A time within (0, 1) at which motion changes its direction or, `jump`, its place.
+// A time within (0, 1) at which motion changes its direction or, `jump`, its place. What follows a jump starts
+// at `after01`, closer to it than a ray's time can tell apart.
 struct Bend {
-  double time01;
-  bool jump = false;
-  bool operator==(const Bend&) const = default;
+  Bend(double time, bool jumps = false) : time01(time), after01(time), jump(jumps) {}
+
+  double time01, after01;
+  bool jump;
 };
 
 // The shutter time that a segment covers. Unused ones lie between two pieces; no ray comes there.
@@ -62,8 +64,10 @@ class TimeLayout {
 // `clock`, hidden outside the intervals.
 Clock with_visibility(const Clock& clock, std::span<const VisibleInterval> visible);
 
-// Sorted, within (0, 1), those within kSameTime of each other one.
-inline constexpr double kSameTime = 1e-9;
+// Sorted, within (0, 1). Those within kSameTime of each other are one, those within kTimeResolution of each
+// other, which single precision does not tell apart, a jump.
+inline constexpr double kSameTime = 1e-12;
+inline constexpr double kTimeResolution = 0x1p-24;
 std::vector<Bend> normalized_bends(std::vector<Bend> bends);
 
 }  // namespace msbvh::translate

@@ -186,8 +186,26 @@ def xform_bends(xformable: UsdGeom.Xformable, shutter: Shutter) -> list[float]:
     of their splines."""
     times = list(xformable.GetTimeSamplesInInterval(shutter.interval))
     for op in xformable.GetOrderedXformOps():
-        attribute = op.GetAttr()
-        if attribute.HasSpline():
-            knots = attribute.GetSpline().GetKnots()
-            times.extend(time for time in knots.keys() if shutter.interval.Contains(time))
+        times.extend(_jumps_of(op.GetAttr(), shutter))
     return times
+
+
+STEP01 = 4e-8
+"""How long before a jump its last old value is sampled: less than a ray's time can tell apart (kTimeResolution in
+delegate/translate/time_layout.h), which makes the two a jump."""
+
+
+def _jumps_of(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
+    """Knots of splines, and the instants before values that come at once: held or two-valued knots, blocks."""
+    step = STEP01 * (shutter.close - shutter.open)
+    if attribute.HasSpline():
+        spline = attribute.GetSpline()
+        inside = [time for time in spline.GetKnots().keys() if shutter.interval.Contains(time)]
+        jumps = [time for time in inside if spline.EvalPreValue(time) != spline.Eval(time)]
+        return [*inside, *(time - step for time in jumps)]
+    inside = attribute.GetTimeSamplesInInterval(shutter.interval)
+    around = [attribute.GetBracketingTimeSamples(shutter.interval.min)[:1], inside]
+    values = [attribute.Get(time) for times in around for time in times]
+    if all(value is not None for value in values):
+        return []
+    return [time - step for time in inside]

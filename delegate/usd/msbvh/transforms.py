@@ -256,6 +256,8 @@ LARGEST_SAMPLES = 2**23
 """Matrices that are held at once, a gigabyte; beyond it sampling ends where it stands, and says so by its error."""
 LARGEST = 2.0**60
 """The largest element of a usable matrix: kMaxCoordinate (core/geometry), so that products do not overflow."""
+JUMP01 = 6e-8
+"""Bends within this of each other are a jump (kTimeResolution in delegate/translate/time_layout.h)."""
 _PROBE = 0.381966
 """Of a stretch: off the even places, so that no whole number of turns looks straight."""
 
@@ -342,7 +344,9 @@ def _smooth_samples(
         yield samples
         if len(samples.indices) == motion.count:
             return
-    probes = ends[:-1] + _PROBE * np.diff(ends)
+    lengths = np.diff(ends)
+    stretches = lengths > JUMP01  # Across the others the motion jumps: nothing lies between.
+    probes = ends[:-1] + _PROBE * lengths
     probed = _evaluated(motion, probes, remaining)
     for split in range(FINEST_SPLIT):
         times01 = _split(ends, split + 1)
@@ -350,8 +354,9 @@ def _smooth_samples(
         corners = local @ fine[..., :3]
         size = pixel_sizes(corners)
         # Halving a chord quarters its distance from the curve.
-        bent = _bend(_split(ends, split), local @ coarse[..., :3], times01, corners) / size
-        beside = _bend(times01, corners, probes, local @ probed[..., :3]) / size
+        inside = np.append(np.repeat(stretches, 2 ** (split + 1)), True)
+        bent = _bend(_split(ends, split), local @ coarse[..., :3], times01, corners, inside) / size
+        beside = _bend(times01, corners, probes, local @ probed[..., :3], stretches) / size
         straight = np.maximum(bent, beside) <= limit
         good = straight if split == 0 else (bent <= 4.0 * limit) & (beside <= 4.0 * limit) & (split > 1)
         last = split + 1 == FINEST_SPLIT or 2 * fine.size > 16 * LARGEST_SAMPLES
@@ -384,14 +389,17 @@ def _split(ends: np.ndarray, split: int) -> np.ndarray:
     return np.append((ends[:-1, None] + parts * np.diff(ends)[:, None]).ravel(), ends[-1])
 
 
-def _bend(times01: np.ndarray, corners: np.ndarray, probes: np.ndarray, probed: np.ndarray) -> np.ndarray:
+def _bend(
+    times01: np.ndarray, corners: np.ndarray, probes: np.ndarray, probed: np.ndarray, counts: np.ndarray
+) -> np.ndarray:
     """How far float64[P, N, 8, 3] corners at the probes stray from the straight lines between float64[T, N, 8, 3]
-    ones: float64[N]. Since corners are linear in the matrices, this bounds every point of the box."""
+    ones: float64[N]. Since corners are linear in the matrices, this bounds every point of the box. `counts` is
+    bool[P]: which probes matter."""
     after = np.clip(np.searchsorted(times01, probes, side="right"), 1, len(times01) - 1)
     begin, end = times01[after - 1], times01[after]
     weight = ((probes - begin) / (end - begin))[:, None, None, None]
     straight = (1.0 - weight) * corners[after - 1] + weight * corners[after]
-    return np.linalg.norm(probed - straight, axis=-1).max(axis=(0, 2))
+    return np.linalg.norm((probed - straight)[counts], axis=-1).max(axis=(0, 2), initial=0.0)
 
 
 def authored_xform_times(xformables: list[UsdGeom.Xformable], shutter: Shutter) -> set[float]:
