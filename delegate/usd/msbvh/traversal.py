@@ -19,7 +19,7 @@ from .point_instancers import moving_attributes, prototypes
 from .primvars import primvar_source
 from .times import Shutter, xform_bends
 from .transforms import bends_of
-from .visibility import changes_inside
+from .visibility import changes_inside, visible_at_opening
 
 WORLD: Hashable = "world"
 
@@ -123,12 +123,15 @@ class Traversal:
         imageable = UsdGeom.Imageable(prim)
         scales = above.scales.below(prim, self._context.code, self._context.diagnostics)
         shutter = self._context.shutter.scaled(scales.blur)
+        if group_root and group_root.IsInstance() and scales.blur != above.scales.blur and shutter != self._context.shutter:
+            message = "inside an instance it scales the motion there; the instance's own motion keeps its scale"
+            self._context.diagnostics.group(str(prim.GetPath()), "motion:blurScale", message)
         blinking = above.blinking
         if not is_root:
             visibility = imageable.GetVisibilityAttr()
             if changes_inside(visibility, self._context.shutter):  # Not motion: no blur scale stretches it.
                 blinking += (visibility,)
-            elif visibility.Get(self._context.code) == UsdGeom.Tokens.invisible:
+            elif not visible_at_opening(visibility, self._context.shutter):
                 return None
         purpose = imageable.GetPurposeAttr()
         name = str(purpose.Get()) if purpose.HasAuthoredValue() else above.purpose
