@@ -10,7 +10,17 @@ import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 from recording import Shot
 
-SHUTTERS = ((-0.5, 0.5), (-0.25, 0.25), (0, 0.5), (-0.5, 0), (0, 1), (0.1, 0.6), (-1, 0.2), (-0.9, -0.3), (0, 0))
+SHUTTERS = (
+    (-0.5, 0.5),
+    (-0.25, 0.25),
+    (0, 0.5),
+    (-0.5, 0),
+    (0, 1),
+    (0.1, 0.6),
+    (-1, 0.2),
+    (-0.9, -0.3),
+    (0, 0),
+)
 FRAME = 10.0
 
 
@@ -42,7 +52,9 @@ class StageMaker:
         values = [[self._random.gauss(0, size) for _ in range(3)] for _ in range(number)]
         return Vt.Vec3fArray.FromNumpy(np.array(values, np.float32).reshape(-1, 3))
 
-    def _sample(self, attribute: Usd.Attribute, make: Callable[[], object], like: list[float] | None = None) -> list[float]:
+    def _sample(
+        self, attribute: Usd.Attribute, make: Callable[[], object], like: list[float] | None = None
+    ) -> list[float]:
         """Values at some times, mostly those of `like`; for all times at once now and then ([])."""
         if like is None and self._chance(0.2):
             attribute.Set(make())
@@ -64,7 +76,9 @@ class StageMaker:
             size = xformable.AddScaleOp().GetAttr()
             self._sample(size, lambda: Gf.Vec3f(*(number.uniform(0.5, 1.5) for _ in range(3))))
 
-    def _rates(self, prim: UsdGeom.PointBased | UsdGeom.PointInstancer, number: int, like: list[float]) -> None:
+    def _rates(
+        self, prim: UsdGeom.PointBased | UsdGeom.PointInstancer, number: int, like: list[float]
+    ) -> None:
         def some(size: float) -> Vt.Vec3fArray:
             return self._vectors(number + (1 if self._chance(0.1) else 0), size)
 
@@ -107,7 +121,9 @@ class StageMaker:
         if self._chance(0.5):
             self._sample(instancer.CreateScalesAttr(), lambda: self._vectors(number, 0.7))
         if self._chance(0.6):
-            turned = self._sample(instancer.CreateOrientationsfAttr(), lambda: self._quaternions(number), times or None)
+            turned = self._sample(
+                instancer.CreateOrientationsfAttr(), lambda: self._quaternions(number), times or None
+            )
             if self._chance(0.5):
                 spin = instancer.CreateAngularVelocitiesAttr()
                 self._sample(spin, lambda: self._vectors(number, 300.0), turned or None)

@@ -24,7 +24,9 @@ def test_tracks_follow_random_stages(first: int, held: bool):
     for seed in range(first, first + 20):
         made = StageMaker(seed, held)
         diagnostics = Diagnostics()
-        result = read_frame(made.stage, FRAME, ReadSettings(width=480, motion_tolerance=TOLERANCE), diagnostics)
+        result = read_frame(
+            made.stage, FRAME, ReadSettings(width=480, motion_tolerance=TOLERANCE), diagnostics
+        )
         if any("deviates" in str(diagnostic) for diagnostic in diagnostics):
             continue  # Said by the translator: more segments than there are.
         frame = Frame(StageTruth(made.stage, FRAME, made.shutter), result)

@@ -18,7 +18,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from bad_scenes import bad_arm, vec3s
+from bad_scenes import vec3s
+from bad_skins import bad_arm
 from exr import read_exr
 from msbvh import _core
 from msbvh.cli import main
@@ -151,7 +152,12 @@ def placed_by_hand() -> Usd.Stage:
         move, turn = mesh.AddTranslateOp(), mesh.AddRotateZOp()
         for frame in (9, 11):
             seconds = (frame - 10) / 24
-            move.Set(Gf.Vec3d(*(p + v * seconds for p, v in zip(POSITIONS[index], VELOCITIES[index], strict=True))), frame)
+            move.Set(
+                Gf.Vec3d(
+                    *(p + v * seconds for p, v in zip(POSITIONS[index], VELOCITIES[index], strict=True))
+                ),
+                frame,
+            )
             turn.Set(SPINS[index] * seconds, frame)
     return stage
 
@@ -196,7 +202,9 @@ def deforming(frames: list[float]) -> Usd.Stage:
 
 def test_a_clock_and_keys_at_even_times():
     """One more sample, on the straight line at no dyadic time, makes a clock the cheaper track."""
-    even, clocked = (read(deforming([9.5, *more, 9.8125, 10.5]), motion_tolerance=TIGHT) for more in ([], [9.7]))
+    even, clocked = (
+        read(deforming([9.5, *more, 9.8125, 10.5]), motion_tolerance=TIGHT) for more in ([], [9.7])
+    )
     forms = [(track.clock, track.segments) for result in (even, clocked) for track in result.tracks[1:]]
     assert forms == [(False, 16), (True, 4)]
     assert_same(drawn(even), drawn(clocked))
@@ -205,7 +213,9 @@ def test_a_clock_and_keys_at_even_times():
 # The very same.
 
 
-@pytest.mark.parametrize("make", [carried_instances, placed_by_hand, lambda: deforming([9.5, 9.7, 9.8125, 10.5])])
+@pytest.mark.parametrize(
+    "make", [carried_instances, placed_by_hand, lambda: deforming([9.5, 9.7, 9.8125, 10.5])]
+)
 def test_builders(make):
     """With and without spatial splits the same triangles are hit; ties at shared edges go by their order."""
     assert np.array_equal(picture(make()), picture(make(), builder="mbvh"))
@@ -234,7 +244,9 @@ def everything_that_moves() -> Usd.Stage:
         strip.CreatePointsAttr().Set(vec3s(*corners), frame)
         strip.CreateVelocitiesAttr().Set(vec3s(*[(4.8, 0, 0)] * len(corners)), frame)
         strip.CreateFaceVertexCountsAttr().Set([3] * (len(corners) - 2), frame)
-        strip.CreateFaceVertexIndicesAttr().Set([i + k for i in range(len(corners) - 2) for k in range(3)], frame)
+        strip.CreateFaceVertexIndicesAttr().Set(
+            [i + k for i in range(len(corners) - 2) for k in range(3)], frame
+        )
     return shot.stage
 
 

@@ -201,7 +201,8 @@ def _selected(every: Motion, selected: np.ndarray, prototype: Usd.Prim, caches: 
     def evaluate(time01: float) -> np.ndarray:
         return own.at_time(time01) @ every.at_time(time01)[selected]
 
-    return Motion(caches.grid(caches.shutter), len(selected), every.still and own.still, evaluate, carriers=carriers)
+    still = every.still and own.still
+    return Motion(caches.grid(caches.shutter), len(selected), still, evaluate, carriers=carriers)
 
 
 def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) -> Motion:

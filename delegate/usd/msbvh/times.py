@@ -144,8 +144,8 @@ def bracketing_times(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
 
     Between them USD interpolates linearly, so they say everything; velocities carry values from the sample at
     or before the frame, if they and the values agree in the sample behind the frame as well, which counts
-    where the shutter closes before it, too. Empty where nothing is authored or a spline drives the attribute: those have no
-    samples (OpenUSD #3765).
+    where the shutter closes before it, too. Empty where nothing is authored or a spline drives the attribute:
+    those have no samples (OpenUSD #3765).
     """
     first, last = shutter.interval.min, shutter.interval.max
     around = {

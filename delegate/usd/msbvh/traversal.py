@@ -123,7 +123,7 @@ class Traversal:
         imageable = UsdGeom.Imageable(prim)
         scales = above.scales.below(prim, self._context.code, self._context.diagnostics)
         shutter = self._context.shutter.scaled(scales.blur)
-        if group_root and group_root.IsInstance() and scales.blur != above.scales.blur and shutter != self._context.shutter:
+        if group_root and group_root.IsInstance() and scales.blur != above.scales.blur:
             message = "inside an instance it scales the motion there; the instance's own motion keeps its scale"
             self._context.diagnostics.group(str(prim.GetPath()), "motion:blurScale", message)
         blinking = above.blinking
