@@ -6,9 +6,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import bad_scenes
+import bad_skins  # noqa: F401
 import numpy as np
 import pytest
-from bad_scenes import CAMERA_FAULTS, FAULTS, UNSEEN, UNSEEN_SHUTTER, Fault, scene_with
+from bad_scenes import FAULTS, Fault, scene_with
+from bad_unseen import CAMERA_FAULTS, UNSEEN, UNSEEN_SHUTTER
 from conftest import Run
 from exr import read_exr
 from msbvh.cli import main
@@ -21,7 +23,20 @@ DRAWN = 20.0
 def record(path: Path, *more: str) -> tuple[int, Path]:
     """The exit code of a small rendering, within this process."""
     out = path.with_suffix(".exr")
-    options = ["-f", "10", "-w", "48", "--spp", "4", "--max-bounces", "0", "--threads", "1", "--camera", "Camera"]
+    options = [
+        "-f",
+        "10",
+        "-w",
+        "48",
+        "--spp",
+        "4",
+        "--max-bounces",
+        "0",
+        "--threads",
+        "1",
+        "--camera",
+        "Camera",
+    ]
     return main(["record", str(path), str(out), *options, *more]), out
 
 
@@ -70,8 +85,12 @@ def test_a_camera_that_sees_nothing_ends_the_run(name: str, tmp_path: Path, capf
     assert [p.name for p in tmp_path.iterdir()] == ["scene.usda"]
 
 
-@pytest.mark.parametrize("name", ["one_sample_of_points-nan", "scales_of_another_length", "joint_indices_out_of_range"])
-def test_a_process_of_its_own_exits_with_0_and_with_3_where_it_is_strict(name: str, tmp_path: Path, msbvh: Run):
+@pytest.mark.parametrize(
+    "name", ["one_sample_of_points-nan", "scales_of_another_length", "joint_indices_out_of_range"]
+)
+def test_a_process_of_its_own_exits_with_0_and_with_3_where_it_is_strict(
+    name: str, tmp_path: Path, msbvh: Run
+):
     """What takes usd-core down, or leaves it to print a traceback at its end, only a process shows."""
     (fault,) = [fault for fault in FAULTS if fault.name == name]
     scene_with(fault.fill).Export(str(tmp_path / "scene.usda"))

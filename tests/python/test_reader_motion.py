@@ -258,3 +258,41 @@ def test_thousands_of_moving_prims_are_read_in_seconds():
     start = process_time()
     assert len(shot.read(FRAME).scene.meshes) == 2000
     assert process_time() - start < 8.0  # About 1 s on one idle core.
+
+
+@pytest.mark.parametrize("shutter", [(-0.5, 0.0), (-0.9, -0.3)])
+def test_velocities_must_align_behind_the_frame_also_where_the_shutter_closes_before(shutter):
+    """USD looks at the samples around the frame; whatever the shutter sees."""
+    shot = Shot(shutter)
+    mesh = shot.mesh("/Mesh")
+    for time, x in ((9, 0), (10, 1), (11, 3)):
+        mesh.GetPointsAttr().Set([(x, 0, 0), (x + 1, 0, 0), (x + 1, 1, 0), (x, 1, 0)], time)
+    for time in (9, 10, 10.5):
+        mesh.CreateVelocitiesAttr().Set([(50, 0, 0)] * 4, time)
+    result = shot.read()
+    assert messages(result, "warning") == [
+        "/Mesh.velocities: not used: the samples do not align with those of points (USD's rule)"
+    ]
+    assert worst_deviation(result, mesh.GetPrim()) <= 1e-5
+
+
+def test_a_bend_at_the_shutters_end_but_for_rounding():
+    """(9.7 - 9.1) / (9.7 - 9.1) is not always 1: a stretch of 1e-16 cannot be halved."""
+    shot = Shot((-0.9, -0.3))
+    mesh = shot.mesh("/Mesh")
+    turn = mesh.AddRotateZOp()
+    for time, angle in ((9.61, 0.0), (9.7, 40.0), (9.7 + 1e-12, 40.0), (11, 0.0)):
+        turn.Set(angle, time)
+    result = shot.read()
+    assert not messages(result, "warning") and not messages(result, "error")
+    assert worst_deviation(result, mesh.GetPrim()) <= 0.01
+
+
+@pytest.mark.parametrize("shutter", [(-0.5, 0.0), (-0.9, -0.3)])
+@pytest.mark.parametrize("visible", [True, False])
+def test_a_visibility_that_changes_at_the_frame_is_the_shutters(shutter, visible: bool):
+    shot = Shot(shutter)
+    mesh = shot.mesh("/Mesh")
+    for time, is_visible in ((9, visible), (10, not visible)):
+        mesh.CreateVisibilityAttr().Set("inherited" if is_visible else "invisible", time)
+    assert ("/Mesh" in shot.read().scene.meshes) == visible

@@ -92,6 +92,20 @@ def test_the_pointer_goes_with_its_reference(group: str, shutter: tuple[float, f
 def test_the_tracks_are_what_the_velocities_say():
     """One segment each: a line, a parabola; and the reference's chords take many."""
     tracks = {track.path: track for track in read(2.5, -0.5, 0.5).tracks}
-    forms = {name: (tracks[f"/World/{name}/Pointer"].segments, tracks[f"/World/{name}/Pointer"].degree) for name in PAIRS}
+    forms = {
+        name: (tracks[f"/World/{name}/Pointer"].segments, tracks[f"/World/{name}/Pointer"].degree)
+        for name in PAIRS
+    }
     assert forms["PointsVelocity"] == forms["PositionsVelocity"] == (1, 1)
     assert forms["PointsAcceleration"] == forms["PositionsAcceleration"] == (1, 2)
+
+
+@pytest.mark.parametrize("frame", [0.0, 1.0, 2.5, 4.0])
+@pytest.mark.parametrize("group", PAIRS)
+def test_without_blur_the_pointer_stands_beside_its_reference(group: str, frame: float):
+    """As upstream's baselines of frames 1, 2.5 and 4 have it: velocities carry the pose of a still frame, too."""
+    (of_pointer, of_reference), bound = PAIRS[group]
+    result = read(frame, 0.0, 0.0)
+    pointer = posed(result, f"/World/{group}/Pointer", 0.5)
+    reference = posed(result, f"/World/{group}/Reference", 0.5)
+    assert np.abs(pointer[of_pointer] - reference[of_reference]).max() <= bound + 1e-5

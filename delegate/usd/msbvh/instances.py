@@ -14,6 +14,7 @@ from pxr import UsdGeom
 from .context import FrameContext
 from .errors import Diagnostics
 from .point_instancers import own_transform, prototypes, read_point_instancer
+from .points import carries_still_pose
 from .transform_faults import report_unusable
 from .transforms import (
     LARGEST,
@@ -153,6 +154,9 @@ class Placer:
                 Level(None, {**points.arrays, "selected": points.selected}),
                 Level(group_from_instancer),
             )
+            speeds = [instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr()]
+            if carries_still_pose(speeds, context):
+                levels = (Level(points.motion), Level(group_from_instancer))
             yield Placement(
                 str(part.prim.GetPath()),
                 Traversal.prototype_key(points.prototype),

@@ -195,10 +195,14 @@ def _selected(every: Motion, selected: np.ndarray, prototype: Usd.Prim, caches: 
     """Some of the instances, with their prototype's own transform inside."""
     own = own_transform(prototype, caches, caches.shutter)
 
+    def carriers(_: int) -> list[UsdGeom.Xformable]:
+        return own.carriers(0)
+
     def evaluate(time01: float) -> np.ndarray:
         return own.at_time(time01) @ every.at_time(time01)[selected]
 
-    return Motion(caches.grid(caches.shutter), len(selected), every.still and own.still, evaluate)
+    still = every.still and own.still
+    return Motion(caches.grid(caches.shutter), len(selected), still, evaluate, carriers=carriers)
 
 
 def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) -> Motion:

@@ -89,11 +89,24 @@ def rate_clock(context: FrameContext, velocity_scale: float) -> dict:
     }
 
 
+def carries_still_pose(speeds: list[Usd.Attribute], context: FrameContext) -> bool:
+    """Whether velocities may carry the pose of a frame without blur: from the sample before it, which values that
+    are interpolated do not show. USD's own computation has it then."""
+    frame = context.shutter.frame
+    if context.shutter.moving or frame is None:
+        return False
+    around = [speed.GetBracketingTimeSamples(frame) for speed in speeds if speed.GetNumTimeSamples()]
+    return any(times and times[0] != frame for times in around)
+
+
 def sample_points(
     shape: UsdGeom.PointBased, context: FrameContext, has_velocities: bool
 ) -> tuple[Samples, dict]:
     """The points of a mesh, and the translator's keywords of its velocities and accelerations."""
     carried_by = {}
+    if has_velocities and carries_still_pose([shape.GetVelocitiesAttr()], context):
+        pose = shape.ComputePointsAtTime(context.code, context.code)
+        return Samples([(None, array(pose, np.float32, 3))], context.held), {}
     if has_velocities:
         carried_by = rates(shape.GetVelocitiesAttr(), shape.GetAccelerationsAttr(), context)
     values = raw_samples(shape.GetPointsAttr(), context, needs_times=bool(carried_by))

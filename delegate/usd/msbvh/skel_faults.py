@@ -36,7 +36,9 @@ def report_unusable_pose(
         joint = names[index] if index < len(names) else str(index)
         message = f"found {values[index]} for joint '{joint}'{_when(code, context)}, expected finite numbers"
         context.diagnostics.error(
-            str(animation.GetPath()), attribute.GetName(), f"{message}; the meshes that follow it are not drawn"
+            str(animation.GetPath()),
+            attribute.GetName(),
+            f"{message}; the meshes that follow it are not drawn",
         )
         return True
     return False

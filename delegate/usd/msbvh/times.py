@@ -148,13 +148,15 @@ def bracketing_times(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
     increasing, as time codes.
 
     Between them USD interpolates linearly, so they say everything; velocities carry values from the sample at
-    or before the frame. Empty where nothing is authored or a spline drives the attribute: those have no
-    samples (OpenUSD #3765).
+    or before the frame, if they and the values agree in the sample behind the frame as well, which counts
+    where the shutter closes before it, too. Empty where nothing is authored or a spline drives the attribute:
+    those have no samples (OpenUSD #3765).
     """
     first, last = shutter.interval.min, shutter.interval.max
     around = {
         *attribute.GetBracketingTimeSamples(first)[:1],
         *attribute.GetBracketingTimeSamples(shutter.frame),
+        *attribute.GetBracketingTimeSamples(shutter.frame + Usd.TimeCode.SafeStep())[1:],
         *attribute.GetBracketingTimeSamples(last)[1:],
     }
     if len(around) < 2:
@@ -174,7 +176,7 @@ def sample_times(attributes: Iterable[Usd.Attribute], shutter: Shutter) -> list[
         return []
     authored = [bracketing_times(attribute, shutter) for attribute in varying]
     times = sorted(set().union(*authored))
-    if all(authored) and len(times) <= 2**FINEST_LEVEL + 3:
+    if all(authored) and len(times) <= 2**FINEST_LEVEL + 4:
         return times
     return [
         shutter.time_code(time).GetValue() for time in np.linspace(0.0, 1.0, 2**FINEST_LEVEL + 1).tolist()

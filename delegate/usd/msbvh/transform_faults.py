@@ -37,7 +37,9 @@ def _bad_value(attribute: Usd.Attribute, shutter: Shutter) -> str:
     for time in bracketing_times(attribute, shutter):
         value = attribute.Get(time)
         if not _is_sound(value):
-            return f"found {value} at shutter time {shutter.time01(time):.9g} (0 is the opening, 1 the closing)"
+            return (
+                f"found {value} at shutter time {shutter.time01(time):.9g} (0 is the opening, 1 the closing)"
+            )
     return ""
 
 

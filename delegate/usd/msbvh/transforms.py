@@ -258,6 +258,8 @@ LARGEST = 2.0**60
 """The largest element of a usable matrix: kMaxCoordinate (core/geometry), so that products do not overflow."""
 JUMP01 = 6e-8
 """Bends within this of each other are a jump (kTimeResolution in delegate/translate/time_layout.h)."""
+SAME_TIME01 = 1e-12
+"""Times that are nearer are one: the translator's kSameTime."""
 _PROBE = 0.381966
 """Of a stretch: off the even places, so that no whole number of turns looks straight."""
 
@@ -332,7 +334,7 @@ def _smooth_samples(
 ) -> Iterator[TransformSamples]:
     """`local` is float64[N, 8, 4], or float64[1, 8, 4] for all."""
     limit = SAMPLING_SHARE * tolerance_pixels
-    ends = np.unique(np.concatenate([[0.0, 1.0], bends]))
+    ends = _distinct_ends(bends)
     remaining = np.arange(motion.count)
     coarse = _evaluated(motion, ends, remaining)
     # No splitting would make a number of what is none.
@@ -369,6 +371,16 @@ def _smooth_samples(
             return
         remaining, coarse, probed = remaining[~good], fine[:, ~good], probed[:, ~good]
         local = local if len(local) == 1 else local[~good]
+
+
+def _distinct_ends(bends: np.ndarray) -> np.ndarray:
+    """0, 1 and the bends between. A bend at the shutter's end, or two at the same time, that differ by rounding
+    alone would make a stretch of no length, which cannot be halved."""
+    ends = [0.0]
+    for time01 in sorted(bends.tolist()):
+        if ends[-1] + SAME_TIME01 < time01 < 1.0 - SAME_TIME01:
+            ends.append(time01)
+    return np.array([*ends, 1.0])
 
 
 def _evaluated(motion: Motion, times01: np.ndarray, indices: np.ndarray) -> np.ndarray:

@@ -19,7 +19,7 @@ from .point_instancers import moving_attributes, prototypes
 from .primvars import primvar_source
 from .times import Shutter, xform_bends
 from .transforms import bends_of
-from .visibility import changes_inside
+from .visibility import changes_inside, visible_at_opening
 
 WORLD: Hashable = "world"
 
@@ -129,12 +129,15 @@ class Traversal:
         scales = above.scales
         if not authored.isdisjoint(MOTION_PROPERTIES):
             scales = scales.below(prim, self._context.code, self._context.diagnostics)
+        if group_root and group_root.IsInstance() and scales.blur != above.scales.blur:
+            message = "inside an instance it scales the motion there; the instance's own motion keeps its scale"
+            self._context.diagnostics.group(str(prim.GetPath()), "motion:blurScale", message)
         blinking, purpose = above.blinking, above.purpose
         if not is_root and "visibility" in authored:
             visibility = imageable.GetVisibilityAttr()
             if changes_inside(visibility, self._context.shutter):  # Not motion: no blur scale stretches it.
                 blinking += (visibility,)
-            elif visibility.Get(self._context.code) == UsdGeom.Tokens.invisible:
+            elif not visible_at_opening(visibility, self._context.shutter):
                 return None
         if "purpose" in authored:
             purpose = str(imageable.GetPurposeAttr().Get())

@@ -17,6 +17,13 @@ def changes_inside(visibility: Usd.Attribute, shutter: Shutter) -> bool:
     return len({visibility.Get(time) for time in _steps(visibility, shutter)}) > 1
 
 
+def visible_at_opening(visibility: Usd.Attribute, shutter: Shutter) -> bool:
+    """Whether what does not change inside the shutter is visible. The frame may lie outside of it, or be its last
+    instant, where something else may hold already."""
+    time = Usd.TimeCode(shutter.interval.min) if shutter.moving else shutter.frame_code
+    return visibility.Get(time) != UsdGeom.Tokens.invisible
+
+
 def _steps(visibility: Usd.Attribute, shutter: Shutter) -> list[float]:
     """Time codes from which on a value holds, the opening's first."""
     inside = visibility.GetTimeSamplesInInterval(shutter.interval)

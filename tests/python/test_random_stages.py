@@ -1,0 +1,37 @@
+"""Random stages: the tracks as they are traced against usd-core's own evaluation at 33 times, and the tree's
+invariants. What the public scenes do not cover: shutters beside the frame, samples that nearly agree, rates that do
+not align, nested instancers under all of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from msbvh import _core
+from msbvh.errors import Diagnostics
+from msbvh.reader import ReadSettings, read_frame
+from random_stages import FRAME, StageMaker
+from recording import DENSE_TIMES01
+from stage_truth import StageTruth
+from test_dense_times import Frame, worst_pixels
+
+TOLERANCE = 0.05
+"""Pixels."""
+
+
+@pytest.mark.parametrize("held", [False, True])
+@pytest.mark.parametrize("first", range(0, 100, 20))
+def test_tracks_follow_random_stages(first: int, held: bool):
+    for seed in range(first, first + 20):
+        made = StageMaker(seed, held)
+        diagnostics = Diagnostics()
+        result = read_frame(
+            made.stage, FRAME, ReadSettings(width=480, motion_tolerance=TOLERANCE), diagnostics
+        )
+        if any("deviates" in str(diagnostic) for diagnostic in diagnostics):
+            continue  # Said by the translator: more segments than there are.
+        frame = Frame(StageTruth(made.stage, FRAME, made.shutter), result)
+        worst = max(worst_pixels(frame, time01) for time01 in DENSE_TIMES01[1:-1])
+        assert worst <= TOLERANCE, f"seed {seed}: {worst:.4g} pixels, shutter {made.shutter}"
+        renderer = _core.Renderer(result.scene, width=16, height=16, spp=1)
+        renderer.verify()
+        assert np.isfinite(np.array(renderer.render(lambda *_: None))).all()
