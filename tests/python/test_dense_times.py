@@ -138,6 +138,7 @@ def worst_pixels(frame: Frame, time01: float) -> float:
     return worst
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [0.1, 0.01])
 @pytest.mark.parametrize("shared", SCENES or [None], ids=str)
 def test_tracks_follow_the_stage(shared: SharedScene | None, tolerance: float) -> None:
