@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdUtils
 
+from .boxes import Box, PixelSize
 from .conform import Window, conformed
 from .errors import Diagnostics, SceneError
 from .framing import framing_camera
@@ -17,8 +18,7 @@ from .metadata import world_to_camera, world_to_ndc
 from .motion_scales import scales_at
 from .times import Shutter, TimeGrid, checked_shutter, is_held
 from .transform_faults import unusable_op
-from .transforms import LARGEST, Box, PixelSize, authored_xform_times, xformables
-
+from .transforms import LARGEST, authored_xform_times, xformables
 
 CAMERA_LEVEL = 10
 """2^10 intervals."""

@@ -11,20 +11,14 @@ from itertools import product
 import numpy as np
 from pxr import UsdGeom
 
+from .boxes import Box
 from .context import FrameContext
 from .errors import Diagnostics
 from .point_instancers import own_transform, prototypes, read_point_instancer
 from .points import carries_still_pose
 from .transform_faults import report_unusable
-from .transforms import (
-    LARGEST,
-    Box,
-    Motion,
-    PixelSizes,
-    TransformSamples,
-    XformCaches,
-    transform_samples,
-)
+from .transform_sampling import PixelSizes, TransformSamples, transform_samples
+from .transforms import LARGEST, Motion, XformCaches
 from .traversal import WORLD, Group, Part, Traversal
 from .visibility import common_intervals, visible_intervals
 

@@ -9,7 +9,6 @@ from pxr import Usd, UsdGeom
 
 from .errors import Diagnostics
 
-
 MOTION_PROPERTIES = frozenset(("motion:blurScale", "motion:velocityScale"))
 
 

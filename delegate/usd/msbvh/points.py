@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from .boxes import Box
 from .context import FrameContext, array
 from .times import bracketing_times, sample_times
-from .transforms import Box
 
 RawSamples = list[tuple[float | None, np.ndarray]]
 """(time01, values) at increasing times, the sizes as they are; the time is None for a value that is authored for

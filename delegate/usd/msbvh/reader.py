@@ -6,37 +6,25 @@ import time
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from operator import itemgetter
 from typing import Any
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from .boxes import Box
 from .camera import RenderCamera, optics, read_camera
 from .context import FrameContext
 from .errors import Diagnostics, SceneError
 from .instances import Placement, Placer, coarse_keywords, level_keywords
 from .lights import add_lights, camera_light
 from .materials import Materials
-from .meshes import faces_by_material, read_shape
 from .motion_scales import scales_at
 from .samples import SampleLog
-from .skinning import read_skinning
+from .shapes import BATCH_WEIGHT, Shape, Shapes
 from .stage import tf_messages
-from .times import Shutter, is_held
-from .transform_faults import report_unusable
-from .transforms import (
-    SAMPLING_SHARE,
-    Box,
-    PixelSizes,
-    TransformSamples,
-    XformCaches,
-    bends_of,
-    may_move,
-    transform_samples,
-)
-from .traversal import WORLD, Group, Part, Traversal
-from .visibility import visible_intervals
+from .times import is_held
+from .transforms import XformCaches
+from .traversal import WORLD, Group, Traversal
 
 
 @dataclass(frozen=True)
@@ -110,36 +98,6 @@ def _core_translator(**settings: Any) -> Any:
         raise SceneError(str(error)) from None
 
 
-BATCH_WEIGHT = 2**22
-"""Points that are held in memory at once, for meshes that are evaluated together."""
-
-
-@dataclass(frozen=True)
-class Shape:
-    """A mesh as it was read, before its transform is sampled."""
-
-    part: Part
-    mesh: dict
-    """The translator's keywords, all but the transform and the material."""
-    box: Box
-    """Around its points over the shutter, in their own space."""
-    placed_by: Usd.Prim
-    """Whose transform places it: itself, or its skeleton."""
-    course: tuple[bool, tuple[float, ...], Shutter]
-    """Whether that may vary, where it may change its course, and over which shutter."""
-
-    def weight(self) -> int:
-        """Points in all samples, and a thousand for the prim itself."""
-        return 1000 + sum(len(points) for _, points in self.mesh["points"])
-
-    def extent(self, caches: XformCaches, root: Usd.Prim | None) -> Box:
-        """Around the points in the space of the group, at a few times."""
-        varying, _, shutter = self.course
-        times = (0.0, 0.5, 1.0) if varying and shutter.moving else (0.0,)
-        matrices = [caches.matrix(time, self.placed_by, root, shutter) for time in times]
-        return Box.around(np.concatenate([self.box.corners() @ matrix[:, :3] for matrix in matrices]))
-
-
 def _unlimited(corners: np.ndarray) -> np.ndarray:
     """Pixels so large that no motion is seen: for a first look at where things are."""
     return np.full(corners.shape[1], np.inf)
@@ -177,7 +135,8 @@ class _FrameReader:
             self._caches = XformCaches(shutter, self._traversal.authored_times, self._context.held)
         self._pixel = self._camera.pixel_size()
         self._translator = make_translator(**self._translator_settings())
-        self._materials = Materials(self._translator, self._context)
+        materials = Materials(self._translator, self._context)
+        self._shapes = Shapes(self._context, self._caches, materials, settings.motion_tolerance)
         self._light_count = 0
         self._progress, self._steps_done = progress, 0
         self._steps = sum(len(group.shapes) + 1 for group in self._traversal.groups.values())
@@ -242,110 +201,18 @@ class _FrameReader:
         batch: list[Shape] = []
         weight = 0
         for part in self._traversal.groups[WORLD].shapes:
-            shape = self._read_part(part, None, self._world_pixel_sizes)
+            shape = self._shapes.read(part, None, self._world_pixel_sizes)
             if shape is not None:
                 batch.append(shape)
                 weight += shape.weight()
             self._step()
             if weight > BATCH_WEIGHT:
-                self._hand_down(batch, None, self._world_pixel_sizes, self._translator.add_mesh)
+                self._shapes.hand_down(batch, None, self._world_pixel_sizes, self._translator.add_mesh)
                 batch, weight = [], 0
-        self._hand_down(batch, None, self._world_pixel_sizes, self._translator.add_mesh)
-
-    def _read_part(self, part: Part, root: Usd.Prim | None, pixel_sizes: PixelSizes) -> Shape | None:
-        """A mesh and how it moves; None if it is not drawn."""
-        context = self._context.scaled(part.scales.blur)
-        mesh = read_shape(part.prim, context, part.scales.velocity, part.authored)
-        if mesh is None:
-            return None
-        samples = mesh.pop("samples")
-        placed_by, varying, bends = part.prim, part.varying, part.bends
-        tolerance = self._skinning_tolerance(root, context, pixel_sizes)
-        skinned = read_skinning(
-            part.prim, {**mesh, "samples": samples}, context, tolerance, part.authored
-        )
-        if skinned is not None:
-            if skinned.samples is None:
-                return None
-            samples, placed_by = skinned.samples, skinned.placed_by
-            if placed_by != part.prim:
-                varying = may_move(placed_by, root)
-                bends = tuple(bends_of(placed_by, root, context.shutter))
-            mesh.update(normals=skinned.normals, normals_indices=None, computed_points=True)
-            for name in ("velocities", "accelerations"):
-                mesh.pop(name, None)
-        if context.found is not None:
-            animation, posed = (skinned.animation, samples.values) if skinned is not None else (None, ())
-            times01 = [time01 for time01, _ in posed]
-            own = part.prim, part.blinking, root, context.shutter
-            context.found.shape(*own, placed_by, animation, times01)
-        mesh["visible"] = visible_intervals(part.blinking, self._context.shutter)
-        mesh.update(points=samples.values, points_held=samples.held)
-        return Shape(part, mesh, samples.box(), placed_by, (varying, bends, context.shutter))
-
-    def _hand_down(
-        self, shapes: list[Shape], root: Usd.Prim | None, pixel_sizes: PixelSizes, add: Callable[..., None]
-    ) -> None:
-        """Hands meshes to the translator with their transforms over the shutter, in their order."""
-        tolerance, held = self._settings.motion_tolerance, self._context.held
-        alike: dict[Hashable, list[int]] = {}
-        for index, shape in enumerate(shapes):
-            alike.setdefault(shape.course, []).append(index)
-        moved: dict[int, tuple[TransformSamples, int]] = {}
-        for (varying, bends, shutter), same in alike.items():
-            prims = [shapes[index].placed_by for index in same]
-            motion = self._caches.motion(prims, root, varying, shutter, bends)
-            boxes = [shapes[index].box for index in same]
-            for samples in transform_samples(motion, boxes, pixel_sizes, tolerance, held):
-                for place, index in enumerate(samples.indices.tolist()):
-                    if samples.usable:
-                        moved[same[index]] = samples, place
-                    else:
-                        report_unusable(motion, index, self._context.diagnostics)
-        for index, (samples, place) in sorted(moved.items(), key=itemgetter(0)):
-            self._add_shape(shapes[index], samples, place, add)
-
-    def _add_shape(
-        self, shape: Shape, transform: TransformSamples, place: int, add: Callable[..., None]
-    ) -> None:
-        """Once for each material on it. Its matrices are number `place` of the samples'."""
-        if self._context.found is not None:
-            self._context.found.evaluated_shape(shape.mesh["path"], transform.times01)
-        mesh = {
-            **shape.mesh,
-            "transform_times01": transform.times01,
-            "transforms": np.ascontiguousarray(transform.matrices[:, place]),
-            "transform_bends01": transform.bends01,
-            "transforms_held": transform.held,
-            "transform_error_pixels": transform.error_pixels,
-        }
-        prim, parts = shape.part.prim, []
-        if prim.IsA(UsdGeom.Mesh):
-            parts = faces_by_material(UsdGeom.Mesh(prim), len(mesh["face_vertex_counts"]), self._context)
-        for bound, outside in parts or [(prim, None)]:
-            holes = mesh["hole_indices"]
-            if outside is not None:
-                holes = outside if holes is None else np.union1d(holes, outside).astype(np.int32)
-            add(**{**mesh, "hole_indices": holes, "material": self._materials.bound_to(bound)})
+        self._shapes.hand_down(batch, None, self._world_pixel_sizes, self._translator.add_mesh)
 
     def _world_pixel_sizes(self, corners: np.ndarray) -> np.ndarray:
         return self._pixel.nearest(corners)
-
-    def _skinning_tolerance(
-        self, root: Usd.Prim | None, context: FrameContext, pixel_sizes: PixelSizes
-    ) -> Callable[[Usd.Prim, Box], float]:
-        """How far skinned points may stray between samples: a share of the tolerance, the rest of which the
-        track has."""
-
-        def tolerance(placed_by: Usd.Prim, box: Box) -> float:
-            times = (0.0, 0.5, 1.0)
-            matrices = np.array([self._caches.matrix(t, placed_by, root, context.shutter) for t in times])
-            stretch = np.linalg.norm(matrices[:, :3, :3], ord=2, axis=(1, 2)).max()
-            corners = (box.corners() @ matrices[..., :3])[:, None]
-            share = SAMPLING_SHARE * self._settings.motion_tolerance
-            return share * float(pixel_sizes(corners)[0]) / max(stretch, 1e-30)
-
-        return tolerance
 
     def _add_instanced(self, placements: list[Placement]) -> None:
         """Every group once, and every place where it stands."""
@@ -360,7 +227,7 @@ class _FrameReader:
     def _add_group(self, group: Group, placed: list[Placement]) -> None:
         """A prototype's meshes, followed as closely as the instance asks for that is seen largest."""
         # How large a pixel is depends on the instances, and where they are on the meshes' extent.
-        coarse = [self._read_part(part, group.root, _unlimited) for part in group.shapes]
+        coarse = [self._shapes.read(part, group.root, _unlimited) for part in group.shapes]
         box = Box.empty()
         for shape in filter(None, coarse):
             box = box.union(shape.extent(self._caches, group.root))
@@ -377,10 +244,10 @@ class _FrameReader:
         shapes = []
         for part, shape in zip(group.shapes, coarse, strict=True):
             if shape is not None and shape.mesh.get("computed_points"):
-                shape = self._read_part(part, group.root, pixel_sizes)  # Skinned: sampled as the pixels ask.
+                shape = self._shapes.read(part, group.root, pixel_sizes)  # Skinned: sampled as the pixels ask.
             self._step()
             shapes.extend([shape] if shape is not None else [])
-        self._hand_down(shapes, group.root, pixel_sizes, add)
+        self._shapes.hand_down(shapes, group.root, pixel_sizes, add)
         for placement in placed:
             self._add_instances(placement, prototype, box)
         self._step()

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from .boxes import Box
 from .context import FrameContext, array
 from .points import Samples
 from .skel_bindings import SkelBinding, read_binding
 from .skel_faults import report_unusable_pose
 from .times import FINEST_LEVEL, TimeGrid
-from .transforms import Box
 
 COARSEST_LEVEL = 2
 """Poses are sampled at 2^2 intervals at least: between authored samples a joint turns by less than half a

@@ -1,0 +1,66 @@
+"""Boxes around things, and how large a pixel is at them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+_CORNERS = np.array(list(product((0, 1), repeat=3)))
+"""Which end of a box each of its corners lies at, by axis."""
+
+
+@dataclass(frozen=True)
+class Box:
+    """An axis-aligned box; lo > hi where empty."""
+
+    lo: np.ndarray
+    hi: np.ndarray
+
+    @staticmethod
+    def empty() -> Box:
+        """The box of nothing."""
+        return Box(np.full(3, np.inf), np.full(3, -np.inf))
+
+    @staticmethod
+    def around(points: np.ndarray) -> Box:
+        """Of the finite points among float[N, 3]."""
+        if not len(points):
+            return Box.empty()
+        box = Box(points.min(axis=0), points.max(axis=0))
+        if np.isfinite(box.lo).all() and np.isfinite(box.hi).all():
+            return box
+        return Box.around(points[np.isfinite(points).all(axis=1)])
+
+    def union(self, other: Box) -> Box:
+        """Around both."""
+        return Box(np.minimum(self.lo, other.lo), np.maximum(self.hi, other.hi))
+
+    def corners(self) -> np.ndarray:
+        """float64[8, 4], homogeneous; the origin eight times for an empty box."""
+        ends = np.array([self.lo, self.hi]) if (self.lo <= self.hi).all() else np.zeros((2, 3))
+        corners = np.ones((8, 4))
+        corners[:, :3] = ends[_CORNERS, (0, 1, 2)]
+        return corners
+
+
+@dataclass(frozen=True)
+class PixelSize:
+    """How large a pixel is in the world, seen from a camera that may move."""
+
+    camera_box: Box
+    """Around the eye over the shutter."""
+    perspective: bool
+    per_unit: float
+    """World units a pixel: at unit distance (perspective) or anywhere."""
+    near: float
+    """No distance counts as less: what lies nearer is not seen."""
+
+    def nearest(self, corners: np.ndarray) -> np.ndarray:
+        """The smallest size of a pixel at the boxes around float64[T, N, 8, 3] world points: float64[N]."""
+        if not self.perspective:
+            return np.full(corners.shape[1], self.per_unit)
+        lo, hi = corners.min(axis=(0, 2)), corners.max(axis=(0, 2))
+        gap = np.maximum(np.maximum(lo - self.camera_box.hi, self.camera_box.lo - hi), 0.0)
+        return self.per_unit * np.maximum(np.linalg.norm(gap, axis=-1), self.near)

@@ -1,0 +1,155 @@
+"""Meshes on their way from the stage to the translator: read, skinned, and moved together where they move alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from operator import itemgetter
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from .boxes import Box
+from .context import FrameContext
+from .materials import Materials
+from .meshes import faces_by_material, read_shape
+from .skinning import read_skinning
+from .times import Shutter
+from .transform_faults import report_unusable
+from .transform_sampling import SAMPLING_SHARE, PixelSizes, TransformSamples, transform_samples
+from .transforms import XformCaches, bends_of, may_move
+from .traversal import Part
+from .visibility import visible_intervals
+
+BATCH_WEIGHT = 2**22
+"""Points that are held in memory at once, for meshes that are evaluated together."""
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A mesh as it was read, before its transform is sampled."""
+
+    part: Part
+    mesh: dict
+    """The translator's keywords, all but the transform and the material."""
+    box: Box
+    """Around its points over the shutter, in their own space."""
+    placed_by: Usd.Prim
+    """Whose transform places it: itself, or its skeleton."""
+    course: tuple[bool, tuple[float, ...], Shutter]
+    """Whether that may vary, where it may change its course, and over which shutter."""
+
+    def weight(self) -> int:
+        """Points in all samples, and a thousand for the prim itself."""
+        return 1000 + sum(len(points) for _, points in self.mesh["points"])
+
+    def extent(self, caches: XformCaches, root: Usd.Prim | None) -> Box:
+        """Around the points in the space of the group, at a few times."""
+        varying, _, shutter = self.course
+        times = (0.0, 0.5, 1.0) if varying and shutter.moving else (0.0,)
+        matrices = [caches.matrix(time, self.placed_by, root, shutter) for time in times]
+        return Box.around(np.concatenate([self.box.corners() @ matrix[:, :3] for matrix in matrices]))
+
+
+class Shapes:
+    """Reads the meshes of one frame and hands them down."""
+
+    def __init__(
+        self, context: FrameContext, caches: XformCaches, materials: Materials, tolerance_pixels: float
+    ) -> None:
+        self._context = context
+        self._caches = caches
+        self._materials = materials
+        self._tolerance = tolerance_pixels
+
+    def read(self, part: Part, root: Usd.Prim | None, pixel_sizes: PixelSizes) -> Shape | None:
+        """A mesh and how it moves; None if it is not drawn."""
+        context = self._context.scaled(part.scales.blur)
+        mesh = read_shape(part.prim, context, part.scales.velocity, part.authored)
+        if mesh is None:
+            return None
+        samples = mesh.pop("samples")
+        placed_by, varying, bends = part.prim, part.varying, part.bends
+        tolerance = self._skinning_tolerance(root, context, pixel_sizes)
+        skinned = read_skinning(
+            part.prim, {**mesh, "samples": samples}, context, tolerance, part.authored
+        )
+        if skinned is not None:
+            if skinned.samples is None:
+                return None
+            samples, placed_by = skinned.samples, skinned.placed_by
+            if placed_by != part.prim:
+                varying = may_move(placed_by, root)
+                bends = tuple(bends_of(placed_by, root, context.shutter))
+            mesh.update(normals=skinned.normals, normals_indices=None, computed_points=True)
+            for name in ("velocities", "accelerations"):
+                mesh.pop(name, None)
+        if context.found is not None:
+            animation, posed = (skinned.animation, samples.values) if skinned is not None else (None, ())
+            times01 = [time01 for time01, _ in posed]
+            own = part.prim, part.blinking, root, context.shutter
+            context.found.shape(*own, placed_by, animation, times01)
+        mesh["visible"] = visible_intervals(part.blinking, self._context.shutter)
+        mesh.update(points=samples.values, points_held=samples.held)
+        return Shape(part, mesh, samples.box(), placed_by, (varying, bends, context.shutter))
+
+    def hand_down(
+        self, shapes: list[Shape], root: Usd.Prim | None, pixel_sizes: PixelSizes, add: Callable[..., None]
+    ) -> None:
+        """Hands meshes to the translator with their transforms over the shutter, in their order."""
+        held = self._context.held
+        alike: dict[Hashable, list[int]] = {}
+        for index, shape in enumerate(shapes):
+            alike.setdefault(shape.course, []).append(index)
+        moved: dict[int, tuple[TransformSamples, int]] = {}
+        for (varying, bends, shutter), same in alike.items():
+            prims = [shapes[index].placed_by for index in same]
+            motion = self._caches.motion(prims, root, varying, shutter, bends)
+            boxes = [shapes[index].box for index in same]
+            for samples in transform_samples(motion, boxes, pixel_sizes, self._tolerance, held):
+                for place, index in enumerate(samples.indices.tolist()):
+                    if samples.usable:
+                        moved[same[index]] = samples, place
+                    else:
+                        report_unusable(motion, index, self._context.diagnostics)
+        for index, (samples, place) in sorted(moved.items(), key=itemgetter(0)):
+            self._add_shape(shapes[index], samples, place, add)
+
+    def _add_shape(
+        self, shape: Shape, transform: TransformSamples, place: int, add: Callable[..., None]
+    ) -> None:
+        """Once for each material on it. Its matrices are number `place` of the samples'."""
+        if self._context.found is not None:
+            self._context.found.evaluated_shape(shape.mesh["path"], transform.times01)
+        mesh = {
+            **shape.mesh,
+            "transform_times01": transform.times01,
+            "transforms": np.ascontiguousarray(transform.matrices[:, place]),
+            "transform_bends01": transform.bends01,
+            "transforms_held": transform.held,
+            "transform_error_pixels": transform.error_pixels,
+        }
+        prim, parts = shape.part.prim, []
+        if prim.IsA(UsdGeom.Mesh):
+            parts = faces_by_material(UsdGeom.Mesh(prim), len(mesh["face_vertex_counts"]), self._context)
+        for bound, outside in parts or [(prim, None)]:
+            holes = mesh["hole_indices"]
+            if outside is not None:
+                holes = outside if holes is None else np.union1d(holes, outside).astype(np.int32)
+            add(**{**mesh, "hole_indices": holes, "material": self._materials.bound_to(bound)})
+
+    def _skinning_tolerance(
+        self, root: Usd.Prim | None, context: FrameContext, pixel_sizes: PixelSizes
+    ) -> Callable[[Usd.Prim, Box], float]:
+        """How far skinned points may stray between samples: a share of the tolerance, the rest of which the
+        track has."""
+
+        def tolerance(placed_by: Usd.Prim, box: Box) -> float:
+            times = (0.0, 0.5, 1.0)
+            matrices = np.array([self._caches.matrix(t, placed_by, root, context.shutter) for t in times])
+            stretch = np.linalg.norm(matrices[:, :3, :3], ord=2, axis=(1, 2)).max()
+            corners = (box.corners() @ matrices[..., :3])[:, None]
+            share = SAMPLING_SHARE * self._tolerance
+            return share * float(pixel_sizes(corners)[0]) / max(stretch, 1e-30)
+
+        return tolerance
