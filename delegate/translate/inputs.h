@@ -22,16 +22,16 @@ namespace msbvh::translate {
 
 using Matrix4d = std::array<double, 16>;
 
-// A transform at increasing times, to be interpolated linearly by element between them and held outside; with
-// `held`, each holds until the next. The front-end evaluates the stage at as many times as that takes. One
-// sample: still.
+// A transform at increasing times, to be interpolated by element between them and held outside; with `held`, each
+// holds until the next. The front-end evaluates the stage at as many times as that takes. One sample: still.
 struct TransformSamples {
   std::vector<double> times01;
   std::vector<Matrix4d> matrices;
-  // Where the motion may bend: authored times. The other samples lie on smooth curves. None given: anywhere.
+  // Where the motion may bend: authored times. The other samples lie evenly on smooth curves between them
+  // (smooth_times.h). None given: anywhere, and lines between samples.
   std::optional<std::vector<double>> bends01{};
   bool held = false;
-  double error_pixels = 0.0;  // by which linear interpolation of the samples may stray from the stage
+  double error_pixels = 0.0;  // by which interpolation of the samples may stray from the stage
 };
 
 // One authored sample of points (or normals).

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/lerp.h"
+#include "delegate/translate/smooth_times.h"
 #include "delegate/translate/time_samples.h"
 #include "delegate/translate/transform_samples.h"
 
@@ -18,6 +19,7 @@ class MatrixLevel final : public ChainLevel {
       : level_(level),
         count_(level.matrices.size() / level.times01.size()),
         range_(samples_of_shutter(level.times01, level.held)),
+        smooth_(std::span(level.times01).subspan(range_.first, range_.count()), level.bends01, level.held),
         still_(compare()) {}
 
   std::size_t count() const override { return count_; }
@@ -31,12 +33,7 @@ class MatrixLevel final : public ChainLevel {
     return normalized_bends(std::move(result));
   }
   std::unique_ptr<LevelInstant> at(double time01, double within) const override {
-    const std::span<const double> times = std::span(level_.times01).subspan(range_.first, range_.count());
-    const Bracket at = bracket(times, level_.held ? within : time01, level_.held);
-    const auto matrices = [&](std::size_t time) {
-      return level_.matrices.subspan((range_.first + time) * count_, count_);
-    };
-    return std::make_unique<Instant>(matrices(at.first), matrices(at.second), at.w);
+    return std::make_unique<Instant>(level_.matrices.subspan(range_.first * count_), count_, smooth_.at(time01, within));
   }
   std::string rule() const override {
     if (still_) return "still";
@@ -46,16 +43,16 @@ class MatrixLevel final : public ChainLevel {
  private:
   class Instant final : public LevelInstant {
    public:
-    Instant(std::span<const Matrix4d> first, std::span<const Matrix4d> second, double w)
-        : first_(first), second_(second), w_(w) {}
+    Instant(std::span<const Matrix4d> matrices, std::size_t count, const SmoothTimes::Mix& mix)
+        : matrices_(matrices), count_(count), mix_(mix) {}
     Affine3d map(std::size_t index) const override {
-      const Affine3d a = affine_from(first_[index]);
-      return w_ == 0.0 ? a : lerp(a, affine_from(second_[index]), w_);
+      return mixed(mix_, [&](std::size_t sample) { return affine_from(matrices_[sample * count_ + index]); });
     }
 
    private:
-    std::span<const Matrix4d> first_, second_;
-    double w_;
+    std::span<const Matrix4d> matrices_;
+    std::size_t count_;
+    SmoothTimes::Mix mix_;
   };
 
   // Compares values: matrices that do not change over many samples are still.
@@ -70,6 +67,7 @@ class MatrixLevel final : public ChainLevel {
   const InstanceLevel& level_;
   std::size_t count_;
   SampleRange range_;
+  SmoothTimes smooth_;
   bool still_;
 };
 

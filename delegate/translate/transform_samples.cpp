@@ -42,7 +42,8 @@ Affine3d rebased(Affine3d map, const Vec3d& from, const Vec3d& to) {
 }
 
 TransformTrack::TransformTrack(const TransformSamples& samples)
-    : bends01_(samples.bends01.value_or(samples.times01)),
+    : smooth_({}, {}, false),
+      bends01_(samples.bends01.value_or(samples.times01)),
       held_(samples.held),
       error_pixels_(samples.error_pixels) {
   const SampleRange range = samples_of_shutter(samples.times01, held_);
@@ -50,9 +51,11 @@ TransformTrack::TransformTrack(const TransformSamples& samples)
     times01_.push_back(samples.times01[i]);
     maps_.push_back(affine_from(samples.matrices[i]));
   }
+  smooth_ = SmoothTimes(times01_, samples.bends01, held_);
 }
 
-TransformTrack::TransformTrack(const Affine3d& still) : times01_{0.0}, maps_{still} {}
+TransformTrack::TransformTrack(const Affine3d& still)
+    : times01_{0.0}, maps_{still}, smooth_(times01_, {}, false) {}
 
 TransformTrack TransformTrack::rebased(const Vec3d& from, const Vec3d& to) const {
   TransformTrack result = *this;
@@ -61,8 +64,7 @@ TransformTrack TransformTrack::rebased(const Vec3d& from, const Vec3d& to) const
 }
 
 Affine3d TransformTrack::at(double time01, double within) const {
-  const Bracket at = bracket(times01_, held_ ? within : time01, held_);
-  return at.first == at.second ? maps_[at.first] : lerp(maps_[at.first], maps_[at.second], at.w);
+  return mixed(smooth_.at(time01, within), [&](std::size_t i) { return maps_[i]; });
 }
 
 bool TransformTrack::is_still() const {

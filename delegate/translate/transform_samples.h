@@ -1,5 +1,5 @@
-// A transform over the shutter as the front-end sampled it: double precision, linear by element between
-// samples, or each sample held until the next.
+// A transform over the shutter as the front-end sampled it: double precision, interpolated by element between
+// samples (smooth_times.h), or each sample held until the next.
 #pragma once
 
 #include <string>
@@ -8,6 +8,7 @@
 #include "core/base/affine.h"
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/inputs.h"
+#include "delegate/translate/smooth_times.h"
 #include "delegate/translate/time_layout.h"
 #include "delegate/translate/time_samples.h"
 
@@ -45,6 +46,7 @@ class TransformTrack {
  private:
   std::vector<double> times01_;
   std::vector<Affine3d> maps_;
+  SmoothTimes smooth_;
   std::vector<double> bends01_;
   bool held_ = false;
   double error_pixels_ = 0.0;

@@ -1,4 +1,4 @@
-"""How densely transforms are sampled over the shutter: as straight lines between the samples need."""
+"""How densely transforms are sampled over the shutter: as interpolation between the samples needs."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from .boxes import Box
 from .transforms import LARGEST, Motion
 
 SAMPLING_SHARE = 0.1
-"""Of the tolerance: by how much straight lines between samples may stray from the stage. The rest is the
-track's."""
+"""Of the tolerance: by how much interpolation between samples may stray from the stage. The rest is the track's."""
+CUBIC_SPLIT = 2
+"""From here on a stretch has the four samples that a cubic takes; lines before."""
 FINEST_SPLIT = 12
-"""The most often that a stretch between bends is halved: 4096 samples follow ten turns of a wheel that fills the
-image to a hundredth of a pixel."""
+"""The most often that a stretch between bends is halved: 4096 samples."""
 LARGEST_SAMPLES = 2**23
 """Matrices that are held at once, a gigabyte; beyond it sampling ends where it stands, and says so by its error."""
 JUMP01 = 6e-8
@@ -40,7 +40,7 @@ class TransformSamples:
     """float64[B]: where the motion may change its course."""
     held: bool = False
     error_pixels: float = 0.0
-    """By which the straight lines between the samples may stray from the stage."""
+    """By which interpolation between the samples may stray from the stage."""
     usable: bool = True
     """False for those things of which a matrix is not finite or too large; nothing can be drawn there."""
 
@@ -52,8 +52,8 @@ PixelSizes = Callable[[np.ndarray], np.ndarray]
 def transform_samples(
     motion: Motion, boxes: list[Box], pixel_sizes: PixelSizes, tolerance_pixels: float, held: bool = False
 ) -> Iterator[TransformSamples]:
-    """Samples matrices over the shutter until straight lines between them follow the stage within a share of the
-    tolerance.
+    """Samples matrices over the shutter until what is interpolated between them follows the stage within a share of
+    the tolerance.
 
     Halves the stretches between bends, for those things that need it. Every index comes once. `boxes` are those
     of the things, each in its own space; one: of each.
@@ -108,24 +108,24 @@ def _smooth_samples(
         yield samples
         if len(samples.indices) == motion.count:
             return
-    lengths = np.diff(ends)
-    stretches = lengths > JUMP01  # Across the others the motion jumps: nothing lies between.
-    probes = ends[:-1] + _PROBE * lengths
+    course = Course(ends)
+    probes = ends[:-1] + _PROBE * np.diff(ends)
     probed = _evaluated(motion, probes, remaining)
     for split in range(FINEST_SPLIT):
-        times01 = _split(ends, split + 1)
-        fine = _refined(motion, coarse, times01, remaining)
+        times01 = course.times01(split + 1)
+        fine = _refined(motion, course, split, coarse, remaining)
         corners = local @ fine[..., :3]
         size = pixel_sizes(corners)
-        # Halving a chord quarters its distance from the curve.
-        inside = np.append(np.repeat(stretches, 2 ** (split + 1)), True)
-        bent = _bend(_split(ends, split), local @ coarse[..., :3], times01, corners, inside) / size
-        beside = _bend(times01, corners, probes, local @ probed[..., :3], stretches) / size
-        straight = np.maximum(bent, beside) <= limit
-        good = straight if split == 0 else (bent <= 4.0 * limit) & (beside <= 4.0 * limit) & (split > 1)
-        last = split + 1 == FINEST_SPLIT or 2 * fine.size > 16 * LARGEST_SAMPLES
-        good = good | last
-        kept_times, kept, error = (ends, coarse, bent) if split == 0 else (times01, fine, bent / 4.0)
+        bent = course.strays(split, local @ coarse[..., :3], times01, corners) / size
+        beside = course.strays(split + 1, corners, probes, local @ probed[..., :3]) / size
+        if split == 0:
+            good, kept_times, kept, error = np.maximum(bent, beside) <= limit, ends, coarse, bent
+        else:
+            # Halving the distance of a cubic's points divides its error by 16, of a line's by 4.
+            gain = 4.0 if split < CUBIC_SPLIT else 8.0
+            good = (bent <= gain * limit) & (beside <= limit) & (split > 1)
+            kept_times, kept, error = times01, fine, bent / gain
+        good = good | (split + 1 == FINEST_SPLIT or 2 * fine.size > 16 * LARGEST_SAMPLES)
         if good.any():
             found = float(error[good].max())
             yield TransformSamples(remaining[good], kept_times, kept[:, good], bends, False, found)
@@ -133,6 +133,55 @@ def _smooth_samples(
             return
         remaining, coarse, probed = remaining[~good], fine[:, ~good], probed[:, ~good]
         local = local if len(local) == 1 else local[~good]
+
+
+class Course:
+    """The stretches between bends, each split evenly, and interpolation in them as the translator does it
+    (delegate/translate/smooth_times.h)."""
+
+    def __init__(self, ends: np.ndarray) -> None:
+        """float64[S + 1] ends of stretches. Across those shorter than JUMP01 the motion jumps: nothing lies
+        between."""
+        self.ends = ends
+        self.long = np.diff(ends) > JUMP01
+
+    def parts(self, split: int) -> np.ndarray:
+        """int[S]: into how many each stretch is split."""
+        return np.where(self.long, 2**split, 1)
+
+    def times01(self, split: int) -> np.ndarray:
+        """float64[T]."""
+        stretches = zip(self.ends[:-1], self.ends[1:], self.parts(split), strict=True)
+        return np.concatenate([*(a + (b - a) * np.arange(n) / n for a, b, n in stretches), self.ends[-1:]])
+
+    def first(self, split: int) -> np.ndarray:
+        """int[S]: the number of each stretch's first sample."""
+        return np.concatenate([[0], np.cumsum(self.parts(split))[:-1]])
+
+    def strays(self, split: int, corners: np.ndarray, probes: np.ndarray, probed: np.ndarray) -> np.ndarray:
+        """How far float64[P, N, 8, 3] corners at the probes stray from what is interpolated between float64[T, N, 8,
+        3] ones: float64[N]. Since corners are linear in the matrices, this bounds every point of the box."""
+        stretch = np.clip(np.searchsorted(self.ends, probes, side="right") - 1, 0, len(self.long) - 1)
+        counts = self.long[stretch]
+        stretch, probes = stretch[counts], probes[counts]
+        parts = 2**split
+        place = (probes - self.ends[stretch]) / (self.ends[stretch + 1] - self.ends[stretch]) * parts
+        degree = 3 if split >= CUBIC_SPLIT else 1
+        begin = np.clip(np.floor(place).astype(int) - (degree == 3), 0, parts - degree)
+        weights = _lagrange(place - begin, degree)
+        samples = (self.first(split)[stretch] + begin)[:, None] + np.arange(degree + 1)
+        between = np.einsum("pk,pk...->p...", weights, corners[samples])
+        return np.linalg.norm(probed[counts] - between, axis=-1).max(axis=(0, 2), initial=0.0)
+
+
+def _lagrange(place: np.ndarray, degree: int) -> np.ndarray:
+    """float64[P, degree + 1]: weights of samples at 0, 1, ... degree for values at float64[P] places."""
+    nodes = np.arange(degree + 1)
+    weights = np.ones((len(place), degree + 1))
+    for i in nodes:
+        for j in nodes[nodes != i]:
+            weights[:, i] *= (place - j) / (i - j)
+    return weights
 
 
 def _distinct_ends(bends: np.ndarray) -> np.ndarray:
@@ -149,28 +198,20 @@ def _evaluated(motion: Motion, times01: np.ndarray, indices: np.ndarray) -> np.n
     return np.array([motion.some(time01, indices) for time01 in times01.tolist()])
 
 
-def _refined(motion: Motion, coarse: np.ndarray, times01: np.ndarray, indices: np.ndarray) -> np.ndarray:
-    """The matrices at `times01`, every second of which `coarse` already has."""
+def _refined(
+    motion: Motion, course: Course, split: int, coarse: np.ndarray, indices: np.ndarray
+) -> np.ndarray:
+    """The matrices at the times of the next split; `coarse` has those of this one."""
+    times01 = course.times01(split + 1)
+    known = np.isin(np.arange(len(times01)), _kept(course, split))
     fine = np.empty((len(times01), *coarse.shape[1:]))
-    fine[::2] = coarse
-    fine[1::2] = _evaluated(motion, times01[1::2], indices)
+    fine[known] = coarse
+    fine[~known] = _evaluated(motion, times01[~known], indices)
     return fine
 
 
-def _split(ends: np.ndarray, split: int) -> np.ndarray:
-    """float64[T]: each stretch between two ends in 2^split equal parts."""
-    parts = np.arange(2**split) / 2**split
-    return np.append((ends[:-1, None] + parts * np.diff(ends)[:, None]).ravel(), ends[-1])
-
-
-def _bend(
-    times01: np.ndarray, corners: np.ndarray, probes: np.ndarray, probed: np.ndarray, counts: np.ndarray
-) -> np.ndarray:
-    """How far float64[P, N, 8, 3] corners at the probes stray from the straight lines between float64[T, N, 8, 3]
-    ones: float64[N]. Since corners are linear in the matrices, this bounds every point of the box. `counts` is
-    bool[P]: which probes matter."""
-    after = np.clip(np.searchsorted(times01, probes, side="right"), 1, len(times01) - 1)
-    begin, end = times01[after - 1], times01[after]
-    weight = ((probes - begin) / (end - begin))[:, None, None, None]
-    straight = (1.0 - weight) * corners[after - 1] + weight * corners[after]
-    return np.linalg.norm((probed - straight)[counts], axis=-1).max(axis=(0, 2), initial=0.0)
+def _kept(course: Course, split: int) -> np.ndarray:
+    """int[T]: where the times of a split are among those of the next."""
+    pairs = zip(course.first(split + 1), course.parts(split), course.long, strict=True)
+    inside = [first + np.arange(parts) * (2 if is_long else 1) for first, parts, is_long in pairs]
+    return np.concatenate([*inside, [int(course.parts(split + 1).sum())]])
