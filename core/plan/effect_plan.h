@@ -21,9 +21,9 @@ enum class Effect : std::uint32_t {
   kAreaLights = 1u << 6,
   kDomeLight = 1u << 7,
   kIndirectLight = 1u << 8,
-  kLens = 1u << 9,             // depth of field
+  kLens = 1u << 9,               // depth of field
   kPolynomialMotion = 1u << 10,  // a mesh or an instance moves on curves of degree 2 or 3
-  kOwnClocks = 1u << 11  // motion that bends, jumps or shows at times between even keys
+  kOwnClocks = 1u << 11          // motion that bends, jumps or shows at times between even keys
 };
 
 // A set of effects; usable as a template argument.

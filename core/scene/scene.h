@@ -41,7 +41,7 @@ struct Primvar {
 std::size_t value_count(Interpolation interpolation, const TriangleMesh& shape);
 
 struct Mesh {
-  TriangleMesh shape;      // with its guard: accelerators share it as it stands
+  TriangleMesh shape;  // with its guard: accelerators share it as it stands
   // Shading normals, need not be unit length; not authored: the triangle's own. In the mesh's time; the other
   // primvars are in the shutter's.
   Primvar<Vec3f> normals;
@@ -124,7 +124,8 @@ struct ScreenWindow {
 };
 
 constexpr ScreenWindow lerp(const ScreenWindow& a, const ScreenWindow& b, float w) {
-  return {lerp(a.left, b.left, w), lerp(a.right, b.right, w), lerp(a.bottom, b.bottom, w), lerp(a.top, b.top, w)};
+  return {lerp(a.left, b.left, w), lerp(a.right, b.right, w), lerp(a.bottom, b.bottom, w),
+          lerp(a.top, b.top, w)};
 }
 
 // A thin lens at the eye, across the camera's z axis, in camera space.

@@ -9,7 +9,9 @@ namespace {
 // The camera's tracks at a time of the shutter.
 class CameraTime {
  public:
-  CameraTime(const Camera& camera, float time) : camera_(camera), time_(time) { camera.clock.at(time, time_); }
+  CameraTime(const Camera& camera, float time) : camera_(camera), time_(time) {
+    camera.clock.at(time, time_);
+  }
 
   Affine3f world_from_camera() const { return value(camera_.world_from_camera); }
   ScreenWindow window() const { return value(camera_.window); }

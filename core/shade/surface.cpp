@@ -150,8 +150,8 @@ SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& 
 float opacity_at(const Scene& scene, const HitSource& source, const Hit& hit, float time) {
   const Mesh& mesh = *source.mesh;
   if (!reads_display_opacity(scene, mesh)) return constant_opacity(scene, mesh);
-  const float value = interpolate(mesh.display_opacity, mesh.shape, hit.triangle,
-                                  Barycentrics::of(hit.u, hit.v), time);
+  const float value =
+      interpolate(mesh.display_opacity, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time);
   return rendered_opacity(material_of(scene, mesh), value);
 }
 

@@ -38,7 +38,8 @@ ArrayInstant ArrayTrack::at(double time01, double within) const {
 
 bool ArrayTrack::is_still() const {
   const auto is_zero = [](const Vec3f& v) { return v == Vec3f{}; };
-  if (carried_) return std::ranges::all_of(velocities_, is_zero) && std::ranges::all_of(accelerations_, is_zero);
+  if (carried_)
+    return std::ranges::all_of(velocities_, is_zero) && std::ranges::all_of(accelerations_, is_zero);
   return std::all_of(values_.begin() + 1, values_.end(), [&](std::span<const Vec3f> values) {
     return values.data() == values_.front().data() || std::ranges::equal(values, values_.front());
   });

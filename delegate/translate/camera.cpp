@@ -64,7 +64,8 @@ struct CameraValues {
 
   explicit CameraValues(const CameraInstant& c) {
     const Affine3d& m = c.world_from_camera;
-    v = {m.x.x, m.x.y, m.x.z, m.y.x, m.y.y, m.y.z, m.z.x, m.z.y, m.z.z, m.t.x, m.t.y, m.t.z,
+    v = {m.x.x,         m.x.y,          m.x.z,           m.y.x,        m.y.y,         m.y.z,
+         m.z.x,         m.z.y,          m.z.z,           m.t.x,        m.t.y,         m.t.z,
          c.window.left, c.window.right, c.window.bottom, c.window.top, c.lens.radius, c.lens.focus_distance};
   }
   CameraInstant instant() const {
@@ -191,12 +192,13 @@ double instant_error(const ProjectionDifference& difference, const CameraInput& 
 
 // What a Camera accepts, between controls and at them.
 bool is_usable(const CameraInstant& c) {
-  return !is_singular(c.world_from_camera) && c.window.left != c.window.right && c.window.bottom != c.window.top &&
-         c.lens.radius >= 0.0 && c.lens.focus_distance > 0.0;
+  return !is_singular(c.world_from_camera) && c.window.left != c.window.right &&
+         c.window.bottom != c.window.top && c.lens.radius >= 0.0 && c.lens.focus_distance > 0.0;
 }
 
-double segment_error(const CameraMotion& motion, const CameraInput& camera, const TranslatorSettings& settings,
-                     const LayoutSegment& segment, std::uint32_t degree, double limit) {
+double segment_error(const CameraMotion& motion, const CameraInput& camera,
+                     const TranslatorSettings& settings, const LayoutSegment& segment, std::uint32_t degree,
+                     double limit) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   const bool perspective = camera.projection == Projection::kPerspective;
   const std::vector<CameraInstant> controls = motion.controls(segment, degree);
@@ -216,13 +218,15 @@ double track_error(const CameraMotion& motion, const CameraInput& camera, const 
                    const Candidate& track, double limit) {
   double worst = 0.0;
   for (std::uint32_t i = 0; i < track.layout.segments() && worst <= limit; ++i) {
-    worst = std::max(worst, segment_error(motion, camera, settings, track.layout.segment(i), track.degree, limit));
+    worst = std::max(worst,
+                     segment_error(motion, camera, settings, track.layout.segment(i), track.degree, limit));
   }
   return worst;
 }
 
 // From the pose at the shutter's centre.
-double still_error(const CameraMotion& motion, const CameraInput& camera, const TranslatorSettings& settings) {
+double still_error(const CameraMotion& motion, const CameraInput& camera,
+                   const TranslatorSettings& settings) {
   const bool perspective = camera.projection == Projection::kPerspective;
   const CameraInstant centre = motion.at(0.5);
   double worst = 0.0;
@@ -242,7 +246,8 @@ CameraFit cheapest(const CameraMotion& motion, const CameraInput& input, const T
   CameraFit result;
   result.error = still_error(motion, input, settings);
   if (result.error <= kStillShare * tolerance) return result;
-  std::vector<Candidate> tracks = candidates(motion.bends(), {tolerance, settings.max_segments, settings.choice});
+  std::vector<Candidate> tracks =
+      candidates(motion.bends(), {tolerance, settings.max_segments, settings.choice});
   const CandidateFit fit = cheapest_candidate(tracks.size(), tolerance, [&](std::size_t i, double limit) {
     return track_error(motion, input, settings, tracks[i], limit);
   });

@@ -22,8 +22,9 @@ namespace msbvh::translate {
 
 using Matrix4d = std::array<double, 16>;
 
-// A transform at increasing times, to be interpolated by element between them and held outside; with `held`, each
-// holds until the next. The front-end evaluates the stage at as many times as that takes. One sample: still.
+// A transform at increasing times, to be interpolated by element between them and held outside; with `held`,
+// each holds until the next. The front-end evaluates the stage at as many times as that takes. One sample:
+// still.
 struct TransformSamples {
   std::vector<double> times01;
   std::vector<Matrix4d> matrices;
@@ -96,8 +97,8 @@ struct MeshInput {
   ArraySamples points;
   RateInput rates;
   RateClock clock;
-  bool topology_varies = false;  // faces change within the shutter
-  bool computed_points = false;  // not authored: skinned, or of an implicit shape
+  bool topology_varies = false;                         // faces change within the shutter
+  bool computed_points = false;                         // not authored: skinned, or of an implicit shape
   std::optional<std::vector<VisibleInterval>> visible;  // not given: always
   TransformSamples world_from_object;  // stage space; for a prototype's mesh: prototype_from_object
   ArraySamples normals;                // no samples: not authored

@@ -33,7 +33,8 @@ class MatrixLevel final : public ChainLevel {
     return normalized_bends(std::move(result));
   }
   std::unique_ptr<LevelInstant> at(double time01, double within) const override {
-    return std::make_unique<Instant>(level_.matrices.subspan(range_.first * count_), count_, smooth_.at(time01, within));
+    return std::make_unique<Instant>(level_.matrices.subspan(range_.first * count_), count_,
+                                     smooth_.at(time01, within));
   }
   std::string rule() const override {
     if (still_) return "still";

@@ -90,8 +90,9 @@ InstancesInput with_checked_colors(InstancesInput input, std::size_t count, Prim
   const bool finite = std::ranges::all_of(colors, [](const Vec3f& color) { return is_color(color); });
   if (colors.size() == count && finite) return input;
   log.of_optional_part().reject(
-      "primvars:displayColor", message("found ", colors.size(), finite ? "" : " not all finite and of at most 65504",
-                                       " values; expected ", count, ", one finite colour for each instance"));
+      "primvars:displayColor",
+      message("found ", colors.size(), finite ? "" : " not all finite and of at most 65504",
+              " values; expected ", count, ", one finite colour for each instance"));
   input.display_color = {};
   return input;
 }

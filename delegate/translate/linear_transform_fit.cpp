@@ -34,8 +34,8 @@ double LinearTransformFitter::error(const BoxCorners& box, std::uint32_t segment
 
 Fit LinearTransformFitter::fit(const BoxCorners& box) const {
   if (maps_.is_still()) return {};
-  return fewest_segments(
-      settings_, [&](std::uint32_t segments, double limit) { return error(box, segments, limit); });
+  return fewest_segments(settings_,
+                         [&](std::uint32_t segments, double limit) { return error(box, segments, limit); });
 }
 
 void LinearTransformFitter::keys(std::uint32_t segments, Affine3f* keys) const {

@@ -16,7 +16,8 @@ namespace msbvh::translate {
 class LinearTransformFitter {
  public:
   // `maps` take the box to the measure's world. Borrows both.
-  LinearTransformFitter(const TransformTrack& maps, const ScreenMeasure& measure, const FitSettings& settings);
+  LinearTransformFitter(const TransformTrack& maps, const ScreenMeasure& measure,
+                        const FitSettings& settings);
 
   // Error in pixels.
   Fit fit(const BoxCorners& box) const;

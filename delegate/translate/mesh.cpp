@@ -83,7 +83,8 @@ struct MeshMotion {
   const Triangulation& topology;
 };
 
-std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, MeshTarget& target, PrimLog& log) {
+std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, MeshTarget& target,
+                                                  PrimLog& log) {
   const auto& [input, points, transform, topology] = motion;
   const Vec3d shift = exact_origin(bounds({points.track, TransformTrack(Affine3d{})}));
   const MovingArray still{points.track, TransformTrack(rebased(Affine3d{}, {}, shift))};
@@ -100,8 +101,9 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
                                target.settings);
   const TransformFitter::Verdict verdict = fitter.judge(0);
   if (verdict.fate == TransformFitter::Fate::kNotFinite) {
-    log.reject(kTransform, "the motion has an element that is not finite or too large; expected finite numbers of at "
-                           "most 2^60 in size");
+    log.reject(kTransform,
+               "the motion has an element that is not finite or too large; expected finite numbers of at "
+               "most 2^60 in size");
     return std::nullopt;
   }
   const TrackForm form = fitter.form(verdict.track);
@@ -147,7 +149,8 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
   TranslatedMesh result;
   result.mesh.shape = shape_of(moving, fit.track, topology, input.path);
   if (!check_controls(result.mesh.shape, log)) return std::nullopt;
-  add_primvars(input, topology, {moving.transform, fit.track.layout, points.frame_only}, target, result.mesh, log);
+  add_primvars(input, topology, {moving.transform, fit.track.layout, points.frame_only}, target, result.mesh,
+               log);
   const bool by_transform = points.track.is_still() && !transform.is_still();
   result.track = {input.path, by_transform ? "transform" : points.source, rule_of(points, transform)};
   result.track.set_form(form, fit.track.layout.clock());

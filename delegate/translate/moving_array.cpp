@@ -124,8 +124,8 @@ double track_error(const MovingArray& points, const ScreenMeasure& measure, cons
   for (std::uint32_t s = 0; s < track.layout.segments(); ++s) {
     if (!track.layout.segment(s).used) continue;
     const TestedSegment segment = tested_segment(points, measure, track, s, bends);
-    worst = std::max(worst,
-                     largest(points.size(), limit, [&](std::size_t i) { return segment.deviation(i); }));
+    worst =
+        std::max(worst, largest(points.size(), limit, [&](std::size_t i) { return segment.deviation(i); }));
     if (worst > limit) break;
   }
   return worst;

@@ -1,6 +1,6 @@
 // A point instancer's arrays as a level of instancing, by USD's own rules
-// (UsdGeomPointInstancer::ComputeInstanceTransformsAtTimes): scale, then orientation, then the turn by angular
-// velocity, then the position.
+// (UsdGeomPointInstancer::ComputeInstanceTransformsAtTimes): scale, then orientation, then the turn by
+// angular velocity, then the position.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -111,15 +111,19 @@ class PointLevel final : public ChainLevel {
     auto instant = std::make_unique<Instant>(*this, positions_->at(time01, within));
     if (scales_) instant->scales = scales_->at(time01, within);
     if (!orientations_.empty()) instant->orientations = orientations_at(time01, within);
-    if (!angular_velocities_.empty()) instant->angular_dt = (time01 - angular_base01_) * points_.clock.seconds_per_shutter;
+    if (!angular_velocities_.empty())
+      instant->angular_dt = (time01 - angular_base01_) * points_.clock.seconds_per_shutter;
     return instant;
   }
   std::string rule() const override {
     if (is_still()) return "still";
-    if (interpolated_) return points_.positions.held ? "arrays held from sample to sample" : "arrays interpolated between samples";
+    if (interpolated_)
+      return points_.positions.held ? "arrays held from sample to sample"
+                                    : "arrays interpolated between samples";
     std::string rule = "one base sample carried by";
     if (!velocities_.empty()) rule += accelerations_.empty() ? " velocities" : " velocities, accelerations";
-    if (!angular_velocities_.empty()) rule += velocities_.empty() ? " angularVelocities" : ", angularVelocities";
+    if (!angular_velocities_.empty())
+      rule += velocities_.empty() ? " angularVelocities" : ", angularVelocities";
     return rule;
   }
   std::optional<Blame> blame(std::size_t index) const override {
@@ -130,7 +134,8 @@ class PointLevel final : public ChainLevel {
       result = {name, message("value ", i, " ", at_shutter_time(time01), " is ", text(values[i]))};
     };
     const auto look_through = [&](const char* name, const ArrayTrack& track) {
-      for (std::size_t s = 0; s < track.times01().size(); ++s) look(name, track.times01()[s], track.values(s));
+      for (std::size_t s = 0; s < track.times01().size(); ++s)
+        look(name, track.times01()[s], track.values(s));
     };
     look_through("positions", *positions_);
     if (scales_) look_through("scales", *scales_);
@@ -143,7 +148,8 @@ class PointLevel final : public ChainLevel {
 
  private:
   struct Instant final : LevelInstant {
-    Instant(const PointLevel& level_, const ArrayInstant& positions_) : level(level_), positions(positions_) {}
+    Instant(const PointLevel& level_, const ArrayInstant& positions_)
+        : level(level_), positions(positions_) {}
     Affine3d map(std::size_t index) const override {
       const auto i = std::size_t(level.selected_[index]);
       Affine3d result;
@@ -171,18 +177,23 @@ class PointLevel final : public ChainLevel {
   const ArraySample& base_of(const ArraySamples& samples) const {
     return samples.samples[base_sample(times_of(samples), points_.clock.frame01)];
   }
-  std::size_t size_of(const ArraySamples& samples) const { return samples.empty() ? 0 : base_of(samples).values.size(); }
+  std::size_t size_of(const ArraySamples& samples) const {
+    return samples.empty() ? 0 : base_of(samples).values.size();
+  }
   static ArraySamples only(const ArraySample& sample) { return {{sample}, false, true}; }
 
   void decide_positions(PrimLog& log) {
     const RateInput& rates = points_.rates;
-    const RateCheck velocities{times_of(points_.positions), times_of(rates.velocities), "positions", "velocities",
-                               size_of(points_.positions), size_of(rates.velocities)};
+    const RateCheck velocities{
+        times_of(points_.positions), times_of(rates.velocities), "positions", "velocities",
+        size_of(points_.positions),  size_of(rates.velocities)};
     if (!rate_applies(velocities, points_.clock.frame01, log)) return;
     velocities_ = base_of(rates.velocities).values;
-    const RateCheck accelerations{velocities.rate, times_of(rates.accelerations), "velocities", "accelerations",
+    const RateCheck accelerations{velocities.rate,      times_of(rates.accelerations),
+                                  "velocities",         "accelerations",
                                   velocities.rate_size, size_of(rates.accelerations)};
-    if (rate_applies(accelerations, points_.clock.frame01, log)) accelerations_ = base_of(rates.accelerations).values;
+    if (rate_applies(accelerations, points_.clock.frame01, log))
+      accelerations_ = base_of(rates.accelerations).values;
   }
   void decide_orientations(PrimLog& log) {
     const QuaternionSamples& q = points_.orientations;
@@ -190,8 +201,12 @@ class PointLevel final : public ChainLevel {
     const SampleTimes times = times_of(q);
     const std::size_t base = base_sample(times, points_.clock.frame01);
     if (q.samples[base].values.empty()) return;
-    const RateCheck angular{times, times_of(points_.angular_velocities), points_.orientations_name, "angularVelocities",
-                            q.samples[base].values.size(), size_of(points_.angular_velocities)};
+    const RateCheck angular{times,
+                            times_of(points_.angular_velocities),
+                            points_.orientations_name,
+                            "angularVelocities",
+                            q.samples[base].values.size(),
+                            size_of(points_.angular_velocities)};
     if (rate_applies(angular, points_.clock.frame01, log)) {
       angular_velocities_ = base_of(points_.angular_velocities).values;
       angular_base01_ = base_of(points_.angular_velocities).time01;
@@ -213,7 +228,8 @@ class PointLevel final : public ChainLevel {
     std::size_t first = base, last = base;
     while (first > 0 && fits(first - 1)) --first;
     while (last + 1 < before && fits(last + 1)) ++last;
-    orientations_ = {orientations_.begin() + std::ptrdiff_t(first), orientations_.begin() + std::ptrdiff_t(last) + 1};
+    orientations_ = {orientations_.begin() + std::ptrdiff_t(first),
+                     orientations_.begin() + std::ptrdiff_t(last) + 1};
     if (orientations_.size() < before) warn_of_count(points_.orientations_name, log);
     const bool same = std::ranges::all_of(orientations_, [&](const QuaternionSample& s) {
       return std::equal(s.values.begin(), s.values.end(), orientations_.front().values.begin(),
@@ -259,8 +275,8 @@ class PointLevel final : public ChainLevel {
 };
 
 template <typename Samples>
-bool check_base(const Samples& samples, const std::string& name, bool optional, const PointInstancerInput& points,
-                PrimLog& log) {
+bool check_base(const Samples& samples, const std::string& name, bool optional,
+                const PointInstancerInput& points, PrimLog& log) {
   if (samples.samples.empty() && optional) return true;
   const SampleTimes times = times_of(samples);
   if (!check_times(times.times01, name, log)) return false;
@@ -276,8 +292,8 @@ bool check(const InstanceLevel& level, PrimLog& log) {
       !check_base(points.orientations, points.orientations_name, true, points, log)) {
     return false;
   }
-  const auto bad = std::ranges::find_if(
-      level.selected, [&](int i) { return i < 0 || std::size_t(i) >= points.count; });
+  const auto bad =
+      std::ranges::find_if(level.selected, [&](int i) { return i < 0 || std::size_t(i) >= points.count; });
   if (bad == level.selected.end()) return true;
   return log.reject("instances", message("found the index ", *bad, "; expected less than ", points.count));
 }

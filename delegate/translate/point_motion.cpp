@@ -24,11 +24,13 @@ struct Carriers {
 Carriers carriers_of(const MeshInput& input, PrimLog& log) {
   const double frame01 = input.clock.frame01;
   const RateInput& rates = input.rates;
-  const RateCheck velocities{times_of(input.points), times_of(rates.velocities), kPoints, "velocities",
-                             base_size(input.points, frame01), base_size(rates.velocities, frame01)};
+  const RateCheck velocities{
+      times_of(input.points), times_of(rates.velocities),       kPoints,
+      "velocities",           base_size(input.points, frame01), base_size(rates.velocities, frame01)};
   if (!rate_applies(velocities, frame01, log)) return {};
   Carriers result{base_of(rates.velocities, frame01).values, {}};
-  const RateCheck accelerations{velocities.rate, times_of(rates.accelerations), "velocities", "accelerations",
+  const RateCheck accelerations{velocities.rate,      times_of(rates.accelerations),
+                                "velocities",         "accelerations",
                                 velocities.rate_size, base_size(rates.accelerations, frame01)};
   if (rate_applies(accelerations, frame01, log)) {
     result.accelerations = base_of(rates.accelerations, frame01).values;
@@ -43,11 +45,12 @@ std::optional<PointMotion> carried(const MeshInput& input, const Carriers& by, P
                       check_finite({base.time01, by.accelerations}, "accelerations", log);
   if (!usable) return std::nullopt;
   const bool straight = by.accelerations.empty();
-  return PointMotion{ArrayTrack(base, by.velocities, by.accelerations, input.clock),
-                     straight ? "velocities" : "accelerations",
-                     message("velocities", straight ? "" : " and accelerations",
-                             " win: one base sample carried through the shutter", straight ? "" : ", quadratic"),
-                     true};
+  return PointMotion{
+      ArrayTrack(base, by.velocities, by.accelerations, input.clock),
+      straight ? "velocities" : "accelerations",
+      message("velocities", straight ? "" : " and accelerations",
+              " win: one base sample carried through the shutter", straight ? "" : ", quadratic"),
+      true};
 }
 
 // USD holds what it has at the frame where it cannot interpolate.
@@ -63,21 +66,24 @@ std::optional<PointMotion> held_at_frame(const MeshInput& input, const ArraySamp
   for (std::size_t i = 0; i < instant.size(); ++i) pose->push_back(Vec3f(instant[i]));
   ArraySamples still;
   still.samples.push_back({0.0, *pose});
-  return PointMotion{ArrayTrack(still), kPoints, "the topology changes: the frame's pose is held", true, pose};
+  return PointMotion{ArrayTrack(still), kPoints, "the topology changes: the frame's pose is held", true,
+                     pose};
 }
 
 // A blocked sample has none; USD holds what it has there.
 void warn_of_counts(const MeshInput& input, std::size_t count, PrimLog& log) {
   const auto other = std::ranges::find_if(
       input.points.samples, [&](const ArraySample& sample) { return sample.values.size() != count; });
-  log.warn(kPoints, message("found ", other->values.size(), " values ", at_shutter_time(other->time01), ", expected ",
-                            count, " as at the frame; the nearest sample with as many is held there"));
+  log.warn(kPoints,
+           message("found ", other->values.size(), " values ", at_shutter_time(other->time01), ", expected ",
+                   count, " as at the frame; the nearest sample with as many is held there"));
 }
 
 std::string sampled_rule(const MeshInput& input, const ArrayTrack& track) {
   if (track.is_still()) return "still";
   if (input.computed_points) return "computed points, interpolated between samples";
-  return track.held() ? "samples held until the next" : "samples interpolated, those that bracket the shutter included";
+  return track.held() ? "samples held until the next"
+                      : "samples interpolated, those that bracket the shutter included";
 }
 
 }  // namespace

@@ -54,8 +54,9 @@ bool check_samples(const PrimvarInput<T>& input, std::span<const double> times01
                           "; expected ", input.values.size(), " as at the frame"));
     }
     if (std::ranges::any_of(sample.values, [](const T& value) { return !is_color(value); })) {
-      return held(message("found a value ", at_shutter_time(sample.time01),
-                          " that is not finite or too large; expected finite numbers of at most 65504 in size"));
+      return held(
+          message("found a value ", at_shutter_time(sample.time01),
+                  " that is not finite or too large; expected finite numbers of at most 65504 in size"));
     }
   }
   return true;

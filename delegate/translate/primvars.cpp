@@ -89,7 +89,8 @@ Primvar<T> flattened(const PrimvarInput<T>& input, const Triangulation& mesh, co
   const auto bad = std::ranges::find_if(input.values, [](const T& value) { return !is_color(value); });
   if (bad != input.values.end()) {
     log.reject(attribute,
-               message("value ", bad - input.values.begin(), " is not finite or too large; expected finite numbers of at most 65504 in size"));
+               message("value ", bad - input.values.begin(),
+                       " is not finite or too large; expected finite numbers of at most 65504 in size"));
     return {};
   }
   const std::optional<PrimvarMap> map =

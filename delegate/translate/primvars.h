@@ -17,11 +17,13 @@
 
 namespace msbvh::translate {
 
-// The largest colour, that of half floats: a path multiplies one by the next, and an overflow would leave pixels
-// that are no numbers.
+// The largest colour, that of half floats: a path multiplies one by the next, and an overflow would leave
+// pixels that are no numbers.
 inline constexpr float kMaxColor = 65504.0f;
 inline bool is_color(float value) { return std::abs(value) <= kMaxColor; }  // false for NaN too
-inline bool is_color(const Vec3f& value) { return is_color(value.x) && is_color(value.y) && is_color(value.z); }
+inline bool is_color(const Vec3f& value) {
+  return is_color(value.x) && is_color(value.y) && is_color(value.z);
+}
 
 // Which authored value belongs to each element of the triangle mesh. Shared by all time samples of a primvar.
 struct PrimvarMap {

@@ -1,8 +1,9 @@
 // Interpolation between samples of a transform that lie on curves between bends.
 //
-// Between two bends motion is smooth and its samples lie evenly: the cubic through the four around a time errs by
-// the fourth power of their distance, so that a turn takes dozens of samples and not thousands. Where a stretch has
-// fewer than four samples, or samples are bends themselves, straight lines say what the stage says.
+// Between two bends motion is smooth and its samples lie evenly: the cubic through the four around a time
+// errs by the fourth power of their distance, so that a turn takes dozens of samples and not thousands. Where
+// a stretch has fewer than four samples, or samples are bends themselves, straight lines say what the stage
+// says.
 #pragma once
 
 #include <array>

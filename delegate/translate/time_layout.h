@@ -17,8 +17,8 @@
 
 namespace msbvh::translate {
 
-// A time within (0, 1) at which motion changes its direction or, `jump`, its place. What follows a jump starts
-// at `after01`, closer to it than a ray's time can tell apart.
+// A time within (0, 1) at which motion changes its direction or, `jump`, its place. What follows a jump
+// starts at `after01`, closer to it than a ray's time can tell apart.
 struct Bend {
   Bend(double time, bool jumps = false) : time01(time), after01(time), jump(jumps) {}
 

@@ -52,7 +52,9 @@ TransformFitter::TransformFitter(const InstanceChain& chain, const MapTarget& ta
       candidates_(chain.is_still() ? std::vector<Candidate>() : candidates(bends_, settings)),
       prepared_(candidates_.size()) {
   settings_.tolerance = fit_tolerance(settings, target);
-  const auto add = [&](double time01) { probes_.push_back({chain_.at(time01, time01), measure_.at(time01)}); };
+  const auto add = [&](double time01) {
+    probes_.push_back({chain_.at(time01, time01), measure_.at(time01)});
+  };
   if (chain.is_still()) {
     add(0.5);
     return;
@@ -90,7 +92,8 @@ void TransformFitter::prepare(std::size_t candidate) const {
     }
     for (const double time01 : test_times01(segment, degree, bends_)) {
       const double w = (time01 - segment.begin01) / (segment.end01 - segment.begin01);
-      out.tests.push_back({w, chain_.at(time01, layout.is_even() ? time01 : segment.middle()), measure_.at(time01)});
+      out.tests.push_back(
+          {w, chain_.at(time01, layout.is_even() ? time01 : segment.middle()), measure_.at(time01)});
     }
     prepared_[candidate].segments.push_back(std::move(out));
   }
@@ -111,7 +114,8 @@ double TransformFitter::still_error(const std::vector<Affine3d>& maps) const {
   for (std::size_t i = 1; i < maps.size(); ++i) {
     if (maps[i] == maps[0]) continue;
     const double deviation = largest_distance(corners_, maps[i], maps[0]);
-    if (deviation > 0.0) worst = std::max(worst, probes_[i].screen.in_box(deviation, bounds_of(corners_, maps[i])));
+    if (deviation > 0.0)
+      worst = std::max(worst, probes_[i].screen.in_box(deviation, bounds_of(corners_, maps[i])));
   }
   return worst;
 }
@@ -151,7 +155,9 @@ TransformFitter::Verdict TransformFitter::judge(std::size_t instance) const {
   }
   verdict.error += target_.sampling_error_pixels;
   // Controls of curves lie up to five times as far out as the curve.
-  const auto is_far = [](const Affine3d& m) { return !is_representable({m.x * 8.0, m.y * 8.0, m.z * 8.0, m.t * 8.0}); };
+  const auto is_far = [](const Affine3d& m) {
+    return !is_representable({m.x * 8.0, m.y * 8.0, m.z * 8.0, m.t * 8.0});
+  };
   if (std::ranges::any_of(maps, is_far) && !has_representable_controls(instance, verdict.track)) {
     verdict.fate = Fate::kNotFinite;
   }

@@ -19,9 +19,9 @@ namespace msbvh::translate {
 
 // Where the maps lead: from an object's stored coordinates to the frame's world, and how they are measured.
 struct MapTarget {
-  Vec3d object_origin;  // of the stored coordinates, in the object's own space
-  Vec3d world_origin;   // of the frame, in stage space
-  Box3d box;            // of the stored coordinates
+  Vec3d object_origin;                 // of the stored coordinates, in the object's own space
+  Vec3d world_origin;                  // of the frame, in stage space
+  Box3d box;                           // of the stored coordinates
   double sampling_error_pixels = 0.0;  // of the maps themselves, counted against the tolerance
 };
 

@@ -53,7 +53,8 @@ Material checked_material(const Material& material, PrimLog& log) {
     return material;
   }
   log.warn("inputs",
-           "a colour or opacity is not finite or too large; expected finite numbers, of a diffuseColor at most 65504; the "
+           "a colour or opacity is not finite or too large; expected finite numbers, of a diffuseColor at "
+           "most 65504; the "
            "default material is taken");
   Material standard;
   standard.name = material.name;
@@ -110,7 +111,8 @@ std::uint32_t Translator::Data::add(Mesh mesh) {
   return std::uint32_t(scene.meshes.size() - 1);
 }
 
-// One instance, which carries the transform's track or, of a baked mesh, only brings it into the clock's time.
+// One instance, which carries the transform's track or, of a baked mesh, only brings it into the clock's
+// time.
 void Translator::Data::add_instanced(TranslatedMesh translated) {
   const std::string name = translated.mesh.shape.name;
   const auto prototype = std::uint32_t(scene.prototypes.size());

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/scene.h"
 #include "core/base/box.h"
+#include "core/scene/scene.h"
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/fit.h"
 #include "delegate/translate/inputs.h"
@@ -31,8 +31,9 @@ struct TranslatorSettings {
 // statistics and `msbvh motion`.
 struct TrackReport {
   std::string path;
-  std::string source{};  // what moves it: camera, points, velocities, accelerations, transform, instances, light
-  std::string rule{};    // which of USD's rules decided, in words
+  std::string
+      source{};  // what moves it: camera, points, velocities, accelerations, transform, instances, light
+  std::string rule{};  // which of USD's rules decided, in words
   std::uint32_t segments = 0;
   std::uint32_t degree = 1;
   bool moving_transform = false;  // a still mesh under a moving transform, or instances; not baked
@@ -64,8 +65,8 @@ class Translator {
   // `pixels_per_unit`: of the instance that is seen largest, see pixels_per_unit(); 0: not known, and its
   // motion is followed as if it filled the image.
   std::uint32_t begin_prototype(const std::string& path, double pixels_per_unit = 0.0);
-  // How many pixels a unit of a prototype's space covers at most in any of its instances, at the sample times.
-  // `box` encloses the prototype.
+  // How many pixels a unit of a prototype's space covers at most in any of its instances, at the sample
+  // times. `box` encloses the prototype.
   double pixels_per_unit(const InstancesInput& input, const Box3d& box) const;
   // After the prototype's meshes, whose extent the tolerance is measured on.
   void add_instances(const InstancesInput& input);

@@ -36,7 +36,8 @@ nb::dict statistics(const SceneHandle& handle) {
 }
 
 // [maps][vertices][3], in stage space.
-Points placed(const TriangleMesh& shape, float mesh_time, std::span<const Affine3f> maps, const Vec3d& origin) {
+Points placed(const TriangleMesh& shape, float mesh_time, std::span<const Affine3f> maps,
+              const Vec3d& origin) {
   std::vector<Vec3d> local;
   for (std::uint32_t v = 0; v < shape.vertex_count; ++v) local.push_back(Vec3d(shape.position(v, mesh_time)));
   auto* data = new std::vector<Vec3d>();
@@ -64,7 +65,8 @@ std::vector<nb::tuple> poses(const SceneHandle& handle, float time) {
   std::vector<nb::tuple> result;
   for (const std::uint32_t index : scene.world_meshes) {
     const TriangleMesh& shape = scene.meshes[index].shape;
-    result.push_back(nb::make_tuple(shape.name, shape.name, placed(shape, time, {&identity, 1}, handle.origin)));
+    result.push_back(
+        nb::make_tuple(shape.name, shape.name, placed(shape, time, {&identity, 1}, handle.origin)));
   }
   for (const InstanceSet& set : scene.instances) {
     const Prototype& prototype = scene.prototypes[set.prototype];
@@ -86,7 +88,9 @@ nb::tuple camera_at(const SceneHandle& handle, float time) {
   float local = time;
   camera.clock.at(time, local);
   const SegmentTime at = locate(local, camera.segments);
-  const auto value = [&](const auto& controls) { return track_value(controls.data(), camera.form(), at.key, at.w); };
+  const auto value = [&](const auto& controls) {
+    return track_value(controls.data(), camera.form(), at.key, at.w);
+  };
   const Affine3d map(value(camera.world_from_camera));
   const ScreenWindow window = value(camera.window);
   const Lens lens = camera.lens.empty() ? Lens{} : value(camera.lens);
@@ -101,7 +105,10 @@ nb::tuple camera_at(const SceneHandle& handle, float time) {
 }  // namespace
 
 void bind_scene(nb::module_& m) {
-  nb::class_<SceneHandle>(m, "Scene").def("statistics", &statistics).def("poses", &poses, nb::arg("time01")).def("camera", &camera_at, nb::arg("time01"));
+  nb::class_<SceneHandle>(m, "Scene")
+      .def("statistics", &statistics)
+      .def("poses", &poses, nb::arg("time01"))
+      .def("camera", &camera_at, nb::arg("time01"));
 }
 
 }  // namespace msbvh::python

@@ -54,8 +54,8 @@ TransformSamples transform_from(Arguments& arguments, const char* times, const c
 std::optional<std::vector<VisibleInterval>> visible_from(Arguments& arguments) {
   const nb::object given = arguments.optional("visible");
   if (given.is_none()) return std::nullopt;
-  const std::span<const VisibleInterval> all = elements<VisibleInterval>(
-      arguments.keep(checked_array<double>(given, "visible", {kAnySize, 2})));
+  const std::span<const VisibleInterval> all =
+      elements<VisibleInterval>(arguments.keep(checked_array<double>(given, "visible", {kAnySize, 2})));
   return std::vector<VisibleInterval>(all.begin(), all.end());
 }
 
