@@ -8,7 +8,7 @@ import numpy as np
 from pxr import Usd
 
 from .errors import Diagnostics
-from .inherited import InheritedPrimvars
+from .inherited import Inherited
 from .samples import SampleLog
 from .skeletons import Skeletons
 from .times import Shutter
@@ -24,7 +24,7 @@ class FrameContext:
     """The stage's values jump from sample to sample."""
     diagnostics: Diagnostics
     skeletons: Skeletons = field(default_factory=Skeletons)
-    inherited: InheritedPrimvars = field(default_factory=InheritedPrimvars)
+    inherited: Inherited = field(default_factory=Inherited)
     found: SampleLog | None = None
     """Where the reader notes what moves each prim; None: nobody asks."""
 

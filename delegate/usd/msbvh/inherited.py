@@ -4,23 +4,29 @@ from __future__ import annotations
 
 from pxr import Sdf, Usd
 
+PREFIXES = ("primvars:", "material:binding")
 
-class InheritedPrimvars:
-    """Whether ancestors of a prim author a primvar; remembered for parents, since siblings come by the
-    thousand."""
+
+class Inherited:
+    """Whether ancestors of a prim author a primvar or bind a material; remembered for parents, since siblings come
+    by the thousand."""
 
     def __init__(self) -> None:
         self._names: dict[Sdf.Path, frozenset[str]] = {}
 
-    def has(self, prim: Usd.Prim, name: str) -> bool:
-        """Of the ancestors, not of the prim itself."""
-        return f"primvars:{name}" in self._at(prim.GetParent())
+    def above(self, prim: Usd.Prim) -> frozenset[str]:
+        """The names of such properties on ancestors, not on the prim itself."""
+        return self._at(prim.GetParent())
+
+    def binds_material(self, prim: Usd.Prim, authored: frozenset[str]) -> bool:
+        """Whether a prim with those properties or its ancestors may have a material."""
+        return any(name.startswith("material:binding") for names in (authored, self.above(prim)) for name in names)
 
     def _at(self, prim: Usd.Prim) -> frozenset[str]:
         if not prim or prim.IsPseudoRoot():
             return frozenset()
         path = prim.GetPath()
         if path not in self._names:
-            own = frozenset(str(p) for p in prim.GetAuthoredPropertyNames() if str(p).startswith("primvars:"))
+            own = frozenset(name for name in prim.GetAuthoredPropertyNames() if name.startswith(PREFIXES))
             self._names[path] = self._at(prim.GetParent()) | own
         return self._names[path]

@@ -36,8 +36,9 @@ def read_shape(
     mesh.setdefault("normals_interpolation", "vertex")
     mesh.setdefault("normals_indices", None)
     mesh["path"] = path
+    inherited = context.inherited.above(prim)
     for keyword, name, columns in (("display_color", "displayColor", 3), ("display_opacity", "displayOpacity", None)):
-        has = f"primvars:{name}" in authored or context.inherited.has(prim, name)
+        has = f"primvars:{name}" in authored or f"primvars:{name}" in inherited
         mesh[keyword] = sample_primvar(prim, name, columns, context) if has else None
     if not prim.IsA(UsdGeom.Mesh):
         mesh["display_color"] = _constant(mesh["display_color"], "primvars:displayColor", path, context)
@@ -52,7 +53,9 @@ def _read_mesh(
     counts, indices = mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()
     samples, carried_by = sample_points(mesh, context, "velocities" in authored)
     holes = array(mesh.GetHoleIndicesAttr().Get(code) if "holeIndices" in authored else None, np.int32)
-    scheme = mesh.GetSubdivisionSchemeAttr().Get(code)
+    scheme = UsdGeom.Tokens.catmullClark
+    if "subdivisionScheme" in authored:
+        scheme = mesh.GetSubdivisionSchemeAttr().Get(code)
     keywords = {
         "face_vertex_counts": array(counts.Get(code), np.int32),
         "face_vertex_indices": array(indices.Get(code), np.int32),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import time
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
@@ -85,8 +86,21 @@ def read_frame(
     """
     diagnostics = Diagnostics() if diagnostics is None else diagnostics
     make_translator = make_translator or _core_translator
-    with tf_messages(diagnostics):
+    with tf_messages(diagnostics), _no_collection():
         return _FrameReader(stage, frame, settings, diagnostics, make_translator, progress, found).read()
+
+
+@contextmanager
+def _no_collection() -> Iterator[None]:
+    """Python's collector looks through all that a stage of a hundred thousand prims makes, again and again, and
+    finds no cycles: a third of the time."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 def _core_translator(**settings: Any) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
+from functools import cached_property
 from operator import itemgetter
 
 import numpy as np
@@ -13,6 +14,7 @@ from .boxes import Box
 from .context import FrameContext
 from .materials import Materials
 from .meshes import faces_by_material, read_shape
+from .points import Samples
 from .skinning import read_skinning
 from .times import Shutter
 from .transform_faults import report_unusable
@@ -32,12 +34,17 @@ class Shape:
     part: Part
     mesh: dict
     """The translator's keywords, all but the transform and the material."""
-    box: Box
-    """Around its points over the shutter, in their own space."""
+    samples: Samples
+    """Its points."""
     placed_by: Usd.Prim
     """Whose transform places it: itself, or its skeleton."""
     course: tuple[bool, tuple[float, ...], Shutter]
     """Whether that may vary, where it may change its course, and over which shutter."""
+
+    @cached_property
+    def box(self) -> Box:
+        """Around its points over the shutter, in their own space."""
+        return self.samples.box()
 
     def weight(self) -> int:
         """Points in all samples, and a thousand for the prim itself."""
@@ -68,12 +75,10 @@ class Shapes:
         mesh = read_shape(part.prim, context, part.scales.velocity, part.authored)
         if mesh is None:
             return None
-        samples = mesh.pop("samples")
         placed_by, varying, bends = part.prim, part.varying, part.bends
         tolerance = self._skinning_tolerance(root, context, pixel_sizes)
-        skinned = read_skinning(
-            part.prim, {**mesh, "samples": samples}, context, tolerance, part.authored
-        )
+        skinned = read_skinning(part.prim, mesh, context, tolerance, part.authored)
+        samples = mesh.pop("samples")
         if skinned is not None:
             if skinned.samples is None:
                 return None
@@ -91,7 +96,7 @@ class Shapes:
             context.found.shape(*own, placed_by, animation, times01)
         mesh["visible"] = visible_intervals(part.blinking, self._context.shutter)
         mesh.update(points=samples.values, points_held=samples.held)
-        return Shape(part, mesh, samples.box(), placed_by, (varying, bends, context.shutter))
+        return Shape(part, mesh, samples, placed_by, (varying, bends, context.shutter))
 
     def hand_down(
         self, shapes: list[Shape], root: Usd.Prim | None, pixel_sizes: PixelSizes, add: Callable[..., None]
@@ -105,7 +110,7 @@ class Shapes:
         for (varying, bends, shutter), same in alike.items():
             prims = [shapes[index].placed_by for index in same]
             motion = self._caches.motion(prims, root, varying, shutter, bends)
-            boxes = [shapes[index].box for index in same]
+            boxes = [] if motion.still else [shapes[index].box for index in same]
             for samples in transform_samples(motion, boxes, pixel_sizes, self._tolerance, held):
                 for place, index in enumerate(samples.indices.tolist()):
                     if samples.usable:
@@ -132,10 +137,12 @@ class Shapes:
         prim, parts = shape.part.prim, []
         if prim.IsA(UsdGeom.Mesh):
             parts = faces_by_material(UsdGeom.Mesh(prim), len(mesh["face_vertex_counts"]), self._context)
-        for bound, outside in parts or [(prim, None)]:
+        if not parts:
+            binds = self._context.inherited.binds_material(prim, shape.part.authored)
+            add(material=self._materials.bound_to(prim) if binds else None, **mesh)
+        for bound, outside in parts:
             holes = mesh["hole_indices"]
-            if outside is not None:
-                holes = outside if holes is None else np.union1d(holes, outside).astype(np.int32)
+            holes = outside if holes is None else np.union1d(holes, outside).astype(np.int32)
             add(**{**mesh, "hole_indices": holes, "material": self._materials.bound_to(bound)})
 
     def _skinning_tolerance(

@@ -186,9 +186,9 @@ def sample_times(attributes: Iterable[Usd.Attribute], shutter: Shutter) -> list[
 def xform_bends(xformable: UsdGeom.Xformable, shutter: Shutter) -> list[float]:
     """Time codes inside the shutter at which a transform may change its course: its ops' samples and the knots
     of their splines."""
-    times = list(xformable.GetTimeSamplesInInterval(shutter.interval))
+    times: list[float] = []
     for op in xformable.GetOrderedXformOps():
-        times.extend(_jumps_of(op.GetAttr(), shutter))
+        times.extend(_bends_of(op.GetAttr(), shutter))
     return times
 
 
@@ -197,17 +197,16 @@ STEP01 = 4e-8
 delegate/translate/time_layout.h), which makes the two a jump."""
 
 
-def _jumps_of(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
-    """Knots of splines, and the instants before values that come at once: held or two-valued knots, blocks."""
+def _bends_of(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
+    """Samples or knots inside the shutter, and the instants before values that come at once: held or two-valued
+    knots, blocks."""
     step = STEP01 * (shutter.close - shutter.open)
     if attribute.HasSpline():
         spline = attribute.GetSpline()
         inside = [time for time in spline.GetKnots().keys() if shutter.interval.Contains(time)]
         jumps = [time for time in inside if spline.EvalPreValue(time) != spline.Eval(time)]
         return [*inside, *(time - step for time in jumps)]
-    inside = attribute.GetTimeSamplesInInterval(shutter.interval)
-    around = [attribute.GetBracketingTimeSamples(shutter.interval.min)[:1], inside]
-    values = [attribute.Get(time) for times in around for time in times]
-    if all(value is not None for value in values):
-        return []
-    return [time - step for time in inside]
+    inside = list(attribute.GetTimeSamplesInInterval(shutter.interval))
+    if not inside or all(attribute.Get(time) is not None for time in (shutter.interval.min, *inside)):
+        return inside
+    return [*inside, *(time - step for time in inside)]

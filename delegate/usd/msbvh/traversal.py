@@ -158,13 +158,15 @@ class Traversal:
         """The state below a transform, which may vary or leave what is above."""
         own = shutter.moving and xformable.TransformMightBeTimeVarying()
         inherits = above.varying and not xformable.GetResetXformStack()
+        if not (own or inherits):
+            return state if not (state.varying or state.bends) else replace(state, varying=False, bends=())
         bends = set(above.bends) if inherits else set()
         if own:
             bends.update(xform_bends(xformable, shutter))
         if inherits and state.scales.blur > above.scales.blur:  # Its shutter is open for longer.
             bends = bends_of(xformable.GetPrim(), group_root, shutter)
         self.authored_times.update(bends)
-        return replace(state, varying=own or inherits, bends=tuple(sorted(bends)))
+        return replace(state, varying=True, bends=tuple(sorted(bends)))
 
     def _sort(self, prim: Usd.Prim, state: _State, group: Group) -> None:
         """Puts a prim where it belongs, or says that it is not drawn."""
