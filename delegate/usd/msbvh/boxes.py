@@ -38,11 +38,17 @@ class Box:
         return Box(np.minimum(self.lo, other.lo), np.maximum(self.hi, other.hi))
 
     def corners(self) -> np.ndarray:
-        """float64[8, 4], homogeneous; the origin eight times for an empty box."""
-        ends = np.array([self.lo, self.hi]) if (self.lo <= self.hi).all() else np.zeros((2, 3))
-        corners = np.ones((8, 4))
-        corners[:, :3] = ends[_CORNERS, (0, 1, 2)]
-        return corners
+        """float64[8, 4]: as corners_of has them."""
+        return corners_of([self])[0]
+
+
+def corners_of(boxes: list[Box]) -> np.ndarray:
+    """float64[N, 8, 4]: of each box its corners, homogeneous; the origin eight times for an empty box."""
+    ends = np.array([(box.lo, box.hi) for box in boxes])
+    ends[(ends[:, 0] > ends[:, 1]).any(axis=1)] = 0.0
+    corners = np.ones((len(boxes), 8, 4))
+    corners[..., :3] = ends[:, _CORNERS, (0, 1, 2)]
+    return corners
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .boxes import Box
+from .boxes import Box, corners_of
 from .transforms import LARGEST, Motion
 
 SAMPLING_SHARE = 0.1
@@ -71,7 +71,7 @@ def transform_samples(
             TransformSamples(everything, times01, _evaluated(motion, middles, everything), bends, True)
         )
         return
-    local = np.array([box.corners() for box in boxes])
+    local = corners_of(boxes)
     yield from _smooth_samples(motion, local, pixel_sizes, tolerance_pixels, bends)
 
 
