@@ -21,7 +21,9 @@ constexpr double kPeerTolerance = 0.1 / 960.0;
 constexpr double kDistanceTolerance = 1e-4;
 constexpr std::size_t kInsideRays = 1u << 17;
 // Builds are repeated until so many seconds are spent on them.
-constexpr double kBuildSeconds = 6.0;
+constexpr double kBuildSeconds = 4.0;
+// Rays are traced again until so many seconds are spent, at least thrice.
+constexpr double kTraceSeconds = 6.0;
 
 std::vector<BuilderName> chosen_builders(const std::vector<std::string>& names) {
   std::vector<BuilderName> chosen;
@@ -87,7 +89,7 @@ class SceneRun {
 
   void build(unsigned threads) {
     build_seconds_ =
-        interleave(sides_.size(), settings_.build_repetitions, kBuildSeconds, [&](std::size_t i) {
+        interleave(sides_.size(), settings_.build_repetitions, 1, kBuildSeconds, [&](std::size_t i) {
           settings_.tick();
           sides_[i]->build(threads);
         });
@@ -127,7 +129,7 @@ class SceneRun {
     arena.execute([&] {
       for (std::size_t i = 0; i < sides_.size(); ++i)
         trace_all(*sides_[i], set.kind, set.rays, t[i]);  // warm
-      seconds = interleave(sides_.size(), settings_.repetitions, 1e9,
+      seconds = interleave(sides_.size(), settings_.repetitions, 3, kTraceSeconds,
                            [&](std::size_t i) { trace_all(*sides_[i], set.kind, set.rays, t[i]); });
     });
     settings_.tick();
@@ -154,6 +156,7 @@ class SceneRun {
     row.add("threads", threads);
     row.add("threads_used", used);
     row.add("ray_count", set.rays.size());
+    row.add("rounds", seconds[i].size());
     write_speed(row, set, i, p, seconds);
     write_sizes(row, i, p);
     const double rays = static_cast<double>(set.work[i].rays);

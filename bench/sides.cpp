@@ -16,16 +16,16 @@ void OurSide::build(unsigned) {
   BuildSettings settings;
   settings.builder = builder.builder;
   trees_ = std::make_unique<Trees>(scene_, settings);
+  tracer_.emplace(trees_->world());
 }
 
 void OurSide::trace(RayKind kind, const Ray* rays, std::size_t count, float* t) const {
-  const Tracer tracer(trees_->world());
   for (std::size_t i = 0; i < count; ++i) {
     if (kind == RayKind::kShadow) {
-      t[i] = tracer.occluded(rays[i]) ? 0.0f : kInfinity;
+      t[i] = tracer_->occluded(rays[i]) ? 0.0f : kInfinity;
     } else {
       Hit hit;
-      t[i] = tracer.intersect(rays[i], hit) ? hit.t : kInfinity;
+      t[i] = tracer_->intersect(rays[i], hit) ? hit.t : kInfinity;
     }
   }
 }

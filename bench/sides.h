@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,10 @@ class OurSide : public Side {
   OurSide(std::shared_ptr<const Scene> scene, const BuilderName& builder)
       : builder(builder), scene_(std::move(scene)) {}
   void build(unsigned) override;
-  void drop() override { trees_.reset(); }
+  void drop() override {
+    tracer_.reset();
+    trees_.reset();
+  }
   std::uint64_t bytes() const override { return trees_->bytes(); }
   void trace(RayKind kind, const Ray* rays, std::size_t count, float* t) const override;
   const Trees& trees() const { return *trees_; }
@@ -38,6 +42,7 @@ class OurSide : public Side {
  private:
   std::shared_ptr<const Scene> scene_;
   std::unique_ptr<Trees> trees_;
+  std::optional<Tracer> tracer_;  // made once: asking what a virtual machine supports takes microseconds
 };
 
 class PeerSide : public Side {

@@ -23,12 +23,14 @@ inline Spread spread_of(std::vector<double> values) {
   return {n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]), values.front(), values.back()};
 }
 
-// Seconds of each side in each round: [side][round]. Rounds end early when `limit_seconds` are spent.
-inline std::vector<std::vector<double>> interleave(std::size_t sides, int rounds, double limit_seconds,
+// Seconds of each side in each round: [side][round]. Rounds end early when `limit_seconds` are spent,
+// but not before `least`.
+inline std::vector<std::vector<double>> interleave(std::size_t sides, int rounds, int least,
+                                                   double limit_seconds,
                                                    const std::function<void(std::size_t)>& work) {
   std::vector<std::vector<double>> seconds(sides);
   const Stopwatch whole;
-  for (int round = 0; round < rounds && (round == 0 || whole.seconds() < limit_seconds); ++round) {
+  for (int round = 0; round < rounds && (round < least || whole.seconds() < limit_seconds); ++round) {
     for (std::size_t i = 0; i < sides; ++i) {
       const std::size_t side = round % 2 ? sides - 1 - i : i;
       const Stopwatch watch;
