@@ -21,9 +21,9 @@ constexpr double kPeerTolerance = 0.1 / 960.0;
 constexpr double kDistanceTolerance = 1e-4;
 constexpr std::size_t kInsideRays = 1u << 17;
 // Builds are repeated until so many seconds are spent on them.
-constexpr double kBuildSeconds = 4.0;
+constexpr double kBuildSeconds = 2.0;
 // Rays are traced again until so many seconds are spent, at least thrice.
-constexpr double kTraceSeconds = 6.0;
+constexpr double kTraceSeconds = 3.0;
 
 std::vector<BuilderName> chosen_builders(const std::vector<std::string>& names) {
   std::vector<BuilderName> chosen;

@@ -25,15 +25,19 @@ IMAGES = ROOT / "docs" / "images"
 Row = dict[str, Any]
 KINDS = ("primary", "shadow", "random")
 
+SHARED = """The machine was shared: absolute figures are too low, and only ratios with a narrow spread say much.
+"""
+
 HEAD = """# Performance
 
-Made by `make bench`, that is `{command}` and
-`python docs/make_performance.py`: msbvh {msbvh}{commit}{peer},
-{processor}, {cores} cores, {system}, {instruction_set}; seed {seed}.
-
-A cell is the median of {repetitions} rounds (3 at least, where rays take long) with the lowest and the highest in brackets. In a round each builder and each
-mode of the peer traces the same rays in turn, so that a ratio (ours over the peer's rays a second; above 1 we are
-faster) is taken from measurements that stand side by side. Times of rays are random: the worst case for caches.
+Made by `{command}` and
+`python docs/make_performance.py` (`make bench` runs both in full): msbvh {msbvh}{commit}{peer},
+{processor}, {cores} cores, {system}, {instruction_set}; seed {seed}; load average {load_average:.1f} before the run.
+{shared}
+A cell is the median of {repetitions} rounds (3 at least, where rays take long) with the lowest and the highest in
+brackets. In a round each builder and each mode of the peer traces the same rays in turn, so that a ratio (ours over
+the peer's rays a second; above 1 we are faster) is taken from measurements that stand side by side. Times of rays are
+random: the worst case for caches.
 Primary rays come in tiles of 8 x 8 pixels, shadow rays start where they hit and ask for any hit, random rays join two
 random points of the scene's box. Ours is always watertight; the peer is measured with its robust flag unless a table
 says otherwise, in its high build quality. Where our motion is a curve, or bends at uneven times, the peer has as many
@@ -71,7 +75,8 @@ def page(report: dict[str, Any]) -> Iterator[str]:
     yield HEAD.format(
         **{
             **machine,
-            "command": f"msbvh bench{' --peer embree' if machine['peer'] else ''}",
+            "command": command_of(machine),
+            "shared": SHARED if machine["load_average"] > 0.5 else "",
             "commit": f" ({machine['commit']})" if machine["commit"] else "",
             "peer": f" against {machine['peer']}" if machine["peer"] else "",
         }
@@ -98,6 +103,17 @@ def page(report: dict[str, Any]) -> Iterator[str]:
     yield from cost_table(ours)
     yield from builder_table(rows, first)
     yield from check_table(ours)
+
+
+def command_of(machine: dict[str, Any]) -> str:
+    """The command line that made the report."""
+    words = ["msbvh bench"]
+    words += ["--peer embree"] if machine["peer"] else []
+    words += ["--quick"] if machine["quick"] else []
+    words += [f"--scenes {','.join(machine['scenes'])}"] if machine["scenes"] != ["*"] else []
+    words += [f"--triangles {machine['triangles']}"] if machine["triangles"] else []
+    words += [f"--threads {','.join(map(str, machine['threads']))}"] if machine["threads"] != [1, 0] else []
+    return " ".join(words)
 
 
 def group(rows: Iterable[Row]) -> dict[tuple[Any, ...], dict[str, Row]]:

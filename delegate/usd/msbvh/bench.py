@@ -175,6 +175,7 @@ def run(
     settings: BenchSettings, progress: Callable[[float], object], note: Callable[[str], None]
 ) -> Report:
     """Measures; {"machine": ..., "rows": [...]}. `note` hears of scenes that are left out."""
+    load = os.getloadavg()[0]
     peer = str(peer_library(settings.peer)) if settings.peer else ""
     every = list(cases(settings))
     rows: list[Row] = []
@@ -189,7 +190,7 @@ def run(
         if rows and rows[-1]["peer_missing"]:
             note(f"bench: {case.name} has no peer: {rows[-1]['peer_missing']}")
     progress(1.0)
-    return {"machine": machine(settings, peer), "rows": rows}
+    return {"machine": {**machine(settings, peer), "load_average": load}, "rows": rows}
 
 
 def _run_arguments(settings: BenchSettings, name: str, peer: str) -> dict[str, Any]:
@@ -222,6 +223,7 @@ def machine(settings: BenchSettings, peer: str) -> dict[str, Any]:
         "repetitions": settings.rounds,
         "quick": settings.quick,
         "scenes": list(settings.scenes),
+        "triangles": settings.triangles,
     }
 
 
@@ -235,7 +237,7 @@ def _processor() -> str:
 
 def _commit() -> str | None:
     """Of the checkout that the package runs from; None where it is none."""
-    command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
+    command = ["git", "-C", str(Path(__file__).resolve().parent), "describe", "--always", "--dirty"]
     try:
         found = subprocess.run(command, capture_output=True, text=True, timeout=10, check=False)
     except OSError:
