@@ -11,6 +11,13 @@ enum class Builder : std::uint8_t {
   kMbvh    // the same builder with spatial splits off: the interpolated BVH, the paper's baseline
 };
 
+// All of them, by the names that options and reports use.
+struct BuilderName {
+  Builder builder;
+  const char* name;
+};
+inline constexpr BuilderName kBuilders[] = {{Builder::kMsbvh, "msbvh"}, {Builder::kMbvh, "mbvh"}};
+
 struct BuildSettings {
   Builder builder = Builder::kMsbvh;
   // References that spatial splits may add, as a share of the triangles. More: fewer tests a ray on long thin

@@ -25,9 +25,12 @@ namespace {
 constexpr std::chrono::milliseconds kSignalInterval{50};
 
 Builder builder_from(const std::string& name) {
-  if (name == "msbvh") return Builder::kMsbvh;
-  if (name == "mbvh") return Builder::kMbvh;
-  throw nb::value_error(("builder: found \"" + name + "\"; expected msbvh or mbvh").c_str());
+  std::string known;
+  for (const BuilderName& builder : kBuilders) {
+    if (name == builder.name) return builder.builder;
+    known += (known.empty() ? "" : " or ") + std::string(builder.name);
+  }
+  throw nb::value_error(("builder: found \"" + name + "\"; expected " + known).c_str());
 }
 
 // What `call`, or the handler of a signal that has arrived, raised; null if nothing. Needs the GIL.

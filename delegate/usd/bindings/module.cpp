@@ -18,6 +18,7 @@ NB_MODULE(_core, m) {
   msbvh::python::bind_translator(m);
   msbvh::python::bind_skinning(m);
   msbvh::python::bind_renderer(m);
+  msbvh::python::bind_bench(m);
   m.def(
       "supported_instruction_sets",
       [] {

@@ -353,3 +353,47 @@ def skin_points(
 
 def supported_instruction_sets() -> list[str]:
     """Those that the kernels are compiled for and this machine has; worst first."""
+
+def builders() -> list[str]:
+    """Names that Renderer and the benchmark take; the default first."""
+
+class BenchClass(TypedDict):
+    name: str
+    what: str
+    triangles: int
+    quick_triangles: int
+    forms: list[tuple[int, int]]
+    """(segments, degree) of the tracks that are measured."""
+    quick_forms: list[tuple[int, int]]
+
+def bench_classes() -> list[BenchClass]:
+    """The benchmark's procedural scenes (bench/scene_classes.h)."""
+
+def bench_scene(
+    name: str, *, triangles: int, segments: int, degree: int, seed: int
+) -> tuple[Scene, tuple[float, float, float, float]]:
+    """A scene, and a ball in it (center, radius) from which every ray hits something; radius 0: none."""
+
+def bench_run(
+    scene: Scene,
+    interior: tuple[float, float, float, float],
+    *,
+    name: str,
+    builders: Sequence[str],
+    threads: Sequence[int],
+    rays: int,
+    repetitions: int,
+    build_repetitions: int,
+    seed: int,
+    oracle_tests: float,
+    robust: Sequence[bool],
+    peer: str,
+) -> list[str]:
+    """Rows as JSON. ``builders`` empty: all; ``threads`` 0: all; ``peer``: path of its library, empty for none;
+    ``robust``: the peer's modes; ``oracle_tests``: triangles that the oracle tests a builder and kind of ray.
+
+    Without the GIL; a signal's exception ends it between two measurements.
+    """
+
+def bench_peer_name(path: str) -> str:
+    """Of a peer's library: its name and version."""

@@ -13,7 +13,10 @@ import click
 from pxr import Usd
 
 from . import _core
-from .atomic import OutputError
+from .atomic import OutputError, replacing
+from .bench import BenchSettings
+from .bench import run as run_bench
+from .bench_table import table as bench_table
 from .color import ColorCorrection, ColorError
 from .conformance import conform, find_suite, other_renderer, own_renderer, read_rules, table
 from .errors import Diagnostics, SceneError
@@ -21,7 +24,7 @@ from .frames import FrameError, check_single_outputs, frame_jobs, parse_frame_sp
 from .images import ImageSettings
 from .motion import motion_report
 from .motion_table import beyond_text, motion_text
-from .options import CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
+from .options import BENCH, CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
 from .progress import Progress
 from .reader import ReadResult, ReadSettings, read_frame
 from .record import (
@@ -174,6 +177,25 @@ def conform_command(
     else:
         print(table(outcomes))
     return DONE if all(outcome.passed for outcome in outcomes) else WRONG
+
+
+@commands.command("bench")
+@with_options(BENCH)
+def bench_command(as_json: bool, out: Path | None, **options: Any) -> int:
+    """Measure rays a second, build times and bytes on seeded scenes, with a peer side by side in the same run.
+
+    Exit code 1 if our answers differ from the oracle's, or if a closed scene leaks.
+    """
+    reporter = Reporter()
+    with Progress("msbvh: bench") as progress:
+        result = run_bench(BenchSettings(**options), progress, reporter.note)
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+        with replacing(out / "bench.json") as file:
+            file.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    print(json.dumps(result) if as_json else bench_table(result))
+    wrong = [row for row in result["rows"] if row["mismatches"] or row["misses"]]
+    return WRONG if wrong else DONE
 
 
 def _read_one_frame(

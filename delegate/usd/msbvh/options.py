@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from . import _core
 from .color import MODES
 from .conform import POLICIES
 from .times import FINEST_LEVEL
@@ -37,6 +38,23 @@ class Names(click.ParamType):
             if self._choices and name not in self._choices:
                 self.fail(f"found '{name}', expected any of: {', '.join(self._choices)}", param, ctx)
         return names
+
+
+class Numbers(click.ParamType):
+    """Whole numbers from 0 on, separated by commas or blanks."""
+
+    name = "numbers"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> tuple[int, ...]:
+        numbers = tuple(value.replace(",", " ").split()) if isinstance(value, str) else tuple(value)
+        for number in numbers:
+            if not str(number).isdecimal() or int(number) > 4096:
+                self.fail(f"found '{number}', expected numbers of threads such as 1,0", param, ctx)
+        if not numbers:
+            self.fail("found no number, expected numbers of threads such as 1,0", param, ctx)
+        return tuple(map(int, numbers))
 
 
 def _unsupported(hint: str) -> Callable[..., None]:
@@ -327,3 +345,50 @@ CONFORM: Sequence[Decorator] = (
     ),
 )
 """What the suite is, and which renderer is held to it."""
+
+BENCH: Sequence[Decorator] = (
+    click.option(
+        "--scenes",
+        type=Names(),
+        default="*",
+        show_default=True,
+        metavar="GLOB[,...]",
+        help="Only scenes of these names: wheels, or wheels-9 for one number of keys. shared/*: public scenes"
+        " in ../shared/scenes.",
+    ),
+    click.option(
+        "--peer",
+        type=click.Choice(("embree",)),
+        help="Measure it side by side, where the package was built with it.",
+    ),
+    click.option("--quick", is_flag=True, help="Small scenes and few rays: under 50 seconds on two cores."),
+    click.option("--json", "as_json", is_flag=True, help="For scripts."),
+    click.option(
+        "--builder",
+        "builders",
+        multiple=True,
+        type=click.Choice(tuple(_core.builders())),
+        help="Only this one; may be repeated. Default: all of them.",
+    ),
+    click.option(
+        "--threads",
+        type=Numbers(),
+        metavar="N[,...]",
+        help="Numbers of threads to measure with, 0: all. Default: 1,0; of a quick run 1.",
+    ),
+    click.option("--seed", type=click.IntRange(0, 2**31 - 1), default=1, show_default=True, help="Of scenes and rays."),
+    click.option(
+        "--repetitions",
+        type=click.IntRange(1, 1000),
+        help="Rounds, in which each side has its turn. Default: 5.",
+    ),
+    click.option(
+        "--triangles",
+        type=click.IntRange(64, 100_000_000),
+        help="About so many in every procedural scene. Default: each one's own, 10 thousand to 2 million.",
+    ),
+    click.option(
+        "--out", type=click.Path(path_type=Path, file_okay=False), metavar="DIR", help="Write bench.json there."
+    ),
+)
+"""What is measured, against whom, and how often."""

@@ -1,0 +1,70 @@
+#include "bench/checks.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <optional>
+
+#include "core/base/parallel.h"
+#include "core/trace/oracle.h"
+
+namespace msbvh::bench {
+namespace {
+
+bool is_wrong(const Bvh& bvh, const Tracer& tracer, RayKind kind, const Ray& ray) {
+  if (kind == RayKind::kShadow) return judge_occlusion(bvh, ray, tracer.occluded(ray)).has_value();
+  Hit hit;
+  const bool found = tracer.intersect(ray, hit);
+  return judge_intersection(bvh, ray, found ? std::optional(hit) : std::nullopt).has_value();
+}
+
+double triangles_shown(const Bvh& bvh) {
+  double sum = 0.0;
+  for (const auto& mesh : bvh.meshes) sum += static_cast<double>(mesh->triangles.size());
+  for (const Instance& instance : bvh.instances) sum += triangles_shown(*instance.object);
+  return sum;
+}
+
+}  // namespace
+
+OracleCheck check_oracle(const Bvh& bvh, RayKind kind, const std::vector<Ray>& rays, double triangle_tests) {
+  const Tracer tracer(bvh);
+  const double affordable = std::max(4.0, triangle_tests / std::max(1.0, triangles_shown(bvh)));
+  const std::size_t count = std::min(rays.size(), static_cast<std::size_t>(affordable));
+  std::atomic<std::size_t> wrong = 0;
+  parallel_for(count,
+               [&](std::size_t i) { wrong += is_wrong(bvh, tracer, kind, rays[i * rays.size() / count]); });
+  return {count, wrong};
+}
+
+std::size_t count_differences(const std::vector<Ray>& rays, const std::vector<float>& a,
+                              const std::vector<float>& b, double tolerance) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    if (std::isinf(a[i]) || std::isinf(b[i])) {
+      count += std::isinf(a[i]) != std::isinf(b[i]);
+    } else {
+      count += std::abs(double(a[i]) - double(b[i])) * length(Vec3d(rays[i].dir)) > tolerance;
+    }
+  }
+  return count;
+}
+
+std::size_t count_misses(const Side& side, const std::vector<Ray>& rays) {
+  std::vector<float> t(rays.size());
+  trace_all(side, RayKind::kRandom, rays, t);
+  return static_cast<std::size_t>(std::ranges::count_if(t, [](float x) { return std::isinf(x); }));
+}
+
+TraceCounts count_work(const Bvh& bvh, RayKind kind, const std::vector<Ray>& rays) {
+  const Tracer tracer(bvh);
+  TraceCounts counts;
+  for (std::size_t i = 0; i < rays.size(); i += 16) {
+    Hit hit;
+    kind == RayKind::kShadow ? tracer.occluded_counted(rays[i], counts)
+                             : tracer.intersect_counted(rays[i], hit, counts);
+  }
+  return counts;
+}
+
+}  // namespace msbvh::bench

@@ -1,0 +1,51 @@
+// The interface that another ray tracer is measured through. A peer is a shared library of its own, loaded at
+// run time: neither the extension nor the library links against it.
+//
+//   extern "C" std::uint32_t msbvh_peer_abi();                 // kPeerAbi
+//   extern "C" const char* msbvh_peer_name();                  // "Embree 3.13.5"
+//   extern "C" msbvh::bench::Peer* msbvh_peer_make(const msbvh::bench::PeerScene&, unsigned threads, bool
+//   robust);
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/affine.h"
+#include "core/trace/ray.h"
+
+namespace msbvh::bench {
+
+inline constexpr std::uint32_t kPeerAbi = 1;
+
+// All borrowed for the life of the peer. Linear keys, evenly spaced over the shutter.
+struct PeerMesh {
+  const Vec3f* positions;  // [keys][vertices], readable for 16 bytes at the last one
+  std::uint32_t keys, vertices;
+  const std::uint32_t* triangles;  // [count][3]
+  std::uint32_t triangle_count;
+};
+struct PeerInstance {
+  std::uint32_t object;
+  std::uint32_t keys;
+  const Affine3f* world_from_object;  // [keys]
+};
+struct PeerScene {
+  std::vector<PeerMesh> world;
+  std::vector<std::vector<PeerMesh>> objects;
+  std::vector<PeerInstance> instances;
+};
+
+class Peer {
+ public:
+  virtual ~Peer() = default;
+  virtual void build() = 0;  // once
+  // All that traversal reads: what the library holds after the build, and moving vertices, which its leaves
+  // index.
+  virtual std::uint64_t bytes() const = 0;
+  // t of the closest hit, infinity where there is none; for occlusion 0 or infinity.
+  virtual void intersect(const Ray* rays, std::size_t count, float* t) const = 0;
+  virtual void occluded(const Ray* rays, std::size_t count, float* t) const = 0;
+};
+
+}  // namespace msbvh::bench

@@ -1,0 +1,139 @@
+#include "bench/peer_input.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/motion/affine_track.h"
+
+namespace msbvh::bench {
+namespace {
+
+// Where a sampled track is compared with ours: thrice within each of the peer's segments.
+constexpr double kBetween[] = {0.25, 0.5, 0.75};
+
+// Fewest segments whose straight lines stay within the tolerance; `error(segments)` is their deviation.
+template <typename Error>
+std::uint32_t fewest_segments(double tolerance, double& found, const Error& error) {
+  for (std::uint32_t segments = 1;; segments *= 2) {
+    found = error(segments);
+    if (found <= tolerance || segments == kMaxSegments) return segments;
+  }
+}
+
+class Filler {
+ public:
+  Filler(const Scene& scene, double tolerance, PeerInput& out)
+      : in_(scene), tolerance_(tolerance), out_(out) {}
+
+  void run() {
+    for (const std::uint32_t i : in_.world_meshes) out_.scene.world.push_back(mesh(in_.meshes[i].shape, {}));
+    for (const Prototype& prototype : in_.prototypes) {
+      expect_visible(prototype.clock, prototype.name);
+      auto& object = out_.scene.objects.emplace_back();
+      for (const std::uint32_t i : prototype.meshes)
+        object.push_back(mesh(in_.meshes[i].shape, prototype.clock));
+    }
+    for (const InstanceSet& set : in_.instances) {
+      expect_visible(set.clock, set.name);
+      const std::uint32_t controls = set.form().controls();
+      for (std::size_t i = 0; i < instance_count(set); ++i)
+        instance(set, {&set.world_from_prototype[i * controls], controls});
+    }
+  }
+
+ private:
+  void expect_visible(const Clock& clock, const std::string& name) {
+    const auto hidden = [](const ClockPiece& piece) { return !piece.visible; };
+    if (std::ranges::any_of(clock.pieces, hidden))
+      out_.missing = name + ": visible for a part of the shutter";
+  }
+
+  PeerMesh mesh(const TriangleMesh& shape, const Clock& clock) {
+    PeerMesh peer{shape.positions.data(), key_count(shape.segments), shape.vertex_count,
+                  shape.triangles.empty() ? nullptr : shape.triangles[0].data(),
+                  static_cast<std::uint32_t>(shape.triangles.size())};
+    if (shape.segments != 0 && (shape.degree > 1 || !clock.is_shutter())) sample(shape, clock, peer);
+    out_.keys = std::max(out_.keys, peer.keys);
+    return peer;
+  }
+
+  static float local(const Clock& clock, double u) {
+    float time = static_cast<float>(u);
+    clock.at(time, time);
+    return time;
+  }
+
+  void sample(const TriangleMesh& shape, const Clock& clock, PeerMesh& peer) {
+    const auto at = [&](std::uint32_t v, double u) { return Vec3d(shape.position(v, local(clock, u))); };
+    double error = 0.0;
+    const std::uint32_t step = 1 + shape.vertex_count / 4096;  // a sample of the vertices decides
+    const std::uint32_t segments = fewest_segments(tolerance_, error, [&](std::uint32_t n) {
+      double worst = 0.0;
+      for (std::uint32_t v = 0; v < shape.vertex_count; v += step) {
+        for (std::uint32_t k = 0; k < n; ++k) {
+          const Vec3d a = at(v, double(k) / n), b = at(v, (k + 1.0) / n);
+          for (const double w : kBetween)
+            worst = std::max(worst, length(at(v, (k + w) / n) - (a + (b - a) * w)));
+        }
+      }
+      return worst;
+    });
+    std::vector<Vec3f>& positions = out_.positions.emplace_back();
+    for (std::uint32_t k = 0; k <= segments; ++k) {
+      for (std::uint32_t v = 0; v < shape.vertex_count; ++v)
+        positions.push_back(Vec3f(at(v, double(k) / segments)));
+    }
+    positions.resize(positions.size() + TriangleMesh::kGuard);
+    peer.positions = positions.data();
+    peer.keys = key_count(segments);
+    note(error);
+  }
+
+  void instance(const InstanceSet& set, std::span<const Affine3f> controls) {
+    PeerInstance peer{set.prototype, key_count(set.segments), controls.data()};
+    if (set.segments != 0 && (set.degree > 1 || !set.clock.is_shutter())) sample(set, controls, peer);
+    out_.keys = std::max(out_.keys, peer.keys);
+    out_.scene.instances.push_back(peer);
+  }
+
+  // Deviations are those of the columns, as if the object reached one unit from its origin.
+  void sample(const InstanceSet& set, std::span<const Affine3f> controls, PeerInstance& peer) {
+    const auto at = [&](double u) { return Affine3d(evaluate(controls, set.form(), local(set.clock, u))); };
+    double error = 0.0;
+    const std::uint32_t segments = fewest_segments(tolerance_, error, [&](std::uint32_t n) {
+      double worst = 0.0;
+      for (std::uint32_t k = 0; k < n; ++k) {
+        const Affine3d a = at(double(k) / n), b = at((k + 1.0) / n);
+        for (const double w : kBetween) {
+          const Affine3d m = at((k + w) / n);
+          for (const auto column : {&Affine3d::x, &Affine3d::y, &Affine3d::z, &Affine3d::t}) {
+            worst = std::max(worst, length(m.*column - (a.*column + (b.*column - a.*column) * w)));
+          }
+        }
+      }
+      return worst;
+    });
+    std::vector<Affine3f>& maps = out_.maps.emplace_back();
+    for (std::uint32_t k = 0; k <= segments; ++k) maps.push_back(Affine3f(at(double(k) / segments)));
+    peer.world_from_object = maps.data();
+    peer.keys = key_count(segments);
+    note(error);
+  }
+
+  void note(double error) {
+    out_.sampled = true;
+    out_.error = std::max(out_.error, error);
+  }
+
+  const Scene& in_;
+  const double tolerance_;
+  PeerInput& out_;
+};
+
+}  // namespace
+
+void fill_peer_input(const Scene& scene, double tolerance, PeerInput& out) {
+  Filler(scene, tolerance, out).run();
+}
+
+}  // namespace msbvh::bench

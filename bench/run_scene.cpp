@@ -1,0 +1,255 @@
+#include "bench/run_scene.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "bench/checks.h"
+#include "bench/json_row.h"
+#include "bench/peer_input.h"
+#include "bench/sides.h"
+#include "bench/timing.h"
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+
+namespace msbvh::bench {
+namespace {
+
+constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+// A peer's linear keys stay within a tenth of a pixel of our curves where the scene is 960 pixels across.
+constexpr double kPeerTolerance = 0.1 / 960.0;
+// Hit distances that differ by more than this share of the scene's size count as different.
+constexpr double kDistanceTolerance = 1e-4;
+constexpr std::size_t kInsideRays = 1u << 17;
+// Builds are repeated until so many seconds are spent on them.
+constexpr double kBuildSeconds = 2.0;
+// Rays are traced again until so many seconds are spent, at least thrice.
+constexpr double kTraceSeconds = 3.0;
+
+std::vector<BuilderName> chosen_builders(const std::vector<std::string>& names) {
+  std::vector<BuilderName> chosen;
+  for (const BuilderName& known : kBuilders) {
+    if (names.empty() || std::ranges::count(names, known.name) > 0) chosen.push_back(known);
+  }
+  if (chosen.empty())
+    throw Error("bench: found no builder of the names given; expected some of those of --builder");
+  return chosen;
+}
+
+Box3f bounds_of(const Scene& scene) {
+  Box3f box;
+  for (const std::uint32_t i : scene.world_meshes) {
+    const TriangleMesh& mesh = scene.meshes[i].shape;
+    for (std::size_t p = 0; p < mesh.position_count(); ++p) box.grow(mesh.positions[p]);
+  }
+  for (const InstanceSet& set : scene.instances) {
+    for (const Affine3f& map : set.world_from_prototype) box.grow(map.t);
+  }
+  return box;
+}
+
+class SceneRun {
+ public:
+  SceneRun(const BenchScene& scene, const RunSettings& settings) : scene_(scene), settings_(settings) {
+    for (const BuilderName& builder : chosen_builders(settings.builders)) {
+      ours_.push_back(std::make_shared<OurSide>(scene.scene, builder));
+    }
+    if (settings.peer) {
+      fill_peer_input(*scene.scene, kPeerTolerance * length(Vec3d(bounds_of(*scene.scene).extent())), input_);
+      for (const bool robust : settings.robust) {
+        if (input_.missing.empty()) {
+          peers_.push_back(std::make_shared<PeerSide>(*settings.peer, input_.scene, robust));
+        }
+      }
+    }
+    sides_.assign(ours_.begin(), ours_.end());
+    sides_.insert(sides_.end(), peers_.begin(), peers_.end());
+  }
+
+  std::vector<std::string> run() {
+    for (const unsigned threads : settings_.threads) {
+      Arena arena(threads);
+      arena.execute([&] { build(threads); });
+      if (threads == settings_.threads.front()) {
+        count_leaks();
+        make_all_rays();
+      }
+      for (const RaySet& set : ray_sets_) measure(arena, threads, set);
+      for (const auto& side : sides_) side->drop();
+    }
+    return std::move(rows_);
+  }
+
+ private:
+  struct RaySet {
+    RayKind kind;
+    std::vector<Ray> rays;
+    std::vector<OracleCheck> oracle;  // by builder
+    std::vector<TraceCounts> work;
+  };
+
+  void build(unsigned threads) {
+    build_seconds_ =
+        interleave(sides_.size(), settings_.build_repetitions, 1, kBuildSeconds, [&](std::size_t i) {
+          settings_.tick();
+          sides_[i]->build(threads);
+        });
+  }
+
+  void count_leaks() {
+    misses_.assign(sides_.size(), kNotMeasured);
+    if (scene_.interior.radius <= 0.0f) return;
+    const std::vector<Ray> rays = inside_rays(scene_.interior, kInsideRays, settings_.seed);
+    for (std::size_t i = 0; i < sides_.size(); ++i)
+      misses_[i] = static_cast<double>(count_misses(*sides_[i], rays));
+  }
+
+  void make_all_rays() {
+    const Bvh& world = ours_[0]->trees().world();
+    size_ = length(Vec3d(ours_[0]->trees().bounds().extent()));
+    for (const RayKind kind : settings_.kinds) {
+      settings_.tick();
+      RaySet set{kind,
+                 make_rays(kind, *scene_.scene, ours_[0]->trees().bounds(), Tracer(world), settings_.rays,
+                           settings_.seed),
+                 {},
+                 {}};
+      if (set.rays.empty()) continue;
+      for (const auto& side : ours_) {
+        settings_.tick();
+        set.oracle.push_back(check_oracle(side->trees().world(), kind, set.rays, settings_.oracle_tests));
+        set.work.push_back(count_work(side->trees().world(), kind, set.rays));
+      }
+      ray_sets_.push_back(std::move(set));
+    }
+  }
+
+  void measure(Arena& arena, unsigned threads, const RaySet& set) {
+    std::vector<std::vector<float>> t(sides_.size(), std::vector<float>(set.rays.size()));
+    std::vector<std::vector<double>> seconds;
+    arena.execute([&] {
+      for (std::size_t i = 0; i < sides_.size(); ++i)
+        trace_all(*sides_[i], set.kind, set.rays, t[i]);  // warm
+      seconds = interleave(sides_.size(), settings_.repetitions, 3, kTraceSeconds,
+                           [&](std::size_t i) { trace_all(*sides_[i], set.kind, set.rays, t[i]); });
+    });
+    settings_.tick();
+    for (std::size_t i = 0; i < ours_.size(); ++i) {
+      if (peers_.empty()) write(threads, arena.threads(), set, i, sides_.size(), t, seconds);
+      for (std::size_t p = ours_.size(); p < sides_.size(); ++p) {
+        write(threads, arena.threads(), set, i, p, t, seconds);
+      }
+    }
+  }
+
+  // A row of our side `i` beside the peer's side `p`; p == sides_.size(): no peer.
+  void write(unsigned threads, unsigned used, const RaySet& set, std::size_t i, std::size_t p,
+             const std::vector<std::vector<float>>& t, const std::vector<std::vector<double>>& seconds) {
+    const BvhStatistics& tree = ours_[i]->trees().statistics();
+    JsonRow row;
+    row.add("scene", settings_.name);
+    row.add("triangles", tree.triangles);
+    row.add("instances", tree.instances);
+    row.add("keys", key_count(most_segments()));
+    row.add("degree", most_degree());
+    row.add("rays", ray_kind_name(set.kind));
+    row.add("builder", ours_[i]->builder.name);
+    row.add("threads", threads);
+    row.add("threads_used", used);
+    row.add("ray_count", set.rays.size());
+    row.add("rounds", seconds[i].size());
+    write_speed(row, set, i, p, seconds);
+    write_sizes(row, i, p);
+    const double rays = static_cast<double>(set.work[i].rays);
+    row.add("nodes_per_ray", static_cast<double>(set.work[i].nodes) / rays);
+    row.add("blocks_per_ray", static_cast<double>(set.work[i].blocks) / rays);
+    row.add("tests_per_ray", static_cast<double>(set.work[i].triangles) / rays);
+    row.add("sah", tree.sah_cost);
+    row.add("duplication", static_cast<double>(tree.references) / static_cast<double>(std::max<std::uint64_t>(
+                                                                      1, tree.triangles + tree.instances)));
+    row.add("misses", misses_[i]);
+    row.add("peer_misses", p < sides_.size() ? misses_[p] : kNotMeasured);
+    row.add("mismatches", set.oracle[i].wrong);
+    row.add("oracle_rays", set.oracle[i].rays);
+    const bool comparable = p < sides_.size() && !input_.sampled;
+    row.add("peer_mismatches", comparable ? static_cast<double>(count_differences(set.rays, t[i], t[p],
+                                                                                  kDistanceTolerance * size_))
+                                          : kNotMeasured);
+    rows_.push_back(row.text());
+  }
+
+  void write_speed(JsonRow& row, const RaySet& set, std::size_t i, std::size_t p,
+                   const std::vector<std::vector<double>>& seconds) const {
+    const bool beside = p < sides_.size();
+    const double mega = 1e-6 * static_cast<double>(set.rays.size());
+    const Spread ours = spread_of(seconds[i]), theirs = beside ? spread_of(seconds[p]) : Spread{};
+    const Spread ratio = beside ? speed_ratio(seconds[i], seconds[p]) : Spread{};
+    if (beside) {
+      row.add("robust", peers_[p - ours_.size()]->robust);
+    } else {
+      row.add("robust", true);
+    }
+    row.add("mrays", mega / ours.median);
+    row.add("mrays_low", mega / ours.high);
+    row.add("mrays_high", mega / ours.low);
+    row.add("peer_mrays", mega / theirs.median);
+    row.add("peer_mrays_low", mega / theirs.high);
+    row.add("peer_mrays_high", mega / theirs.low);
+    row.add("ratio", ratio.median);
+    row.add("ratio_low", ratio.low);
+    row.add("ratio_high", ratio.high);
+    row.add("build_s", spread_of(build_seconds_[i]).median);
+    row.add("topology_s", ours_[i]->trees().statistics().topology_seconds);
+    row.add("bounds_s", ours_[i]->trees().statistics().bounds_seconds);
+    row.add("peer_build_s", beside ? spread_of(build_seconds_[p]).median : kNotMeasured);
+    row.add("build_repetitions", build_seconds_[i].size());
+  }
+
+  void write_sizes(JsonRow& row, std::size_t i, std::size_t p) const {
+    const bool beside = p < sides_.size();
+    const BvhStatistics& tree = ours_[i]->trees().statistics();
+    const double triangles = static_cast<double>(std::max<std::uint64_t>(1, tree.triangles));
+    row.add("bytes_per_tri", static_cast<double>(ours_[i]->bytes()) / triangles);
+    row.add("node_bytes_per_tri", static_cast<double>(tree.node_bytes) / triangles);
+    row.add("leaf_bytes_per_tri", static_cast<double>(tree.leaf_bytes) / triangles);
+    row.add("vertex_bytes_per_tri", static_cast<double>(tree.vertex_bytes) / triangles);
+    row.add("peer_bytes_per_tri",
+            beside ? static_cast<double>(sides_[p]->bytes()) / triangles : kNotMeasured);
+    row.add("peer_keys", beside ? static_cast<double>(input_.keys) : kNotMeasured);
+    row.add("peer_sampled", input_.sampled);
+    row.add("peer_sampling_error", input_.sampled ? input_.error : kNotMeasured);
+    row.add("peer_missing", input_.missing);
+  }
+
+  std::uint32_t most_segments() const {
+    std::uint32_t most = 0;
+    for (const Mesh& mesh : scene_.scene->meshes) most = std::max(most, mesh.shape.segments);
+    for (const InstanceSet& set : scene_.scene->instances) most = std::max(most, set.segments);
+    return most;
+  }
+  std::uint32_t most_degree() const {
+    std::uint32_t most = 1;
+    for (const Mesh& mesh : scene_.scene->meshes) most = std::max(most, mesh.shape.degree);
+    for (const InstanceSet& set : scene_.scene->instances) most = std::max(most, set.degree);
+    return most;
+  }
+
+  const BenchScene& scene_;
+  const RunSettings& settings_;
+  PeerInput input_;
+  std::vector<std::shared_ptr<OurSide>> ours_;
+  std::vector<std::shared_ptr<PeerSide>> peers_;
+  std::vector<std::shared_ptr<Side>> sides_;  // ours, then the peer's
+  std::vector<std::vector<double>> build_seconds_;
+  std::vector<double> misses_;
+  std::vector<RaySet> ray_sets_;
+  double size_ = 0.0;  // diagonal of the scene's box
+  std::vector<std::string> rows_;
+};
+
+}  // namespace
+
+std::vector<std::string> run_scene(const BenchScene& scene, const RunSettings& settings) {
+  return SceneRun(scene, settings).run();
+}
+
+}  // namespace msbvh::bench

@@ -1,0 +1,295 @@
+#include "bench/scene_classes.h"
+
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "bench/shapes.h"
+#include "core/base/error.h"
+
+namespace msbvh::bench {
+namespace {
+
+constexpr TrackForm kStill{0, 1};
+constexpr TrackForm kLinear2{1, 1}, kLinear3{2, 1}, kLinear5{4, 1}, kLinear9{8, 1}, kLinear33{32, 1},
+    kLinear129{128, 1};
+
+Vec3d turned(const Vec3d& v, const Vec3d& axis, double radians) {
+  const double c = std::cos(radians), s = std::sin(radians);
+  return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1.0 - c));
+}
+
+Camera camera_at(const Vec3f& eye, const Vec3f& target) {
+  const Vec3f z = normalize(eye - target), x = normalize(cross(Vec3f{0, 1, 0}, z)), y = cross(z, x);
+  Camera camera;
+  camera.name = "camera";
+  camera.world_from_camera = {Affine3f{x, y, z, eye}};
+  camera.window = {{-0.4f, 0.4f, -0.4f, 0.4f}};
+  camera.near_clip = 1e-3f;
+  return camera;
+}
+
+// Meshes in the world, seen from outside of the ball of radius 1.5 or from `eye`.
+BenchScene scene_of(std::vector<TriangleMesh> meshes, const Interior& interior = {},
+                    const Vec3f& eye = {2.2f, 1.6f, 3.0f}) {
+  auto scene = std::make_shared<Scene>();
+  for (TriangleMesh& mesh : meshes) {
+    scene->world_meshes.push_back(static_cast<std::uint32_t>(scene->meshes.size()));
+    scene->meshes.push_back(
+        {.shape = std::move(mesh), .normals = {}, .display_color = {}, .display_opacity = {}});
+  }
+  scene->camera = camera_at(eye, {});
+  return {std::move(scene), interior};
+}
+
+template <typename... Meshes>
+std::vector<TriangleMesh> list(Meshes... meshes) {
+  std::vector<TriangleMesh> all;
+  (all.push_back(std::move(meshes)), ...);
+  return all;
+}
+
+BenchScene hairball(std::uint32_t triangles, const TrackForm& form, std::uint32_t seed) {
+  Random random(seed);
+  Pose pose = strands(triangles, random);
+  std::vector<Vec3d> axes;
+  for (std::size_t s = 0; s < pose.positions.size() / 12; ++s) axes.push_back(Vec3d(random.direction()));
+  const auto motion = [&](std::uint32_t v, const Vec3d& p, double u) {  // swings more towards the tip
+    return turned(p, axes[v / 12], 0.25 * (length(p) - 0.4) * (u - 0.5)) + Vec3d{0.1, 0.0, 0.0} * (u - 0.5);
+  };
+  return scene_of(list(moved_mesh("strands", std::move(pose), form, motion)));
+}
+
+BenchScene fences(std::uint32_t triangles, const TrackForm& form, std::uint32_t seed) {
+  Random random(seed);
+  const Vec3d tilt = normalize(Vec3d{0.3, 1.0, 0.2});
+  Pose pose;
+  const auto place = [&](const Vec3f& p) { return Vec3f(turned(Vec3d(p), tilt, 0.6)); };
+  const std::uint32_t bars = std::max(1u, triangles / 6), rows = 40;
+  for (std::uint32_t i = 0; i < bars; ++i) {
+    const float z = -1.0f + 2.0f * static_cast<float>(i % rows) / rows, x = random.uniform(-1.0f, 1.0f);
+    const bool rail = i / rows < 4;
+    const float y = rail ? 0.3f * static_cast<float>(i / rows) - 0.45f : -0.7f;
+    const Vec3f a = rail ? Vec3f{-1.0f, y, z} : Vec3f{x, y, z},
+                b = rail ? Vec3f{1.0f, y, z} : Vec3f{x, 0.7f, z};
+    add_bar(pose, place(a), place(b), rail ? 0.004f : 0.3f / static_cast<float>(bars / rows + 8));
+  }
+  const auto motion = [](std::uint32_t, const Vec3d& p, double u) {  // as if the camera panned and flew
+    return turned(p, {0.0, 1.0, 0.0}, 0.1 * (u - 0.5)) + Vec3d{0.15, 0.05, 0.0} * (u - 0.5);
+  };
+  return scene_of(list(moved_mesh("fences", std::move(pose), form, motion)));
+}
+
+BenchScene spinning_wheels(std::uint32_t triangles, const TrackForm& form, std::uint32_t seed) {
+  Random random(seed);
+  std::vector<Wheel> placed;
+  Pose pose = wheels(triangles, random, placed);
+  const auto motion = [&](std::uint32_t v, const Vec3d& p, double u) {
+    const Wheel& wheel = placed[v / kWheelVertices];
+    return wheel.hub + turned(p - wheel.hub, wheel.axis, 1.5 * (u - 0.5)) + Vec3d{0.1, 0.0, 0.0} * (u - 0.5);
+  };
+  return scene_of(list(moved_mesh("wheels", std::move(pose), form, motion)));
+}
+
+BenchScene twist(std::uint32_t triangles, const TrackForm& form, std::uint32_t seed) {
+  Random random(seed);
+  const auto motion = [](std::uint32_t, const Vec3d& p, double u) {
+    return turned(p, {0.0, 1.0, 0.0}, 0.8 * p.y * (u - 0.5)) + Vec3d{0.05, 0.0, 0.0} * (u - 0.5);
+  };
+  return scene_of(list(moved_mesh("scan", bumpy_sphere(triangles, 0.15f, random), form, motion)),
+                  {{0, 0, 0}, 0.3f});
+}
+
+BenchScene cloth(std::uint32_t triangles, const TrackForm& form, std::uint32_t) {
+  const int side = std::max(4, static_cast<int>(std::sqrt(static_cast<double>(triangles) / 6.0)));
+  std::vector<TriangleMesh> layers;
+  for (int i = 0; i < 3; ++i) {
+    TriangleMesh sheet = procedural::grid(side);
+    sheet.positions.resize(sheet.vertex_count);
+    for (Vec3f& p : sheet.positions) p = p * 0.5f;
+    const auto wave = procedural::wave(0.08, 0.5 + 0.2 * i);
+    const auto motion = [&](std::uint32_t, const Vec3d& p, double u) {
+      return wave(p, 0.25 * u) + Vec3d{0.0, 0.3 * (i - 1), 0.0};
+    };
+    layers.push_back(
+        moved_mesh("sheet", {std::move(sheet.positions), std::move(sheet.triangles)}, form, motion));
+  }
+  return scene_of(std::move(layers));
+}
+
+struct Flight {
+  Vec3d velocity, axis, center;
+  double turn;
+};
+
+std::vector<Flight> flights(const Pose& pose, Random& random) {
+  std::vector<Flight> all;
+  for (std::size_t s = 0; s < pose.positions.size() / 4; ++s) {
+    const Vec3d center = (Vec3d(pose.positions[4 * s]) + Vec3d(pose.positions[4 * s + 1]) +
+                          Vec3d(pose.positions[4 * s + 2]) + Vec3d(pose.positions[4 * s + 3])) *
+                         0.25;
+    all.push_back({Vec3d(random.direction() * random.uniform(0.0f, 0.4f)), Vec3d(random.direction()), center,
+                   double(random.uniform(0.0f, 2.0f))});
+  }
+  return all;
+}
+
+BenchScene debris(std::uint32_t triangles, const TrackForm& form, std::uint32_t seed) {
+  Random random(seed);
+  Pose pose = shards(triangles, random);
+  const std::vector<Flight> all = flights(pose, random);
+  const auto motion = [&](std::uint32_t v, const Vec3d& p, double u) {
+    const Flight& f = all[v / 4];
+    return f.center + turned(p - f.center, f.axis, f.turn * (u - 0.5)) + f.velocity * (u - 0.5);
+  };
+  return scene_of(list(moved_mesh("debris", std::move(pose), form, motion)));
+}
+
+BenchScene ballistic(std::uint32_t triangles, const TrackForm& form, std::uint32_t seed) {
+  Random random(seed);
+  Pose pose = shards(triangles, random);
+  const std::vector<Flight> all = flights(pose, random);
+  const auto motion = [&](std::uint32_t v, const Vec3d& p, double u) {
+    const double t = u - 0.5;
+    return p + all[v / 4].velocity * t + Vec3d{0.0, -0.8, 0.0} * (t * t);
+  };
+  return scene_of(list(moved_mesh("ballistic", std::move(pose), form, motion)));
+}
+
+BenchScene room(std::uint32_t triangles, const TrackForm& form, std::uint32_t seed) {
+  Random random(seed);
+  const auto rest = [](std::uint32_t, const Vec3d& p, double) { return p; };
+  Pose things;
+  for (std::uint32_t i = 0; i < triangles / 60; ++i) {
+    const Vec3f foot{random.uniform(-0.9f, 0.9f), -0.95f, random.uniform(-0.9f, 0.9f)};
+    add_bar(things, foot, foot + Vec3f{0.0f, random.uniform(0.05f, 0.4f), 0.0f}, 0.002f);
+  }
+  Pose statue = bumpy_sphere(triangles / 2, 0.2f, random), ball = bumpy_sphere(triangles / 20, 0.1f, random);
+  for (Vec3f& p : statue.positions) p = p * 0.25f + Vec3f{-0.4f, -0.5f, -0.3f};
+  for (Vec3f& p : ball.positions) p = p * 0.08f;
+  const auto throw_ball = [](std::uint32_t, const Vec3d& p, double u) {
+    return turned(p, {0.0, 0.0, 1.0}, 4.0 * (u - 0.5)) + Vec3d{1.2, 0.6, 0.4} * (u - 0.5) +
+           Vec3d{0.1, 0.2, 0.2};
+  };
+  return scene_of(list(moved_mesh("walls", cube_shell(triangles / 3, 1.0f), kStill, rest),
+                       moved_mesh("things", std::move(things), kStill, rest),
+                       moved_mesh("statue", std::move(statue), kStill, rest),
+                       moved_mesh("ball", std::move(ball), form, throw_ball)),
+                  {{0.6f, 0.6f, 0.6f}, 0.2f}, {0.8f, 0.5f, 0.85f});
+}
+
+BenchScene crowd(std::uint32_t triangles, const TrackForm& form, std::uint32_t seed) {
+  constexpr std::uint32_t kKinds = 4, kInstances = 125;
+  Random random(seed);
+  auto scene = std::make_shared<Scene>();
+  for (std::uint32_t kind = 0; kind < kKinds; ++kind) {
+    const auto walk = [&](std::uint32_t, const Vec3d& p, double u) {
+      return turned(p, {1.0, 0.0, 0.0}, 0.4 * p.y * (u - 0.5));
+    };
+    TriangleMesh body = moved_mesh("body", bumpy_sphere(triangles / kKinds, 0.25f, random), form, walk);
+    scene->meshes.push_back(
+        {.shape = std::move(body), .normals = {}, .display_color = {}, .display_opacity = {}});
+    scene->prototypes.push_back({.name = "kind", .meshes = {kind}});
+    InstanceSet set{.name = "people",
+                    .prototype = kind,
+                    .segments = form.segments,
+                    .world_from_prototype = {},
+                    .display_color = {}};
+    for (std::uint32_t i = 0; i < kInstances; ++i) {
+      const Vec3d at(random.in_box({-1, -0.1f, -1}, {1, 0.1f, 1})), travel(random.direction() * 0.1f);
+      const double start = 6.0 * random.uniform();
+      for (std::uint32_t k = 0; k < key_count(form.segments); ++k) {
+        const double u = form.moving() ? double(k) / form.segments - 0.5 : 0.0;
+        const auto column = [&](const Vec3d& v) {
+          return Vec3f(turned(v, {0, 1, 0}, start + 0.6 * u) * 0.05);
+        };
+        set.world_from_prototype.push_back(
+            {column({1, 0, 0}), column({0, 1.8, 0}), column({0, 0, 1}), Vec3f(at + travel * u)});
+      }
+    }
+    scene->instances.push_back(std::move(set));
+  }
+  scene->camera = camera_at({1.4f, 1.0f, 1.9f}, {});
+  return {std::move(scene), {}};
+}
+
+const std::vector<SceneClass>& classes() {
+  static const std::vector<SceneClass> kClasses = {
+      {"hairball",
+       "strands that swing from a ball",
+       300000,
+       20000,
+       {kStill, kLinear2, kLinear9},
+       {kLinear2},
+       hairball},
+      {"fences",
+       "long thin bars in rows under one coherent motion",
+       120000,
+       20000,
+       {kStill, kLinear2},
+       {kLinear2},
+       fences},
+      {"wheels",
+       "spinning wheels of thin spokes",
+       60000,
+       20000,
+       {kLinear9, kLinear33, kLinear129},
+       {kLinear9},
+       spinning_wheels},
+      {"twist",
+       "a closed dense mesh, like a scan, that twists",
+       2000000,
+       40000,
+       {kStill, kLinear2},
+       {kStill, kLinear2},
+       twist},
+      {"cloth", "three waving sheets", 300000, 20000, {kLinear5, kLinear9}, {kLinear5}, cloth},
+      {"debris",
+       "shards with velocities and spins of their own",
+       400000,
+       20000,
+       {kStill, kLinear2, kLinear9},
+       {kLinear2, kLinear9},
+       debris},
+      {"room",
+       "a closed still room with one fast spinning ball",
+       300000,
+       20000,
+       {kLinear9},
+       {kLinear9},
+       room},
+      {"crowd",
+       "500 moving instances of four deforming bodies",
+       40000,
+       10000,
+       {kLinear2, kLinear5},
+       {kLinear3},
+       crowd},
+      {"ballistic",
+       "shards on parabolas: one quadratic segment",
+       100000,
+       20000,
+       {{1, 2}},
+       {{1, 2}},
+       ballistic},
+      {"spin", "spinning wheels on cubic segments", 60000, 20000, {{2, 3}}, {{2, 3}}, spinning_wheels},
+      {"mini", "shards, as few as 10 thousand", 10000, 10000, {kLinear2}, {kLinear2}, debris},
+  };
+  return kClasses;
+}
+
+}  // namespace
+
+std::span<const SceneClass> scene_classes() { return classes(); }
+
+const SceneClass& scene_class(const char* name) {
+  std::string known;
+  for (const SceneClass& c : classes()) {
+    if (std::strcmp(c.name, name) == 0) return c;
+    known += (known.empty() ? "" : ", ") + std::string(c.name);
+  }
+  throw Error("bench: found the scene \"" + std::string(name) + "\"; expected one of " + known);
+}
+
+}  // namespace msbvh::bench

@@ -1,0 +1,61 @@
+#include "bench/trees.h"
+
+#include "core/base/parallel.h"
+
+namespace msbvh::bench {
+namespace {
+
+void add_meshes(const std::shared_ptr<const Scene>& scene, const std::vector<std::uint32_t>& meshes,
+                Accel& accel) {
+  for (const std::uint32_t i : meshes) {
+    accel.add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->meshes[i].shape));
+  }
+}
+
+void accumulate(const BvhStatistics& tree, BvhStatistics& sum) {
+  sum.triangles += tree.triangles;
+  sum.instances += tree.instances;
+  sum.references += tree.references;
+  sum.nodes += tree.nodes;
+  sum.node_bytes += tree.node_bytes;
+  sum.leaf_bytes += tree.leaf_bytes;
+  sum.vertex_bytes += tree.vertex_bytes;
+  sum.topology_seconds += tree.topology_seconds;
+  sum.bounds_seconds += tree.bounds_seconds;
+}
+
+}  // namespace
+
+Trees::Trees(const std::shared_ptr<const Scene>& scene, const BuildSettings& settings)
+    : prototypes_(scene->prototypes.size()) {
+  for (const InstanceSet& set : scene->instances) {
+    if (instance_count(set) > 0 && !prototypes_[set.prototype])
+      prototypes_[set.prototype] = std::make_shared<Accel>();
+  }
+  parallel_for(prototypes_.size(), [&](std::size_t i) {
+    if (!prototypes_[i]) return;
+    add_meshes(scene, scene->prototypes[i].meshes, *prototypes_[i]);
+    prototypes_[i]->set_clock(scene->prototypes[i].clock);
+    prototypes_[i]->commit(settings);
+  });
+  add_meshes(scene, scene->world_meshes, world_);
+  for (const InstanceSet& set : scene->instances) {
+    if (instance_count(set) == 0) continue;
+    world_.add_instances(prototypes_[set.prototype], set.form(), set.world_from_prototype, set.clock);
+  }
+  world_.commit(settings);
+  statistics_.sah_cost = world_.statistics().sah_cost;
+  statistics_.depth = world_.statistics().depth;
+  accumulate(world_.statistics(), statistics_);
+  for (const auto& prototype : prototypes_) {
+    if (prototype) accumulate(prototype->statistics(), statistics_);
+  }
+}
+
+Box3f Trees::bounds() const {
+  Box3f box;
+  for (const Box3f& at_control : world().root_bounds) box.grow(at_control);
+  return box;
+}
+
+}  // namespace msbvh::bench

@@ -1,0 +1,104 @@
+// The benchmark's harness (bench/), for `msbvh bench`. Rows come as JSON: they are passed on, not looked
+// into.
+#include <memory>
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+#include <optional>
+#include <tuple>
+
+#include "bench/run_scene.h"
+#include "core/build/settings.h"
+#include "delegate/usd/bindings/bindings.h"
+
+namespace nb = nanobind;
+
+namespace msbvh::python {
+namespace {
+
+using bench::BenchScene;
+using Ball = std::tuple<float, float, float, float>;
+
+std::vector<std::string> builders() {
+  std::vector<std::string> names;
+  for (const BuilderName& builder : kBuilders) names.emplace_back(builder.name);
+  return names;
+}
+
+nb::list forms(const std::vector<TrackForm>& forms) {
+  nb::list result;
+  for (const TrackForm& form : forms) result.append(nb::make_tuple(form.segments, form.degree));
+  return result;
+}
+
+nb::list classes() {
+  nb::list result;
+  for (const bench::SceneClass& c : bench::scene_classes()) {
+    nb::dict entry;
+    entry["name"] = c.name;
+    entry["what"] = c.what;
+    entry["triangles"] = c.triangles;
+    entry["quick_triangles"] = c.quick_triangles;
+    entry["forms"] = forms(c.forms);
+    entry["quick_forms"] = forms(c.quick_forms);
+    result.append(entry);
+  }
+  return result;
+}
+
+std::tuple<SceneHandle, Ball> make(const std::string& name, std::uint32_t triangles, std::uint32_t segments,
+                                   std::uint32_t degree, std::uint32_t seed) {
+  const TrackForm form{segments, degree};
+  if (!is_valid_form(form)) throw nb::value_error("segments, degree: expected a valid form of a track");
+  const bench::SceneClass& kind = bench::scene_class(name.c_str());
+  nb::gil_scoped_release release;
+  BenchScene made = kind.make(triangles, form, seed);
+  const Vec3f& c = made.interior.center;
+  return {SceneHandle{std::move(made.scene), {}}, Ball{c.x, c.y, c.z, made.interior.radius}};
+}
+
+// A signal's exception ends the run between two measurements.
+void heed_signals() {
+  nb::gil_scoped_acquire acquire;
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
+std::vector<std::string> run(const SceneHandle& scene, const Ball& interior, const std::string& name,
+                             const std::vector<std::string>& builders, const std::vector<unsigned>& threads,
+                             std::size_t rays, int repetitions, int build_repetitions, std::uint32_t seed,
+                             double oracle_tests, const std::vector<bool>& robust, const std::string& peer) {
+  bench::RunSettings settings;
+  settings.name = name;
+  settings.builders = builders;
+  settings.threads = threads;
+  settings.rays = rays;
+  settings.repetitions = repetitions;
+  settings.build_repetitions = build_repetitions;
+  settings.seed = seed;
+  settings.oracle_tests = oracle_tests;
+  settings.robust = robust;
+  settings.tick = heed_signals;
+  nb::gil_scoped_release release;
+  std::optional<bench::PeerLibrary> library;
+  if (!peer.empty()) settings.peer = &library.emplace(peer);
+  const auto& [x, y, z, radius] = interior;
+  return bench::run_scene({scene.scene, {{x, y, z}, radius}}, settings);
+}
+
+}  // namespace
+
+void bind_bench(nb::module_& m) {
+  m.def("builders", &builders);
+  m.def("bench_classes", &classes);
+  m.def("bench_scene", &make, nb::arg("name"), nb::kw_only(), nb::arg("triangles"), nb::arg("segments"),
+        nb::arg("degree"), nb::arg("seed"));
+  m.def("bench_run", &run, nb::arg("scene"), nb::arg("interior"), nb::kw_only(), nb::arg("name"),
+        nb::arg("builders"), nb::arg("threads"), nb::arg("rays"), nb::arg("repetitions"),
+        nb::arg("build_repetitions"), nb::arg("seed"), nb::arg("oracle_tests"), nb::arg("robust"),
+        nb::arg("peer"));
+  m.def("bench_peer_name",
+        [](const std::string& path) { return std::string(bench::PeerLibrary(path).name()); });
+}
+
+}  // namespace msbvh::python

@@ -1,0 +1,245 @@
+"""The benchmark: scenes, builders and a peer side by side in one run; the rows come from the harness in bench/.
+
+The harness is part of the extension, so that `msbvh bench` works wherever the package is installed. A peer is a
+library of its own beside the extension, present where the package was built with one (CMake's
+MSBVH_BENCH_EMBREE), and loaded only by --peer.
+"""
+
+from __future__ import annotations
+
+import fnmatch
+import json
+import os
+import platform
+import subprocess
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pxr import Usd, UsdGeom
+
+from . import _core
+from .camera import find_camera
+from .errors import Diagnostics, SceneError
+from .framing import framing_camera
+from .reader import ReadSettings, read_frame
+from .stage import open_stage
+
+Row = dict[str, Any]
+Report = dict[str, Any]
+
+SHARED = {
+    "unitree_g1": "heavy/unitree_g1",
+    "chess": "heavy/OpenChessSet",
+    "teapots": "heavy/intentvfx_teapotScene",
+    "ballistic_usd": "velocity_accel/arnold_1427.3",
+}
+"""Public scenes that are measured where ../shared/scenes is present: name in the report -> folder."""
+SHARED_TRIANGLES = 6_000_000
+"""A public scene of more triangles is left out."""
+NO_INTERIOR = (0.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class BenchSettings:
+    """What is measured, and how often."""
+
+    scenes: Sequence[str] = ("*",)
+    """Globs of names: `wheels`, or `wheels-9` for one number of keys."""
+    peer: str | None = None
+    quick: bool = False
+    """Small scenes, one thread, the peer's robust mode: under 50 seconds on two cores."""
+    builders: Sequence[str] = ()
+    """Empty: all of them."""
+    threads: Sequence[int] | None = None
+    """0: all. None: 1 and all, or for a quick run 1."""
+    seed: int = 1
+    repetitions: int | None = None
+    """None: 5."""
+    triangles: int | None = None
+    """For every procedural scene; None: each class's own."""
+
+    @property
+    def thread_counts(self) -> list[int]:
+        return list(self.threads if self.threads is not None else ((1,) if self.quick else (1, 0)))
+
+    @property
+    def rounds(self) -> int:
+        return self.repetitions or 5
+
+    def wants(self, *names: str) -> bool:
+        """Whether a scene of one of these names is measured."""
+        return any(fnmatch.fnmatchcase(name, pattern) for pattern in self.scenes for name in names)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene to measure: a name, and how to make it: (msbvh._core.Scene, ball inside it)."""
+
+    name: str
+    make: Callable[[], tuple[Any, tuple[float, float, float, float]]] = field(repr=False)
+
+
+def peer_library(peer: str) -> Path:
+    """The library of a peer. Raises SceneError where it was not built."""
+    name = f"msbvh_peer_{peer}.so"
+    extension = Path(_core.__file__).parent
+    found = [path for path in (extension / name, *_build_folders(name)) if path.is_file()]
+    if found:
+        return found[0]
+    raise SceneError(
+        f"--peer {peer}: found no {extension / name}; expected a build that had the peer's library:"
+        " install libembree-dev, then make bench"
+    )
+
+
+def _build_folders(name: str) -> Iterator[Path]:
+    """Where a build tree of plain CMake keeps the library, when the extension is run from there."""
+    extension = Path(_core.__file__).resolve()
+    yield from (folder / "bench" / name for folder in extension.parents[:5])
+
+
+def cases(settings: BenchSettings) -> Iterator[Case]:
+    """The scenes to measure: the classes in their order, then the public ones. Raises SceneError for none."""
+    found = [*_class_cases(settings), *_shared_cases(settings)]
+    if not found:
+        known = ", ".join([c["name"] for c in _core.bench_classes()] + [f"shared/{name}" for name in SHARED])
+        raise SceneError(f"--scenes {','.join(settings.scenes)}: matches nothing; expected globs of {known}")
+    yield from found
+
+
+def _class_cases(settings: BenchSettings) -> Iterator[Case]:
+    for kind in _core.bench_classes():
+        prefix = "quick_" if settings.quick else ""
+        triangles = settings.triangles or kind[f"{prefix}triangles"]
+        for segments, degree in kind[f"{prefix}forms"]:
+            name = kind["name"]
+            if settings.wants(name, f"{name}-{segments + 1}"):
+                arguments = {"triangles": triangles, "segments": segments, "degree": degree}
+                yield Case(name, _maker(name, {**arguments, "seed": settings.seed}))
+
+
+def _maker(name: str, arguments: dict[str, int]) -> Callable[[], Any]:
+    return lambda: _core.bench_scene(name, **arguments)
+
+
+def shared_folder() -> Path | None:
+    """../shared/scenes of the checkout or of the current folder."""
+    for root in (Path(__file__).resolve().parents[3], Path.cwd()):
+        if (root.parent / "shared" / "scenes" / "INDEX.tsv").is_file():
+            return root.parent / "shared" / "scenes"
+    return None
+
+
+def _shared_cases(settings: BenchSettings) -> Iterator[Case]:
+    """Public scenes; a quick run takes them only by name."""
+    folder = shared_folder()
+    if folder is None:
+        return
+    lines = [line.split("\t") for line in (folder / "INDEX.tsv").read_text(encoding="utf-8").splitlines()]
+    index = [dict(zip(lines[0], line, strict=False)) for line in lines[1:]]
+    named = any(pattern.startswith("shared/") for pattern in settings.scenes)
+    for name, place in SHARED.items():
+        if settings.wants(f"shared/{name}") and (named or not settings.quick):
+            for entry in index:
+                if f"{entry['group']}/{entry['name']}" == place:
+                    path = folder / entry["group"] / entry["name"] / entry["root"]
+                    yield Case(f"shared/{name}", _reader(path, entry["frame"]))
+                    break
+
+
+def _reader(path: Path, frame: str) -> Callable[[], Any]:
+    def read() -> tuple[Any, tuple[float, float, float, float]]:
+        stage = open_stage(str(path), Diagnostics())
+        code = stage.GetStartTimeCode() if frame in ("", "None") else float(frame)
+        return read_frame(stage, code, ReadSettings(camera=_opened_camera(stage, code))).scene, NO_INTERIOR
+
+    return read
+
+
+def _opened_camera(stage: Usd.Stage, code: float) -> str:
+    """Path of the camera, with half a frame of shutter where the stage leaves it shut. Session layer only."""
+    stage.SetEditTarget(stage.GetSessionLayer())
+    prim = find_camera(stage, None, Diagnostics())
+    camera = UsdGeom.Camera(prim) if prim else UsdGeom.Camera.Define(stage, "/msbvh_bench_camera")
+    if not prim:
+        camera.SetFromCamera(framing_camera(stage, code, ["proxy"], Diagnostics()), Usd.TimeCode.Default())
+    if camera.GetShutterOpenAttr().Get(code) == camera.GetShutterCloseAttr().Get(code):
+        camera.GetShutterOpenAttr().Set(-0.25)
+        camera.GetShutterCloseAttr().Set(0.25)
+    return str(camera.GetPath())
+
+
+def run(
+    settings: BenchSettings, progress: Callable[[float], object], note: Callable[[str], None]
+) -> Report:
+    """Measures; {"machine": ..., "rows": [...]}. `note` hears of scenes that are left out."""
+    load = os.getloadavg()[0]
+    peer = str(peer_library(settings.peer)) if settings.peer else ""
+    every = list(cases(settings))
+    rows: list[Row] = []
+    for done, case in enumerate(every):
+        progress(done / len(every))
+        scene, interior = case.make()
+        triangles = scene.statistics()["triangles"]
+        if triangles > SHARED_TRIANGLES:
+            note(f"bench: {case.name} is left out: {triangles} triangles, more than {SHARED_TRIANGLES}")
+            continue
+        rows += map(json.loads, _core.bench_run(scene, interior, **_run_arguments(settings, case.name, peer)))
+        if rows and rows[-1]["peer_missing"]:
+            note(f"bench: {case.name} has no peer: {rows[-1]['peer_missing']}")
+    progress(1.0)
+    return {"machine": {**machine(settings, peer), "load_average": load}, "rows": rows}
+
+
+def _run_arguments(settings: BenchSettings, name: str, peer: str) -> dict[str, Any]:
+    return {
+        "name": name,
+        "builders": list(settings.builders),
+        "threads": settings.thread_counts,
+        "rays": 1 << (15 if settings.quick else 16),
+        "repetitions": settings.rounds,
+        "build_repetitions": 1 if settings.quick else 3,
+        "seed": settings.seed,
+        "oracle_tests": 4e5 if settings.quick else 1e7,
+        "robust": [True] if settings.quick else [True, False],
+        "peer": peer,
+    }
+
+
+def machine(settings: BenchSettings, peer: str) -> dict[str, Any]:
+    """What the figures depend on."""
+    return {
+        "processor": _processor(),
+        "cores": len(os.sched_getaffinity(0)),
+        "system": platform.platform(),
+        "instruction_set": _core.supported_instruction_sets()[-1],
+        "msbvh": _core.__version__,
+        "commit": _commit(),
+        "peer": _core.bench_peer_name(peer) if peer else None,
+        "threads": settings.thread_counts,
+        "seed": settings.seed,
+        "repetitions": settings.rounds,
+        "quick": settings.quick,
+        "scenes": list(settings.scenes),
+        "triangles": settings.triangles,
+    }
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor()
+    return next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "unknown")
+
+
+def _commit() -> str | None:
+    """Of the checkout that the package runs from; None where it is none."""
+    command = ["git", "-C", str(Path(__file__).resolve().parent), "describe", "--always", "--dirty"]
+    try:
+        found = subprocess.run(command, capture_output=True, text=True, timeout=10, check=False)
+    except OSError:
+        return None
+    return found.stdout.strip() or None

@@ -1,0 +1,138 @@
+"""msbvh bench: the report's schema, that it ends in time, its peer where there is one, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import Run
+from msbvh import _core
+from msbvh.bench import BenchSettings, cases, peer_library
+from msbvh.errors import SceneError
+
+TINY = ("--quick", "--triangles", 600, "--repetitions", 2)
+
+TEXT = {"scene", "rays", "builder"}
+WHOLE = {"triangles", "keys", "threads", "mismatches", "degree", "oracle_rays"}
+FIGURES = {"mrays", "bytes_per_tri", "build_s", "nodes_per_ray", "tests_per_ray", "sah", "duplication"}
+PEER = {"peer_mrays", "ratio", "peer_bytes_per_tri", "peer_build_s", "peer_misses", "peer_mismatches"}
+"""Null where they were not measured."""
+
+
+def rows_of(msbvh: Run, *arguments: object) -> list[dict[str, Any]]:
+    done = msbvh("bench", "--json", *TINY, *arguments)
+    assert done.returncode == 0, done.stderr
+    report = json.loads(done.stdout)
+    assert report["machine"]["instruction_set"] in _core.supported_instruction_sets()
+    assert report["machine"]["processor"]
+    return report["rows"]
+
+
+def has_peer() -> bool:
+    try:
+        return peer_library("embree").is_file()
+    except SceneError:
+        return False
+
+
+def test_the_schema_of_json(msbvh: Run) -> None:
+    rows = rows_of(msbvh, "--scenes", "mini,wheels-9,twist-2")
+    assert {row["scene"] for row in rows} == {"mini", "wheels", "twist"}
+    assert {row["builder"] for row in rows} == set(_core.builders())
+    assert {row["rays"] for row in rows} == {"primary", "shadow", "random"}
+    for row in rows:
+        assert all(isinstance(row[key], str) for key in TEXT)
+        assert all(type(row[key]) is int and row[key] >= 0 for key in WHOLE)
+        assert all(math.isfinite(row[key]) and row[key] > 0 for key in FIGURES), row
+        assert row["robust"] is True
+        assert all(row[key] is None for key in PEER)
+        assert row["mrays_low"] <= row["mrays"] <= row["mrays_high"]
+
+
+def test_nothing_leaks_and_the_oracle_agrees(msbvh: Run) -> None:
+    rows = rows_of(msbvh, "--scenes", "twist,room,hairball,crowd,ballistic,spin")
+    assert all(row["mismatches"] == 0 for row in rows)
+    closed = {row["scene"] for row in rows if row["misses"] is not None}
+    assert closed == {"twist", "room"}
+    assert all(row["misses"] == 0 for row in rows if row["scene"] in closed)
+
+
+def test_the_same_seed_measures_the_same(msbvh: Run) -> None:
+    def work(seed: int) -> list[tuple[float, float, float]]:
+        rows = rows_of(msbvh, "--scenes", "debris", "--builder", "mbvh", "--seed", seed)
+        assert {row["builder"] for row in rows} == {"mbvh"}
+        return [(row["nodes_per_ray"], row["tests_per_ray"], row["sah"]) for row in rows]
+
+    assert work(7) == work(7)
+    assert work(7) != work(8)
+
+
+def test_threads_are_a_row_each(msbvh: Run) -> None:
+    rows = rows_of(msbvh, "--scenes", "mini", "--threads", "1,2")
+    assert {row["threads"] for row in rows} == {1, 2}
+
+
+def test_the_table_and_the_file(msbvh: Run, tmp_path: Path) -> None:
+    done = msbvh("bench", *TINY, "--scenes", "mini", "--out", "bench")
+    assert done.returncode == 0
+    head, columns, *lines = done.stdout.splitlines()
+    assert head.startswith("msbvh ")
+    assert "Mrays/s" in columns
+    assert len(lines) == len(json.loads((tmp_path / "bench" / "bench.json").read_text())["rows"])
+
+
+@pytest.mark.skipif(not has_peer(), reason="the package was built without Embree as a peer")
+def test_a_peer_traces_the_same_rays(msbvh: Run) -> None:
+    for row in rows_of(msbvh, "--scenes", "mini,room,crowd,ballistic", "--peer", "embree"):
+        assert row["ratio"] > 0
+        assert row["ratio_low"] <= row["ratio"] <= row["ratio_high"]
+        assert row["peer_bytes_per_tri"] > 0
+        assert row["peer_keys"] >= row["keys"]
+        if row["scene"] == "ballistic":  # sampled: not the same motion, so that hits differ by design
+            assert row["peer_mismatches"] is None
+            assert row["peer_keys"] > row["keys"]
+        else:
+            assert row["peer_mismatches"] <= row["ray_count"] / 1000
+
+
+@pytest.mark.skipif(has_peer(), reason="the package was built with Embree as a peer")
+def test_a_peer_that_was_not_built(msbvh: Run) -> None:
+    done = msbvh("bench", *TINY, "--peer", "embree")
+    assert done.returncode == 1
+    assert "--peer embree: found no" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (("--scenes", "nothing*"), 1, "matches nothing"),
+        (("--threads", "many"), 2, "found 'many'"),
+        (("--peer", "nobody"), 2, "nobody"),
+        (("--builder", "magic"), 2, "magic"),
+    ],
+)
+def test_what_is_refused(msbvh: Run, arguments: tuple[str, ...], code: int, message: str) -> None:
+    done = msbvh("bench", *TINY, *arguments)
+    assert done.returncode == code
+    assert message in done.stderr
+    assert not done.stdout
+
+
+def test_every_class_has_scenes_of_every_size() -> None:
+    sizes = [kind["triangles"] for kind in _core.bench_classes()]
+    assert min(sizes) <= 10_000
+    assert max(sizes) >= 2_000_000
+    names = {case.name for case in cases(BenchSettings(scenes=("*",)))}
+    assert {kind["name"] for kind in _core.bench_classes()} <= names
+
+
+@pytest.mark.slow
+def test_quick_ends_in_time(msbvh: Run) -> None:
+    begin = time.monotonic()
+    peer = ("--peer", "embree") if has_peer() else ()
+    assert msbvh("bench", "--quick", "--json", *peer).returncode == 0
+    assert time.monotonic() - begin < 50
