@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,6 +11,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+
+# A shell starts background jobs with SIGINT ignored, which the tests' children would inherit.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 MOVING_SQUARE = """#usda 1.0
 (
