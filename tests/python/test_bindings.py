@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from msbvh import _core
 
 QUAD = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], np.float32)
