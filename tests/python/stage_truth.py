@@ -239,8 +239,9 @@ def _with_scaled_velocities(stage: Usd.Stage, frame: float) -> Usd.Stage:
             if not attribute or not attribute.HasAuthoredValue():
                 continue
             assert not prim.IsInstanceProxy(), f"{prim.GetPath()}: cannot be edited inside an instance"
-            for time in attribute.GetTimeSamples() or [Usd.TimeCode.Default()]:
-                value = attribute.Get(time)
+            # All are read before the first is written, which hides those of the layers below.
+            times = attribute.GetTimeSamples() or [Usd.TimeCode.Default()]
+            for time, value in [(time, attribute.Get(time)) for time in times]:
                 attribute.Set(type(value).FromNumpy(np.array(value) * np.float32(scale)), time)
     return scaled
 
@@ -249,4 +250,6 @@ def _session_copy(stage: Usd.Stage) -> Sdf.Layer:
     copy = Sdf.Layer.CreateAnonymous()
     if stage.GetSessionLayer():
         copy.TransferContent(stage.GetSessionLayer())
+    # Another rate would scale the times written to it, and rounded they belong to no sample of the points.
+    copy.timeCodesPerSecond = stage.GetTimeCodesPerSecond()
     return copy
