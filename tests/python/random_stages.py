@@ -40,6 +40,23 @@ class StageMaker:
         for index in range(self._random.choice((1, 2))):
             self._random.choice((self._mesh, self._instancer, self._instances))(f"/World/Thing{index}")
 
+    def scale_motion(self) -> None:
+        """Gives some prims a motion:blurScale or a motion:velocityScale, to be inherited.
+
+        Not together with shutters that a scale of 0 closes: velocityScale does not act on still frames. Not inside
+        native instances, whose own motion such a scale does not reach (msbvh warns), and which StageTruth cannot edit.
+        """
+        world = self.stage.GetPrimAtPath("/World")
+        instanced = any(prim.IsInstance() for prim in Usd.PrimRange(world))
+        may_close = instanced or self._chance(0.5)
+        for prim in Usd.PrimRange(world):
+            if not self._chance(0.3):
+                continue
+            motion = UsdGeom.MotionAPI.Apply(prim)
+            motion.CreateMotionBlurScaleAttr(self._random.choice((0.0, 0.5, 2.0) if may_close else (0.5, 1.0, 2.0)))
+            if not may_close and self.shutter != (0, 0):
+                motion.CreateVelocityScaleAttr(self._random.choice((0.5, 2.0, -1.0)))
+
     def _chance(self, share: float) -> bool:
         return self._random.random() < share
 

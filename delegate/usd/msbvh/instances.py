@@ -14,7 +14,7 @@ from pxr import UsdGeom
 from .boxes import Box
 from .context import FrameContext
 from .errors import Diagnostics
-from .point_instancers import own_transform, prototypes, read_point_instancer
+from .point_instancers import moving_attributes, own_transform, prototypes, read_point_instancer
 from .points import carries_still_pose
 from .transform_faults import report_unusable
 from .transform_sampling import PixelSizes, TransformSamples, transform_samples
@@ -149,7 +149,9 @@ class Placer:
                 Level(group_from_instancer),
             )
             speeds = [instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr()]
-            if carries_still_pose(speeds, context):
+            # With velocities USD takes all from the sample before the frame, scales too.
+            moved = any(speed.GetNumTimeSamples() for speed in speeds)
+            if moved and carries_still_pose(moving_attributes(instancer), context):
                 levels = (Level(points.motion), Level(group_from_instancer))
             yield Placement(
                 str(part.prim.GetPath()),

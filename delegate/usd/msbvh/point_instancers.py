@@ -71,7 +71,7 @@ def read_point_instancer(
         selected = np.flatnonzero(chosen == index).astype(np.int32)
         if len(selected):
             colour = None if colours is None else colours[selected]
-            motion = _selected(every, selected, prim, caches)
+            motion = _selected(every, selected, prim, caches, context.shutter)
             yield PointInstances(prim, selected, arrays, motion, colour)
 
 
@@ -191,9 +191,11 @@ def _every_instance(
     return Motion(caches.grid(context.shutter), count, still, evaluate)
 
 
-def _selected(every: Motion, selected: np.ndarray, prototype: Usd.Prim, caches: XformCaches) -> Motion:
+def _selected(
+    every: Motion, selected: np.ndarray, prototype: Usd.Prim, caches: XformCaches, shutter: Shutter
+) -> Motion:
     """Some of the instances, with their prototype's own transform inside."""
-    own = own_transform(prototype, caches, caches.shutter)
+    own = own_transform(prototype, caches, shutter)
 
     def carriers(_: int) -> list[UsdGeom.Xformable]:
         return own.carriers(0)
@@ -202,7 +204,7 @@ def _selected(every: Motion, selected: np.ndarray, prototype: Usd.Prim, caches: 
         return own.at_time(time01) @ every.at_time(time01)[selected]
 
     still = every.still and own.still
-    return Motion(caches.grid(caches.shutter), len(selected), still, evaluate, carriers=carriers)
+    return Motion(caches.grid(shutter), len(selected), still, evaluate, carriers=carriers)
 
 
 def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) -> Motion:

@@ -89,13 +89,13 @@ def rate_clock(context: FrameContext, velocity_scale: float) -> dict:
     }
 
 
-def carries_still_pose(speeds: list[Usd.Attribute], context: FrameContext) -> bool:
-    """Whether velocities may carry the pose of a frame without blur: from the sample before it, which values that
-    are interpolated do not show. USD's own computation has it then."""
+def carries_still_pose(attributes: list[Usd.Attribute], context: FrameContext) -> bool:
+    """Whether velocities may carry the pose of a frame without blur: from the samples of such attributes before it,
+    which values that are interpolated do not show. USD's own computation has it then."""
     frame = context.shutter.frame
     if context.shutter.moving or frame is None:
         return False
-    around = [speed.GetBracketingTimeSamples(frame) for speed in speeds if speed.GetNumTimeSamples()]
+    around = [each.GetBracketingTimeSamples(frame) for each in attributes if each.GetNumTimeSamples()]
     return any(times and times[0] != frame for times in around)
 
 
