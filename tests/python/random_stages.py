@@ -53,7 +53,9 @@ class StageMaker:
             if not self._chance(0.3):
                 continue
             motion = UsdGeom.MotionAPI.Apply(prim)
-            motion.CreateMotionBlurScaleAttr(self._random.choice((0.0, 0.5, 2.0) if may_close else (0.5, 1.0, 2.0)))
+            motion.CreateMotionBlurScaleAttr(
+                self._random.choice((0.0, 0.5, 2.0) if may_close else (0.5, 1.0, 2.0))
+            )
             if not may_close and self.shutter != (0, 0):
                 motion.CreateVelocityScaleAttr(self._random.choice((0.5, 2.0, -1.0)))
 
