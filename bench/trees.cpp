@@ -12,18 +12,6 @@ void add_meshes(const std::shared_ptr<const Scene>& scene, const std::vector<std
   }
 }
 
-void accumulate(const BvhStatistics& tree, BvhStatistics& sum) {
-  sum.triangles += tree.triangles;
-  sum.instances += tree.instances;
-  sum.references += tree.references;
-  sum.nodes += tree.nodes;
-  sum.node_bytes += tree.node_bytes;
-  sum.leaf_bytes += tree.leaf_bytes;
-  sum.vertex_bytes += tree.vertex_bytes;
-  sum.topology_seconds += tree.topology_seconds;
-  sum.bounds_seconds += tree.bounds_seconds;
-}
-
 }  // namespace
 
 Trees::Trees(const std::shared_ptr<const Scene>& scene, const BuildSettings& settings)
@@ -44,12 +32,13 @@ Trees::Trees(const std::shared_ptr<const Scene>& scene, const BuildSettings& set
     world_.add_instances(prototypes_[set.prototype], set.form(), set.world_from_prototype, set.clock);
   }
   world_.commit(settings);
+  statistics_ = world_.statistics();
+  for (const auto& prototype : prototypes_) {
+    if (prototype) statistics_ += prototype->statistics();
+  }
+  // A ray sees the world's tree first: its cost and depth alone, which those of prototypes would hide.
   statistics_.sah_cost = world_.statistics().sah_cost;
   statistics_.depth = world_.statistics().depth;
-  accumulate(world_.statistics(), statistics_);
-  for (const auto& prototype : prototypes_) {
-    if (prototype) accumulate(prototype->statistics(), statistics_);
-  }
 }
 
 Box3f Trees::bounds() const {

@@ -36,24 +36,6 @@ void check(const RenderSettings& settings) {
   expect_range("max_bounces", settings.max_bounces, 0, kMaxBounces);
 }
 
-// Sums over trees; depth and segments are the largest of any.
-void accumulate(const BvhStatistics& tree, BvhStatistics& sum) {
-  sum.triangles += tree.triangles;
-  sum.instances += tree.instances;
-  sum.references += tree.references;
-  sum.nodes += tree.nodes;
-  sum.leaves += tree.leaves;
-  sum.node_bytes += tree.node_bytes;
-  sum.leaf_bytes += tree.leaf_bytes;
-  sum.vertex_bytes += tree.vertex_bytes;
-  sum.max_segments = std::max(sum.max_segments, tree.max_segments);
-  sum.depth = std::max(sum.depth, tree.depth);
-  sum.sah_cost += tree.sah_cost;
-  sum.build_seconds += tree.build_seconds;
-  sum.topology_seconds += tree.topology_seconds;
-  sum.bounds_seconds += tree.bounds_seconds;
-}
-
 // Trees read the scene's own positions, and keep the scene alive for it. It has passed validate().
 void share_meshes(const std::shared_ptr<const Scene>& scene, const std::vector<std::uint32_t>& meshes,
                   Accel& accel) {
@@ -126,10 +108,10 @@ void Renderer::Data::build() {
   statistics.build_seconds = watch.seconds();
   for (const std::shared_ptr<const Accel>& prototype : prototypes) {
     if (!prototype) continue;
-    accumulate(prototype->statistics(), statistics.accel);
+    statistics.accel += prototype->statistics();
     ++statistics.trees;
   }
-  accumulate(world->statistics(), statistics.accel);
+  statistics.accel += world->statistics();
   ++statistics.trees;
 }
 

@@ -1,6 +1,7 @@
 // Figures of a built tree.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 namespace msbvh {
@@ -20,6 +21,25 @@ struct BvhStatistics {
   double build_seconds = 0.0;  // topology, bounds and flattening
   double topology_seconds = 0.0;
   double bounds_seconds = 0.0;
+
+  // Sums over trees; depth and segments are the largest of any.
+  BvhStatistics& operator+=(const BvhStatistics& tree) {
+    triangles += tree.triangles;
+    instances += tree.instances;
+    references += tree.references;
+    nodes += tree.nodes;
+    leaves += tree.leaves;
+    node_bytes += tree.node_bytes;
+    leaf_bytes += tree.leaf_bytes;
+    vertex_bytes += tree.vertex_bytes;
+    max_segments = std::max(max_segments, tree.max_segments);
+    depth = std::max(depth, tree.depth);
+    sah_cost += tree.sah_cost;
+    build_seconds += tree.build_seconds;
+    topology_seconds += tree.topology_seconds;
+    bounds_seconds += tree.bounds_seconds;
+    return *this;
+  }
 };
 
 }  // namespace msbvh

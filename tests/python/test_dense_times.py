@@ -146,7 +146,7 @@ def test_tracks_follow_the_stage(shared: SharedScene | None, tolerance: float) -
         pytest.skip("../shared/scenes is not on this machine")
     frame = read(shared, tolerance)
     if frame is None:
-        return
+        pytest.skip("broken on purpose: does not open")
     times = DENSE_TIMES01 if moves(frame.result) else [0.5]
     errors = {time01: worst_pixels(frame, time01) for time01 in times}
     worst = max(errors, key=errors.get)

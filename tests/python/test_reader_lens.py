@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from msbvh import _core
 from msbvh.reader import ReadSettings, read_frame
 from recording import Shot, messages
 
@@ -112,9 +113,6 @@ def test_what_is_not_sampled_is_read_at_the_frame():
 
 def test_the_lens_reaches_the_picture():
     """A card far out of focus behind the focus plane has soft edges; at the focus distance it has not."""
-    pytest.importorskip("msbvh._core")
-    from msbvh import _core
-
     def soft(focus: float) -> int:
         shot = lens_shot(2.0, focus)
         shot.mesh("/Card")

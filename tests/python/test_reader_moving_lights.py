@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from msbvh import _core
 from msbvh.light_values import SIZES, emission, normalization
 from msbvh.reader import ReadSettings, read_frame
 from pxr import Gf, Usd, UsdGeom, UsdLux
@@ -190,12 +191,11 @@ def test_a_bad_value_within_the_shutter_is_named():
 
 
 def _rendered(shot: Shot, errors_only: bool = False):
-    core = pytest.importorskip("msbvh._core")
     result = read_frame(shot.stage, 10.0, ReadSettings(width=64, height=64))
     if errors_only:
         return [d for d in result.diagnostics if d.severity == "error"]
     assert not messages(result, "warning")
-    return core.Renderer(result.scene, width=64, height=64, spp=64, max_bounces=0).render()
+    return _core.Renderer(result.scene, width=64, height=64, spp=64, max_bounces=0).render()
 
 
 def white_card(shot: Shot) -> None:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from msbvh import _core
 from msbvh.reader import ReadSettings, read_frame
 from pxr import Gf, Usd, UsdGeom
 from recording import DENSE_TIMES01, Shot, interpolated, messages
@@ -140,7 +141,6 @@ def test_colours_of_instances_are_the_frames():
 
 
 def test_a_fade_reaches_the_picture():
-    core = pytest.importorskip("msbvh._core")
     shot = Shot((0.0, 1.0))
     corners = ((-50, -50, 0), (50, -50, 0), (50, 50, 0), (-50, 50, 0))
     opacity = shot.mesh("/Card", corners).CreateDisplayOpacityPrimvar(UsdGeom.Tokens.constant)
@@ -148,5 +148,5 @@ def test_a_fade_reaches_the_picture():
         opacity.Set([value], time)
     result = read_frame(shot.stage, 10.0, ReadSettings(width=32, height=32))
     assert not messages(result, "warning")
-    image = core.Renderer(result.scene, width=32, height=32, spp=64, max_bounces=0).render()
+    image = _core.Renderer(result.scene, width=32, height=32, spp=64, max_bounces=0).render()
     assert image[..., 3].mean() == pytest.approx(0.5 * 0.625 + 0.5 * 0.375, abs=0.01)

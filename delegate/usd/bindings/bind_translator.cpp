@@ -9,6 +9,7 @@
 #include "delegate/translate/translator.h"
 #include "delegate/usd/bindings/arguments.h"
 #include "delegate/usd/bindings/bindings.h"
+#include "delegate/usd/bindings/choices.h"
 
 namespace nb = nanobind;
 
@@ -16,31 +17,6 @@ namespace msbvh::python {
 namespace {
 
 using namespace msbvh::translate;
-
-[[noreturn]] void bad_choice(const char* name, const std::string& found, const char* expected) {
-  throw nb::value_error((std::string(name) + ": found \"" + found + "\"; expected " + expected).c_str());
-}
-
-Projection projection_from(const std::string& name) {
-  if (name == "perspective") return Projection::kPerspective;
-  if (name == "orthographic") return Projection::kOrthographic;
-  bad_choice("projection", name, "perspective or orthographic");
-}
-
-Normals computed_normals_from(const std::string& name) {
-  if (name == "faceted") return Normals::kFaceted;
-  if (name == "smooth") return Normals::kSmooth;
-  bad_choice("computed_normals", name, "faceted or smooth");
-}
-
-LightKind light_kind_from(const std::string& name) {
-  if (name == "distant") return LightKind::kDistant;
-  if (name == "dome") return LightKind::kDome;
-  if (name == "sphere") return LightKind::kSphere;
-  if (name == "rect") return LightKind::kRect;
-  if (name == "camera") return LightKind::kCamera;
-  bad_choice("kind", name, "distant, dome, sphere, rect or camera");
-}
 
 Vec3f color_from(const std::tuple<float, float, float>& rgb) {
   return {std::get<0>(rgb), std::get<1>(rgb), std::get<2>(rgb)};
