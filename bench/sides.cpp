@@ -1,5 +1,6 @@
 #include "bench/sides.h"
 
+#include <cstdlib>
 #include <limits>
 
 #include "core/base/parallel.h"
@@ -20,6 +21,18 @@ void OurSide::build(unsigned) {
 }
 
 void OurSide::trace(RayKind kind, const Ray* rays, std::size_t count, float* t) const {
+  if (std::getenv("MANY")) {
+    std::vector<Hit> hits(count);
+    if (kind == RayKind::kShadow) {
+      std::unique_ptr<bool[]> occluded(new bool[count]);
+      tracer_->occluded({rays, count}, occluded.get());
+      for (std::size_t i = 0; i < count; ++i) t[i] = occluded[i] ? 0.0f : kInfinity;
+      return;
+    }
+    tracer_->intersect({rays, count}, hits.data());
+    for (std::size_t i = 0; i < count; ++i) t[i] = hits[i].found() ? hits[i].t : kInfinity;
+    return;
+  }
   for (std::size_t i = 0; i < count; ++i) {
     if (kind == RayKind::kShadow) {
       t[i] = tracer_->occluded(rays[i]) ? 0.0f : kInfinity;

@@ -9,9 +9,9 @@
 
 namespace msbvh {
 
-inline constexpr std::size_t kTrianglesPerBlock = 4;
+inline constexpr std::size_t kTrianglesPerBlock = 8;
 
-// Leaves are tested in blocks of 4 triangles, so cost is counted in blocks.
+// Leaves are tested in blocks of 8 triangles, so cost is counted in blocks.
 constexpr float block_count(std::size_t references) {
   return static_cast<float>((references + kTrianglesPerBlock - 1) / kTrianglesPerBlock);
 }

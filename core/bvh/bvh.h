@@ -45,6 +45,7 @@ class Bvh {
   ChildRef root = ChildRef::leaf(0);
   bool empty = true;  // nothing to hit; the arena is empty
   TrackForm root_form;
+  FormCode root_form_code = FormCode::of({});
   std::vector<Box3f> root_bounds;        // at the controls of the root
   Movement movement = Movement::kStill;  // the most of this tree and of what its instances show
   bool instanced = false;
@@ -67,10 +68,8 @@ class Bvh {
 
 // The block that follows in the same leaf; block.last must be 0.
 inline const BlockHeader* next_block(const BlockHeader* block) {
-  const std::size_t bytes = block->kind == BlockKind::kInstance
-                                ? sizeof(BlockHeader)
-                                : triangle_block_bytes({segments_of_level(block->level), block->degree});
-  return reinterpret_cast<const BlockHeader*>(reinterpret_cast<const std::byte*>(block) + bytes);
+  return reinterpret_cast<const BlockHeader*>(reinterpret_cast<const std::byte*>(block) +
+                                              block->units * kUnit);
 }
 
 }  // namespace msbvh

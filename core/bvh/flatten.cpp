@@ -5,12 +5,12 @@
 #include <cstring>
 #include <span>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/bvh/key_bounds.h"
+#include "core/bvh/leaf_blocks.h"
 
 namespace msbvh {
 namespace {
@@ -46,14 +46,6 @@ struct WideChildren {
   }
 };
 
-// A run of a leaf's references that shares a block.
-struct BlockRange {
-  std::span<const Reference> references;  // without repeats, 1 to 4
-  TrackForm form;
-  bool instance;
-  std::size_t bytes() const { return instance ? sizeof(BlockHeader) : triangle_block_bytes(form); }
-};
-
 class Flattener {
  public:
   Flattener(const Primitives& primitives, Topology& topology, const BuildSettings& settings, Bvh& out)
@@ -70,11 +62,13 @@ class Flattener {
       throw Error("accelerator: " + std::to_string(bytes) +
                   " bytes of nodes and leaves; expected less than 2^35");
     }
-    out_.arena = AlignedBuffer(bytes);
+    out_.arena = AlignedBuffer(bytes + kArenaGuard);
+    std::memset(out_.arena.data() + bytes, 0, kArenaGuard);
     out_.root_form = plans_[0].form;
     out_.root_bounds.assign(out_.root_form.controls(), {});
     const Tally tally = emit(0, 0, out_.root_bounds, 1);
     out_.root = ref_of(0, 0);
+    out_.root_form_code = FormCode::of(plans_[0].form);
     out_.max_level = level_of(plans_[0].form.segments);
     report(tally);
   }
@@ -112,7 +106,6 @@ class Flattener {
     const auto unit = static_cast<std::uint32_t>(offset / kUnit);
     return is_leaf(node) ? ChildRef::leaf(unit) : ChildRef::node(unit);
   }
-  TrackForm form(const Reference& r) const { return form_of(primitives_, r); }
 
   void plan(std::uint32_t node, std::uint32_t depth) {
     if (is_leaf(node)) return plan_leaf(node);
@@ -134,38 +127,15 @@ class Flattener {
   }
 
   void plan_leaf(std::uint32_t node) {
-    const std::span<Reference> refs = leaf_references(node);
-    std::sort(refs.begin(), refs.end(), [&](const Reference& a, const Reference& b) {
-      const TrackForm fa = form(a), fb = form(b);
-      return std::tuple(fa.segments, fa.degree, a.mesh(), a.index) <
-             std::tuple(fb.segments, fb.degree, b.mesh(), b.index);
-    });
+    std::span<Reference> refs = leaf_references(node);
+    sort_leaf(primitives_, refs);
     Plan& p = plans_[node];
-    for (const Reference& r : refs) p.form = common_form(p.form, form(r));
-    for (const BlockRange& b : blocks(refs)) p.bytes += b.bytes();
-  }
-
-  // Blocks of at most 4 distinct triangles of one form, or of one instance. Two fragments of one triangle
-  // that meet again in a leaf share an entry.
-  std::vector<BlockRange> blocks(std::span<const Reference> refs) {
-    std::vector<BlockRange> out;
-    std::size_t begin = 0;
-    std::uint32_t distinct = 0;
-    for (std::size_t i = 0; i < refs.size(); ++i) {
-      const bool repeat =
-          i > begin && refs[i].mesh() == refs[i - 1].mesh() && refs[i].index == refs[i - 1].index;
-      const bool full = distinct == kBlockWidth && !repeat;
-      const bool other = i > begin && (form(refs[i]) != form(refs[begin]) || refs[i].is_instance() ||
-                                       refs[begin].is_instance());
-      if (i > begin && (full || other)) {
-        out.push_back({refs.subspan(begin, i - begin), form(refs[begin]), refs[begin].is_instance()});
-        begin = i;
-        distinct = 0;
-      }
-      if (!repeat || distinct == 0) ++distinct;
+    while (!refs.empty()) {
+      const LeafBlock block = first_block(primitives_, refs);
+      p.form = common_form(p.form, block.form);
+      p.bytes += block.bytes();
+      refs = refs.subspan(block.references);
     }
-    out.push_back({refs.subspan(begin), form(refs[begin]), refs[begin].is_instance()});
-    return out;
   }
 
   Tally emit(std::uint32_t node, std::size_t offset, std::span<Box3f> bounds, std::uint32_t depth) {
@@ -178,9 +148,8 @@ class Flattener {
     const Plan& p = plans_[node];
     const std::uint32_t controls = p.form.controls();
     NodeHeader& header = *new (out_.arena.data() + offset) NodeHeader{};
-    header.level = static_cast<std::uint16_t>(level_of(p.form.segments));
-    header.degree = static_cast<std::uint16_t>(p.form.degree);
-    header.child_count = children.count;
+    header.form_code = FormCode::of(p.form);
+    header.child_count = static_cast<std::uint8_t>(children.count);
     std::size_t offsets[kWidth];
     place(children, offset + node_bytes(p.form), offsets);
 
@@ -195,6 +164,7 @@ class Flattener {
                             tallies[i] = emit(child, offsets[i], track, depth + 1);
                             grow_track({slots.data() + i * controls, controls}, p.form, track, child_form);
                             header.child[i] = ref_of(child, offsets[i]);
+                            header.child_form[i] = FormCode::of(child_form);
                           }
                         });
     Tally sum;
@@ -236,70 +206,28 @@ class Flattener {
   static void write_bounds(NodeHeader& header, std::span<const Box3f> slots, std::uint32_t controls) {
     for (std::uint32_t k = 0; k < controls; ++k) {
       NodeBounds& b = *new (header.bounds() + k) NodeBounds;
-      for (std::uint32_t i = 0; i < kWidth; ++i) {
-        const Box3f& slot = slots[i * controls + k];
-        for (int axis = 0; axis < 3; ++axis) {
-          b.lo[axis][i] = i < header.child_count ? slot.lo[axis] : kAbsent;
-          b.hi[axis][i] = i < header.child_count ? slot.hi[axis] : -kAbsent;
-        }
-      }
+      constexpr Box3f kNothing{{kAbsent, kAbsent, kAbsent}, {-kAbsent, -kAbsent, -kAbsent}};
+      for (std::uint32_t i = 0; i < kWidth; ++i)
+        b.set_box(i, i < header.child_count ? slots[i * controls + k] : kNothing);
     }
   }
 
   Tally emit_leaf(std::uint32_t node, std::size_t offset, std::span<Box3f> bounds, std::uint32_t depth) {
-    const std::span<const Reference> refs = leaf_references(node);
+    std::span<const Reference> refs = leaf_references(node);
     for (const Reference& r : refs) grow_by_reference(bounds, plans_[node].form, primitives_, r);
-    const std::vector<BlockRange> ranges = blocks(refs);
     Tally tally;
-    for (std::size_t i = 0; i < ranges.size(); ++i) {
-      write_block(ranges[i], offset, i + 1 == ranges.size());
-      offset += ranges[i].bytes();
-      tally.indexed |= !ranges[i].instance &&
-                       triangle_block_kind(level_of(ranges[i].form.segments)) == BlockKind::kIndexed;
+    while (!refs.empty()) {
+      const LeafBlock block = first_block(primitives_, refs);
+      refs = refs.subspan(block.references);
+      write_block(primitives_, block, refs.empty(), out_.arena.data() + offset);
+      offset += block.bytes();
+      tally.indexed |=
+          !block.is_instance && triangle_block_kind(level_of(block.form.segments)) == BlockKind::kIndexed;
     }
     tally.leaves = 1;
     tally.leaf_bytes = plans_[node].bytes;
     tally.depth = depth;
     return tally;
-  }
-
-  void write_block(const BlockRange& range, std::size_t offset, bool last) {
-    BlockHeader& block = *new (out_.arena.data() + offset) BlockHeader{};
-    block.kind = range.instance ? BlockKind::kInstance : triangle_block_kind(level_of(range.form.segments));
-    block.level = static_cast<std::uint8_t>(level_of(range.form.segments));
-    block.degree = static_cast<std::uint8_t>(range.form.degree);
-    block.last = last;
-    for (const Reference& r : range.references) {
-      const bool repeat = block.count > 0 && r.mesh() == block.mesh[block.count - 1] &&
-                          r.index == block.triangle[block.count - 1];
-      if (repeat) continue;
-      block.mesh[block.count] = r.mesh();
-      block.triangle[block.count++] = r.index;
-    }
-    for (std::uint32_t i = block.count; i < kBlockWidth; ++i) {
-      block.mesh[i] = block.mesh[0];
-      block.triangle[i] = block.triangle[0];
-    }
-    if (block.kind != BlockKind::kInstance) write_triangles(block);
-  }
-
-  void write_triangles(BlockHeader& block) const {
-    for (std::uint32_t i = 0; i < kBlockWidth; ++i) {
-      const TriangleMesh& mesh = *primitives_.meshes[block.mesh[i]];
-      const Triangle& triangle = mesh.triangles[block.triangle[i]];
-      if (block.kind == BlockKind::kIndexed) {
-        auto* indices = reinterpret_cast<VertexIndices*>(&block + 1);
-        for (int v = 0; v < 3; ++v) indices->vertex[v][i] = triangle[v];
-        continue;
-      }
-      auto* keys = reinterpret_cast<GatheredKey*>(&block + 1);
-      for (std::uint32_t k = 0; k < mesh.form().controls(); ++k) {
-        for (int v = 0; v < 3; ++v) {
-          const Vec3f p = mesh.control_positions(k)[triangle[v]];
-          for (int axis = 0; axis < 3; ++axis) keys[k].position[v][axis][i] = p[axis];
-        }
-      }
-    }
   }
 
   void report(const Tally& t) {

@@ -3,15 +3,18 @@
 //
 //   node  | header 64 B | boxes at control 0, 192 B | ... | boxes at the last control, 192 B |
 //   leaf  | block | block | ... | last block |
-//   block | header 48 B | data |
+//   block | header 16 B | data |
 //
-// Nodes start on a cache line. The data of a block:
+// Nodes start on a cache line. A block holds up to 8 triangles of one mesh that share up to 16 vertices: each
+// vertex is read and moved to the ray's time once, however many of the triangles meet in it. Its data:
 //
-//   gathered  at each control 9 x 16 B: x y z of three vertices of four triangles; one stream, for few
-//             segments
-//   indexed   3 x 16 B: vertex indices into the meshes' own tracks; 24 B a triangle, for many
-//             segments
-//   instance  none; triangle[0] is the instance's id
+//   triangles    a 4-byte id each, for 4 or 8 of them
+//   corners      3 x 4 or 3 x 8 bytes: positions among the block's vertices, padded to 16 bytes
+//   vertices     gathered: at each control x, y, z of all vertices, each row padded to 4 floats; one stream,
+//                for few segments
+//                indexed: 4 bytes a vertex, into the mesh's own tracks; for many segments
+//
+// The block of an instance is a header alone.
 //
 // A ray reads two controls of a node (degree + 1 of a Bezier track), whatever their number. Every node and
 // block has as many controls as it needs, no more.
@@ -20,12 +23,14 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/box.h"
 #include "core/motion/track.h"
 
 namespace msbvh {
 
 inline constexpr std::uint32_t kWidth = 8;       // children of a node
-inline constexpr std::uint32_t kBlockWidth = 4;  // triangles of a block
+inline constexpr std::uint32_t kBlockWidth = 8;     // triangles of a block
+inline constexpr std::uint32_t kBlockVertices = 16;  // and vertices that they share
 inline constexpr std::uint32_t kMaxDepth = 96;   // of nodes; bounds the traversal stack
 inline constexpr std::size_t kUnit = 16;         // bytes that positions are counted in
 
@@ -52,21 +57,48 @@ constexpr std::uint32_t level_of(std::uint32_t segments) {
 }
 constexpr std::uint32_t segments_of_level(std::uint32_t level) { return level == 0 ? 0 : 1u << (level - 1); }
 
+// A track's form in a byte.
+struct FormCode {
+  std::uint8_t bits;
+
+  static constexpr FormCode of(const TrackForm& form) {
+    return {static_cast<std::uint8_t>(level_of(form.segments) | form.degree << 4)};
+  }
+  constexpr std::uint32_t level() const { return bits & 15u; }
+  constexpr std::uint32_t degree() const { return bits >> 4; }
+  constexpr TrackForm form() const { return {segments_of_level(level()), degree()}; }
+};
+
 // The boxes of 8 children at one control. An absent child has lo = kAbsent, hi = -kAbsent: no ray hits it,
 // and it stays finite under interpolation.
-struct NodeBounds {
-  float lo[3][kWidth];
-  float hi[3][kWidth];
+// Both sides of an axis fill a cache line.
+struct alignas(64) NodeBounds {
+  struct Axis {
+    float lo[kWidth], hi[kWidth];
+  };
+  Axis axis[3];
+
+  Box3f box(std::uint32_t child) const {
+    return {{axis[0].lo[child], axis[1].lo[child], axis[2].lo[child]},
+            {axis[0].hi[child], axis[1].hi[child], axis[2].hi[child]}};
+  }
+  void set_box(std::uint32_t child, const Box3f& box) {
+    for (int a = 0; a < 3; ++a) {
+      axis[a].lo[child] = box.lo[a];
+      axis[a].hi[child] = box.hi[a];
+    }
+  }
 };
 inline constexpr float kAbsent = 1e37f;
 
 struct alignas(64) NodeHeader {
   ChildRef child[kWidth];
-  std::uint16_t level;
-  std::uint16_t degree;
-  std::uint32_t child_count;
+  // Of each child, so that a ray knows which of its boxes to read before it has touched the child.
+  FormCode child_form[kWidth];
+  FormCode form_code;
+  std::uint8_t child_count;
 
-  TrackForm form() const { return {segments_of_level(level), degree}; }
+  TrackForm form() const { return form_code.form(); }
 
   const NodeBounds* bounds() const { return reinterpret_cast<const NodeBounds*>(this + 1); }
   NodeBounds* bounds() { return reinterpret_cast<NodeBounds*>(this + 1); }
@@ -76,27 +108,41 @@ enum class BlockKind : std::uint8_t { kGathered, kIndexed, kInstance };
 
 struct alignas(16) BlockHeader {
   BlockKind kind;
-  std::uint8_t level;
-  std::uint8_t count;  // triangles, 1 to 4; unused lanes repeat the first triangle
-  std::uint8_t last;   // 1: no block follows in this leaf
-  std::uint8_t degree;
-  std::uint8_t unused[11];
-  std::uint32_t mesh[kBlockWidth];
-  std::uint32_t triangle[kBlockWidth];
+  FormCode form_code;
+  std::uint8_t count;         // triangles, 1 to kBlockWidth; unused lanes repeat the first triangle
+  std::uint8_t vertex_count;  // 3 to kBlockVertices
+  std::uint8_t last;          // 1: no block follows in this leaf
+  std::uint8_t unused[3];
+  std::uint32_t owner;  // mesh or instance id
+  std::uint32_t units;  // of kUnit, header included: where the next block is
+
+  TrackForm form() const { return form_code.form(); }
+
+  std::uint32_t lanes() const { return count <= kBlockWidth / 2 ? kBlockWidth / 2 : kBlockWidth; }
+  const std::uint32_t* triangles() const { return reinterpret_cast<const std::uint32_t*>(this + 1); }
+  // Of vertex `v` of each triangle. May be read 8 bytes at a time.
+  const std::uint8_t* corners(std::uint32_t v) const {
+    return reinterpret_cast<const std::uint8_t*>(triangles() + lanes()) + v * lanes();
+  }
+  // Of kGathered: rows of row_floats() floats, [control][axis]. May be read 16 floats at a time.
+  const float* vertices() const {
+    return reinterpret_cast<const float*>(reinterpret_cast<const std::byte*>(this) + fixed_bytes(count));
+  }
+  std::uint32_t row_floats() const { return padded_vertices(vertex_count); }
+  // Of kIndexed: row_floats() positions in the mesh's tracks, the last one repeated.
+  const std::uint32_t* vertex_indices() const { return reinterpret_cast<const std::uint32_t*>(vertices()); }
+
+  static constexpr std::uint32_t padded_vertices(std::uint32_t vertices) { return (vertices + 3) / 4 * 4; }
+  // Header, ids and corners.
+  static constexpr std::size_t fixed_bytes(std::uint32_t count) {
+    return count <= kBlockWidth / 2 ? 16 + 16 + 16 : 16 + 32 + 32;
+  }
 };
 
-// Data of a gathered block at one control: [vertex][axis][triangle].
-struct GatheredKey {
-  float position[3][3][kBlockWidth];
-};
+static_assert(sizeof(NodeHeader) == 64 && sizeof(NodeBounds) == 192 && sizeof(BlockHeader) == 16);
 
-// Data of an indexed block: [vertex][triangle].
-struct VertexIndices {
-  std::uint32_t vertex[3][kBlockWidth];
-};
-
-static_assert(sizeof(NodeHeader) == 64 && sizeof(NodeBounds) == 192);
-static_assert(sizeof(BlockHeader) == 48 && sizeof(GatheredKey) == 144 && sizeof(VertexIndices) == 48);
+// Whole vectors are read where rows are shorter: so many bytes after the last block belong to the arena.
+inline constexpr std::size_t kArenaGuard = 64;
 
 // Up to this level blocks are gathered; gathering pays at 2 keys and loses at 9 (docs/design/build.md).
 inline constexpr std::uint32_t kMaxGatheredLevel = 1;
@@ -107,10 +153,11 @@ constexpr BlockKind triangle_block_kind(std::uint32_t level) {
 constexpr std::size_t node_bytes(const TrackForm& form) {
   return sizeof(NodeHeader) + form.controls() * sizeof(NodeBounds);
 }
-constexpr std::size_t triangle_block_bytes(const TrackForm& form) {
-  return sizeof(BlockHeader) + (triangle_block_kind(level_of(form.segments)) == BlockKind::kGathered
-                                    ? form.controls() * sizeof(GatheredKey)
-                                    : sizeof(VertexIndices));
+constexpr std::size_t triangle_block_bytes(const TrackForm& form, std::uint32_t count,
+                                           std::uint32_t vertices) {
+  const std::size_t row = BlockHeader::padded_vertices(vertices) * sizeof(float);
+  const bool gathered = triangle_block_kind(level_of(form.segments)) == BlockKind::kGathered;
+  return BlockHeader::fixed_bytes(count) + (gathered ? form.controls() * 3 * row : row);
 }
 
 }  // namespace msbvh

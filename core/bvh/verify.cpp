@@ -65,15 +65,17 @@ class Verifier {
         continue;
       }
       check_contains(ref, slot, child);
-      visit(node.child[i], child, depth + 1);
+      const ChildRef inner = node.child[i];
+      if (!inner.is_leaf() && node.child_form[i].form() != bvh_.node(inner).form())
+        fail(ref, "says another form of a child than the child itself");
+      visit(inner, child, depth + 1);
     }
   }
 
   static Slot slot_of(const NodeHeader& node, std::uint32_t i) {
     Slot slot{node.form(), {}};
     for (std::uint32_t c = 0; c < slot.form.controls(); ++c) {
-      const NodeBounds& b = node.bounds()[c];
-      slot.controls.push_back({{b.lo[0][i], b.lo[1][i], b.lo[2][i]}, {b.hi[0][i], b.hi[1][i], b.hi[2][i]}});
+      slot.controls.push_back(node.bounds()[c].box(i));
     }
     return slot;
   }
@@ -108,26 +110,47 @@ class Verifier {
     for (;; block = next_block(block)) {
       const auto end = reinterpret_cast<const std::byte*>(block) + sizeof(BlockHeader) - bvh_.arena.data();
       if (static_cast<std::size_t>(end) > bvh_.arena.size()) fail(ref, "reaches beyond the arena");
-      if (block->count < 1 || block->count > kBlockWidth)
-        fail(ref, "a block of " + std::to_string(block->count));
-      const TrackForm form{segments_of_level(block->level), block->degree};
+      const TrackForm form = block->form();
       if (common_form(slot.form, form) != slot.form) fail(ref, "a block has more controls than its node");
       if (block->kind == BlockKind::kInstance) {
-        check_instance(ref, block->triangle[0], slot);
+        check_instance(ref, block->owner, slot);
       } else {
-        for (int i = 0; i < block->count; ++i) add_triangle(ref, *block, i, slot);
+        check_block(ref, *block);
+        for (int i = 0; i < block->count; ++i) triangles_[{block->owner, block->triangles()[i]}].push_back(slot);
       }
       if (block->last) return;
     }
   }
 
-  void add_triangle(ChildRef ref, const BlockHeader& block, int i, const Slot& slot) {
-    if (block.mesh[i] >= bvh_.meshes.size()) fail(ref, "mesh id out of range");
-    const TriangleMesh& mesh = *bvh_.meshes[block.mesh[i]];
-    if (block.triangle[i] >= mesh.triangles.size()) fail(ref, "triangle id out of range");
-    if (level_of(mesh.segments) != block.level || mesh.degree != block.degree)
-      fail(ref, "a block's controls are not its mesh's");
-    triangles_[{block.mesh[i], block.triangle[i]}].push_back(slot);
+  // The block's vertices are those of its triangles, bit by bit.
+  void check_block(ChildRef ref, const BlockHeader& block) const {
+    if (block.count < 1 || block.count > kBlockWidth || block.vertex_count > kBlockVertices)
+      fail(ref, "a block of " + std::to_string(block.count) + " triangles and " +
+                    std::to_string(block.vertex_count) + " vertices");
+    if (block.owner >= bvh_.meshes.size()) fail(ref, "mesh id out of range");
+    const TriangleMesh& mesh = *bvh_.meshes[block.owner];
+    if (mesh.form() != block.form()) fail(ref, "a block's controls are not its mesh's");
+    for (std::uint32_t i = 0; i < block.lanes(); ++i) {
+      const std::uint32_t triangle = block.triangles()[i];
+      if (triangle >= mesh.triangles.size()) fail(ref, "triangle id out of range");
+      for (std::uint32_t v = 0; v < 3; ++v) check_vertex(ref, block, mesh, i, v);
+    }
+  }
+
+  void check_vertex(ChildRef ref, const BlockHeader& block, const TriangleMesh& mesh, std::uint32_t i,
+                    std::uint32_t v) const {
+    const std::uint32_t corner = block.corners(v)[i], expected = mesh.triangles[block.triangles()[i]][v];
+    if (corner >= block.vertex_count) fail(ref, "a corner is none of the block's vertices");
+    if (block.kind == BlockKind::kIndexed) {
+      if (block.vertex_indices()[corner] != expected) fail(ref, "a corner is another vertex than its mesh's");
+      return;
+    }
+    const std::uint32_t row = block.row_floats();
+    for (std::uint32_t c = 0; c < mesh.form().controls(); ++c) {
+      const float* p = block.vertices() + std::size_t(3) * c * row + corner;
+      if (Vec3f{p[0], p[row], p[2 * row]} != mesh.control_positions(c)[expected])
+        fail(ref, "a corner is elsewhere than its mesh's");
+    }
   }
 
   void check_instance(ChildRef ref, std::uint32_t id, const Slot& slot) {

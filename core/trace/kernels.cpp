@@ -5,10 +5,21 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "core/trace/stream-inl.h"
 #include "core/trace/traverse-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
+
+template <bool kInstanced>
+constexpr void fill_many(KernelTable& table) {
+  table.intersect_many[0][kInstanced] = intersect_many<Movement::kStill, kInstanced>;
+  table.intersect_many[1][kInstanced] = intersect_many<Movement::kLinear, kInstanced>;
+  table.intersect_many[2][kInstanced] = intersect_many<Movement::kPolynomial, kInstanced>;
+  table.occluded_many[0][kInstanced] = occluded_many<Movement::kStill, kInstanced>;
+  table.occluded_many[1][kInstanced] = occluded_many<Movement::kLinear, kInstanced>;
+  table.occluded_many[2][kInstanced] = occluded_many<Movement::kPolynomial, kInstanced>;
+}
 
 template <bool kCount>
 constexpr void fill(IntersectKernel (&closest)[3][2], OccludedKernel (&any)[3][2]) {
@@ -29,6 +40,8 @@ constexpr void fill(IntersectKernel (&closest)[3][2], OccludedKernel (&any)[3][2
 const KernelTable* kernel_table() {
   static const KernelTable kTable = [] {
     KernelTable table{};
+    fill_many<false>(table);
+    fill_many<true>(table);
     fill<false>(table.intersect, table.occluded);
     fill<true>(table.intersect_counted, table.occluded_counted);
     return table;

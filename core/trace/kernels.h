@@ -8,6 +8,8 @@
 namespace msbvh {
 
 using IntersectKernel = bool (*)(const Bvh&, const Ray&, Hit&, TraceCounts*);
+using IntersectManyKernel = void (*)(const Bvh&, const Ray*, std::size_t, Hit*);
+using OccludedManyKernel = void (*)(const Bvh&, const Ray*, std::size_t, bool*);
 using OccludedKernel = bool (*)(const Bvh&, const Ray&, TraceCounts*);
 
 // First index: how the tree moves (Movement); second: whether there are instances. What a tree does not hold
@@ -15,6 +17,8 @@ using OccludedKernel = bool (*)(const Bvh&, const Ray&, TraceCounts*);
 // transforms.
 struct KernelTable {
   IntersectKernel intersect[3][2];
+  IntersectManyKernel intersect_many[3][2];
+  OccludedManyKernel occluded_many[3][2];
   OccludedKernel occluded[3][2];
   IntersectKernel intersect_counted[3][2];
   OccludedKernel occluded_counted[3][2];

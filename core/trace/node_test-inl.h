@@ -13,6 +13,8 @@
 #define MSBVH_NODE_TEST_INL_H
 #endif
 
+#include <bit>
+#include <cstdint>
 #include <hwy/highway.h>
 
 #include "core/bvh/bvh.h"
@@ -26,46 +28,144 @@ namespace hn = hwy::HWY_NAMESPACE;
 // 16 roundings of 2^-24: 8 each on the near and on the far distance.
 constexpr float kFarFactor = 1.0f + 0x1p-20f;
 
-// Distances of the 8 boxes in `distance` (valid where hit), a bit for each box that is hit in [tnear, tfar].
+// A child that is hit as an integer that orders like its distance, and carries the child's slot in the three
+// lowest bits: distances are not negative. That makes a distance at most 7 units in the last place less, which
+// is on the safe side. A child that is not hit is kNoChild, farther than any.
+using ChildKey = std::int32_t;
+inline constexpr ChildKey kNoChild = 0x7fffffff;
+inline constexpr ChildKey kSlotMask = kWidth - 1;
+HWY_INLINE float distance_of(ChildKey key) { return std::bit_cast<float>(key & ~kSlotMask); }
+
+// The keys of a node's children, in as many vectors as the instruction set needs for 8.
+class ChildKeys {
+ public:
+  using D = hn::CappedTag<ChildKey, kWidth>;
+  using V = hn::Vec<D>;
+  static constexpr std::size_t kLanes = hn::MaxLanes(D());
+  static constexpr std::size_t kVectors = kWidth / kLanes;
+
+  V vector[kVectors];
+
+  HWY_INLINE static std::uint32_t slot(ChildKey key) { return static_cast<std::uint32_t>(key & kSlotMask); }
+
+  HWY_INLINE static ChildKeys load(const ChildKey* keys) {
+    ChildKeys k;
+    for (std::size_t i = 0; i < kVectors; ++i) k.vector[i] = hn::Load(D(), keys + i * kLanes);
+    return k;
+  }
+  HWY_INLINE void store(ChildKey* keys) const {
+    for (std::size_t i = 0; i < kVectors; ++i) hn::Store(vector[i], D(), keys + i * kLanes);
+  }
+  // The nearest child's key; the keys of the others are stored. No branch depends on their number.
+  HWY_INLINE ChildKey take_nearest(ChildKey* others) const {
+    const D d;
+    V least = vector[0];
+    for (std::size_t i = 1; i < kVectors; ++i) least = hn::Min(least, vector[i]);
+    least = hn::MinOfLanes(d, least);
+    for (std::size_t i = 0; i < kVectors; ++i)
+      hn::Store(hn::IfThenElse(hn::Eq(vector[i], least), hn::Set(d, kNoChild), vector[i]), d,
+                others + i * kLanes);
+    return hn::GetLane(least);
+  }
+};
+
+// What a ray meets of the 8 boxes: the distances where it enters and where it leaves them.
 //
 // A direction of 0 makes the reciprocal infinite and 0 * inf a NaN when the origin lies exactly on a plane.
 // x86's max and min return their second operand then: the plane bounds nothing, and the box counts as
 // entered.
+#if HWY_TARGET == HWY_AVX3
+// Both sides of 8 boxes fill a vector: lower sides as they are, upper ones negated, so that one maximum over
+// the axes gives where the boxes are entered and, negated, where they are left.
 template <Movement kMovement>
-HWY_INLINE std::uint32_t test_node(const NodeHeader& node, const RaySetup<kMovement>& ray, float tfar,
-                                   float* distance) {
-  const hn::CappedTag<float, kWidth> d;
-  using V = hn::Vec<decltype(d)>;
-  constexpr std::size_t kFloatsPerControl = sizeof(NodeBounds) / sizeof(float);
-  constexpr bool kMoving = kMovement != Movement::kStill;
-  constexpr bool kCurved = kMovement == Movement::kPolynomial;
-  const std::uint32_t level = kMoving ? node.level : 0;
-  const SegmentTime at = kMoving ? ray.at_level[level] : SegmentTime{0, 0.0f};
-  const std::uint32_t degree = kCurved ? node.degree : 1;
-  const float* first = reinterpret_cast<const float*>(node.bounds()) + at.key * degree * kFloatsPerControl;
-  const Weights<decltype(d)> weights(d, at.w);
-
-  std::uint32_t hits = 0;
-  for (std::size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
-    const auto slab = [&](std::uint32_t plane, int axis) {
-      const float* p = first + plane + lane;
-      const auto control = [&](std::uint32_t i) { return hn::Load(d, p + i * kFloatsPerControl); };
-      const V x = kMoving && level != 0 ? simd_bezier(control, degree, weights) : control(0);
-      return hn::Mul(hn::Sub(x, hn::Set(d, ray.org[axis])), hn::Set(d, ray.reciprocal[axis]));
-    };
-    V enter = hn::Max(slab(ray.near_plane[0], 0), hn::Set(d, ray.tnear));
-    V leave = hn::Min(slab(ray.far_plane[0], 0), hn::Set(d, tfar));
-    for (int axis = 1; axis < 3; ++axis) {
-      enter = hn::Max(slab(ray.near_plane[axis], axis), enter);
-      leave = hn::Min(slab(ray.far_plane[axis], axis), leave);
+class Slabs {
+ public:
+  HWY_INLINE Slabs(const float* first, bool moves, std::uint32_t degree, float w,
+                   const RaySetup<kMovement>& ray, float tfar) {
+    const hn::FixedTag<float, 2 * kWidth> d;
+    const Weights<decltype(d)> weights(d, w);
+    constexpr std::size_t kFloatsPerControl = sizeof(NodeBounds) / sizeof(float);
+    auto farthest = hn::IfThenElse(hn::FirstN(d, kWidth), hn::Set(d, ray.tnear), hn::Set(d, -tfar));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float* p = first + 2 * kWidth * axis;
+      const auto control = [&](std::uint32_t c) { return hn::Load(d, p + c * kFloatsPerControl); };
+      const auto x = moves ? simd_bezier(control, degree, weights) : control(0);
+      const auto t =
+          hn::Mul(hn::Sub(x, hn::Set(d, ray.org[axis])), hn::Load(d, ray.signed_reciprocal[axis]));
+      const auto swap = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&ray.backwards[axis]));
+      farthest = hn::Max(hn::IfThenElse(swap, hn::ConcatLowerUpper(d, t, t), t), farthest);
     }
-    const auto hit = hn::Le(enter, hn::Mul(leave, hn::Set(d, kFarFactor)));
-    hn::Store(enter, d, distance + lane);
+    enter_ = hn::LowerHalf(farthest);
+    leave_ = hn::UpperHalf(hn::Half<decltype(d)>(), farthest);
+  }
+  HWY_INLINE auto enter(std::size_t) const { return enter_; }
+  HWY_INLINE auto hit(std::size_t) const {
+    return hn::Le(enter_, hn::Mul(leave_, hn::Set(hn::FixedTag<float, kWidth>(), -kFarFactor)));
+  }
+
+ private:
+  hn::Vec<hn::FixedTag<float, kWidth>> enter_, leave_;
+};
+#else
+template <Movement kMovement>
+class Slabs {
+ public:
+  HWY_INLINE Slabs(const float* first, bool moves, std::uint32_t degree, float w,
+                   const RaySetup<kMovement>& ray, float tfar) {
+    const D d;
+    const Weights<D> weights(d, w);
+    constexpr std::size_t kFloatsPerControl = sizeof(NodeBounds) / sizeof(float);
+    for (std::size_t i = 0; i < ChildKeys::kVectors; ++i) {
+      const auto slab = [&](std::uint32_t plane, int axis) {
+        const float* p = first + plane + i * ChildKeys::kLanes;
+        const auto control = [&](std::uint32_t c) { return hn::Load(d, p + c * kFloatsPerControl); };
+        const auto x = moves ? simd_bezier(control, degree, weights) : control(0);
+        return hn::Mul(hn::Sub(x, hn::Set(d, ray.org[axis])), hn::Set(d, ray.reciprocal[axis]));
+      };
+      enter_[i] = hn::Max(slab(ray.near_plane[0], 0), hn::Set(d, ray.tnear));
+      leave_[i] = hn::Min(slab(ray.far_plane[0], 0), hn::Set(d, tfar));
+      for (int axis = 1; axis < 3; ++axis) {
+        enter_[i] = hn::Max(slab(ray.near_plane[axis], axis), enter_[i]);
+        leave_[i] = hn::Min(slab(ray.far_plane[axis], axis), leave_[i]);
+      }
+    }
+  }
+  HWY_INLINE auto enter(std::size_t i) const { return enter_[i]; }
+  HWY_INLINE auto hit(std::size_t i) const {
+    return hn::Le(enter_[i], hn::Mul(leave_[i], hn::Set(D(), kFarFactor)));
+  }
+
+ private:
+  using D = hn::CappedTag<float, kWidth>;
+  hn::Vec<D> enter_[ChildKeys::kVectors], leave_[ChildKeys::kVectors];
+};
+#endif
+
+// The keys of the children; `hits` gets a bit for each that is hit in [tnear, tfar].
+template <Movement kMovement>
+HWY_INLINE ChildKeys test_node(const NodeHeader& node, FormCode form, const RaySetup<kMovement>& ray,
+                               float tfar, std::uint32_t& hits) {
+  const hn::CappedTag<float, kWidth> d;
+  const ChildKeys::D di;
+  constexpr bool kMoving = kMovement != Movement::kStill;
+  const std::uint32_t level = kMoving ? form.level() : 0;
+  const SegmentTime at = ray.at_level[level];
+  const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
+  const auto* first = reinterpret_cast<const float*>(node.bounds() + at.key * degree);
+  const Slabs<kMovement> slabs(first, kMoving && level != 0, degree, at.w, ray, tfar);
+  ChildKeys keys;
+  hits = 0;
+  for (std::size_t i = 0; i < ChildKeys::kVectors; ++i) {
+    const std::size_t lane = i * ChildKeys::kLanes;
+    const auto hit = slabs.hit(i);
+    const auto key = hn::Or(hn::AndNot(hn::Set(di, kSlotMask), hn::BitCast(di, slabs.enter(i))),
+                            hn::Iota(di, static_cast<ChildKey>(lane)));
+    keys.vector[i] = hn::IfThenElse(hn::RebindMask(di, hit), key, hn::Set(di, kNoChild));
     std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, hit, bits);
     hits |= static_cast<std::uint32_t>(bits[0]) << lane;
   }
-  return hits;
+  return keys;
 }
 
 }  // namespace msbvh::HWY_NAMESPACE

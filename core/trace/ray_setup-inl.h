@@ -9,7 +9,8 @@
 
 #include <cmath>
 #include <hwy/highway.h>
-#include <utility>
+#include <cstdint>
+#include <type_traits>
 
 #include "core/bvh/bvh.h"
 #include "core/trace/ray.h"
@@ -17,44 +18,105 @@
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 
+namespace hn = hwy::HWY_NAMESPACE;
+
 // Time in [0, 1]; anything else, NaN included, is brought there, so that no key outside a track is ever read.
-HWY_INLINE float clamped_time(float time) { return std::fmin(std::fmax(time, 0.0f), 1.0f); }
+HWY_INLINE float clamped_time(float time) {
+  const float u = time > 0.0f ? time : 0.0f;
+  return u < 1.0f ? u : 1.0f;
+}
+
+// locate() for the tracks of every level at once.
+class LevelTimes {
+ public:
+  LevelTimes() = default;
+  LevelTimes(float u, std::uint32_t max_level) {
+    const hn::CappedTag<float, 8> d;
+    const hn::RebindToSigned<decltype(d)> di;
+    HWY_ALIGN static constexpr float kSegments[8] = {0, 1, 2, 4, 8, 16, 32, 64};
+    HWY_ALIGN static constexpr std::int32_t kLastKey[8] = {0, 0, 1, 3, 7, 15, 31, 63};
+    for (std::size_t i = 0; i < 8; i += hn::Lanes(d)) {
+      const auto scaled = hn::Mul(hn::Set(d, u), hn::Load(d, kSegments + i));
+      const auto key = hn::Min(hn::ConvertTo(di, scaled), hn::Load(di, kLastKey + i));
+      hn::Store(key, di, key_ + i);
+      hn::Store(hn::Sub(scaled, hn::ConvertTo(d, key)), d, weight_ + i);
+    }
+    if (max_level < 8) return;
+    const SegmentTime last = locate(u, segments_of_level(8));
+    key_[8] = static_cast<std::int32_t>(last.key);
+    weight_[8] = last.w;
+  }
+  SegmentTime operator[](std::uint32_t level) const {
+    return {static_cast<std::uint32_t>(key_[level]), weight_[level]};
+  }
+
+ private:
+  static_assert(kLevels == 9);
+  HWY_ALIGN std::int32_t key_[16];
+  HWY_ALIGN float weight_[16];
+};
+struct NoTimes {
+  NoTimes() = default;
+  NoTimes(float, std::uint32_t) {}
+  SegmentTime operator[](std::uint32_t) const { return {0, 0.0f}; }
+};
 
 template <Movement kMovement>
 struct RaySetup {
   static constexpr bool kMoving = kMovement != Movement::kStill;
 
-  float org[3], reciprocal[3];
-  float tnear;
+#if HWY_TARGET == HWY_AVX3
+  // |1 / direction| for the lower sides of 8 boxes, its negative for the upper ones; and for each axis all
+  // bits where the direction is negative, so that the upper sides are met first.
+  alignas(64) float signed_reciprocal[3][2 * kWidth];
+  std::uint16_t backwards[3];
+#else
+  float reciprocal[3];
   // For each axis the planes of NodeBounds, as floats from its start, that the ray meets first and last.
   std::uint32_t near_plane[3], far_plane[3];
+#endif
+  float org[3];
+  float tnear;
   // Woop's shear: kz is the direction's largest axis; kx, ky wind so that the triangle's orientation is kept.
   int kx, ky, kz;
   float shear_x, shear_y, scale_z;
-  SegmentTime at_level[kMoving ? kLevels : 1];
+  std::conditional_t<kMoving, LevelTimes, NoTimes> at_level;
 
-  RaySetup(const Ray& ray, std::uint32_t max_level) : tnear(ray.tnear) {
+  RaySetup() = default;
+  RaySetup(const Ray& ray, std::uint32_t max_level)
+      : org{ray.org.x, ray.org.y, ray.org.z},
+        tnear(ray.tnear),
+        at_level(kMoving ? clamped_time(ray.time) : 0.0f, max_level) {
     const float dir[3] = {ray.dir.x, ray.dir.y, ray.dir.z};
-    for (int axis = 0; axis < 3; ++axis) {
-      org[axis] = ray.org[axis];
-      reciprocal[axis] = 1.0f / dir[axis];  // infinite for 0: see node_test-inl.h
-      const bool backwards = std::signbit(dir[axis]);
-      near_plane[axis] = kWidth * static_cast<std::uint32_t>(axis + (backwards ? 3 : 0));
-      far_plane[axis] = kWidth * static_cast<std::uint32_t>(axis + (backwards ? 0 : 3));
-    }
+    for (std::uint32_t axis = 0; axis < 3; ++axis) set_axis(axis, dir[axis]);
     const float ax = std::abs(dir[0]), ay = std::abs(dir[1]), az = std::abs(dir[2]);
-    kz = az >= ax && az >= ay ? 2 : (ay >= ax ? 1 : 0);
-    kx = kz == 2 ? 0 : kz + 1;
-    ky = kx == 2 ? 0 : kx + 1;
-    if (dir[kz] < 0.0f) std::swap(kx, ky);
+    constexpr int kNext[3] = {1, 2, 0};
+    const bool z = (az >= ax) & (az >= ay);
+    kz = z ? 2 : static_cast<int>(ay >= ax);
+    const int next = kNext[kz], last = kNext[next];
+    const bool flip = dir[kz] < 0.0f;
+    kx = flip ? last : next;
+    ky = flip ? next : last;
     shear_x = dir[kx] / dir[kz];
     shear_y = dir[ky] / dir[kz];
     scale_z = 1.0f / dir[kz];
-    if constexpr (kMoving) {
-      const float u = clamped_time(ray.time);
-      for (std::uint32_t level = 0; level <= max_level; ++level)
-        at_level[level] = locate(u, segments_of_level(level));
-    }
+  }
+
+ private:
+  // The reciprocal is infinite for 0: see node_test-inl.h.
+  HWY_INLINE void set_axis(std::uint32_t axis, float dir) {
+#if HWY_TARGET == HWY_AVX3
+    const hn::FixedTag<float, kWidth> d;
+    const auto reciprocal = hn::Set(d, std::abs(1.0f / dir));
+    hn::Store(reciprocal, d, signed_reciprocal[axis]);
+    hn::Store(hn::Neg(reciprocal), d, signed_reciprocal[axis] + kWidth);
+    backwards[axis] = std::signbit(dir) ? 0xffff : 0;
+#else
+    reciprocal[axis] = 1.0f / dir;
+    const std::uint32_t backwards = std::signbit(dir) ? 1 : 0;
+    near_plane[axis] = kWidth * (2 * axis + backwards);
+    far_plane[axis] = kWidth * (2 * axis + 1 - backwards);
+#endif
   }
 };
 

@@ -36,6 +36,8 @@ Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
   if (!table) throw Error(std::string("this processor does not support ") + instruction_set_name(set));
   const auto movement = static_cast<std::size_t>(bvh.movement);
   intersect_ = table->intersect[movement][bvh.instanced];
+  intersect_many_ = table->intersect_many[movement][bvh.instanced];
+  occluded_many_ = table->occluded_many[movement][bvh.instanced];
   occluded_ = table->occluded[movement][bvh.instanced];
   intersect_counted_ = table->intersect_counted[movement][bvh.instanced];
   occluded_counted_ = table->occluded_counted[movement][bvh.instanced];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/trace/ray.h"
@@ -35,8 +36,16 @@ class Tracer {
 
   // The closest hit in [tnear, tfar]; `hit` is written only where true is returned.
   bool intersect(const Ray& ray, Hit& hit) const { return intersect_(*bvh_, ray, hit, nullptr); }
+  // The same for many rays, which need not be coherent: hits[i].found() says whether rays[i] has one. From
+  // some dozens of rays on faster than one by one, and more so where the tree outgrows the caches.
+  void intersect(std::span<const Ray> rays, Hit* hits) const {
+    intersect_many_(*bvh_, rays.data(), rays.size(), hits);
+  }
   // Whether anything lies in [tnear, tfar].
   bool occluded(const Ray& ray) const { return occluded_(*bvh_, ray, nullptr); }
+  void occluded(std::span<const Ray> rays, bool* occluded) const {
+    occluded_many_(*bvh_, rays.data(), rays.size(), occluded);
+  }
 
   bool intersect_counted(const Ray& ray, Hit& hit, TraceCounts& counts) const;
   bool occluded_counted(const Ray& ray, TraceCounts& counts) const;
@@ -46,6 +55,8 @@ class Tracer {
   using OccludedFunction = bool (*)(const Bvh&, const Ray&, TraceCounts*);
 
   const Bvh* bvh_;
+  void (*intersect_many_)(const Bvh&, const Ray*, std::size_t, Hit*);
+  void (*occluded_many_)(const Bvh&, const Ray*, std::size_t, bool*);
   IntersectFunction intersect_, intersect_counted_;
   OccludedFunction occluded_, occluded_counted_;
 };

@@ -1,5 +1,5 @@
-// The traversal loop: closest hit or any hit, one tree or two levels. One source for all of them; what a
-// kernel does not need is not compiled into it.
+// The traversal of one ray: closest hit or any hit, one tree or two levels. One source for all of them; what
+// a kernel does not need is not compiled into it.
 
 #if defined(MSBVH_TRAVERSE_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef MSBVH_TRAVERSE_INL_H
@@ -11,30 +11,10 @@
 #include <bit>
 #include <hwy/highway.h>
 
-#include "core/base/affine.h"
-#include "core/trace/node_test-inl.h"
-#include "core/trace/triangle_test-inl.h"
+#include "core/trace/visit-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-// Distance in the upper, child in the lower half: distances are not negative, so entries order as integers.
-using StackEntry = std::uint64_t;
-HWY_INLINE StackEntry stack_entry(float distance, ChildRef child) {
-  return (StackEntry(std::bit_cast<std::uint32_t>(distance)) << 32) | child.bits;
-}
-HWY_INLINE ChildRef child_of(StackEntry e) { return {static_cast<std::uint32_t>(e)}; }
-HWY_INLINE float distance_of(StackEntry e) {
-  return std::bit_cast<float>(static_cast<std::uint32_t>(e >> 32));
-}
-
-struct Query {
-  explicit Query(float farthest) : tfar(farthest) {}
-  float tfar;  // of the closest hit so far
-  bool found = false;
-  Hit hit;
-};
 
 template <Movement kMovement, bool kInstanced, bool kAnyHit, bool kCount>
 class Traversal {
@@ -48,59 +28,60 @@ class Traversal {
         counts_(counts) {}
 
   void run() {
-    ChildRef current = bvh_.root;
+    Place at{bvh_.root, bvh_.root_form_code};
     for (;;) {
-      while (!current.is_leaf()) {
-        if (!descend(current) && !pop(current)) return;
+      while (!at.ref.is_leaf()) {
+        if (!descend(at) && !pop(at)) return;
       }
-      test_leaf(bvh_.block(current));
+      test_leaf(bvh_.block(at.ref));
       if (kAnyHit && query_.found) return;
-      if (!pop(current)) return;
+      if (!pop(at)) return;
     }
   }
 
  private:
   static constexpr bool kMoving = kMovement != Movement::kStill;
 
-  // Goes to the nearest child that is hit, the others onto the stack, the nearest on top. False: none is hit.
-  HWY_INLINE bool descend(ChildRef& current) {
-    const NodeHeader& node = bvh_.node(current);
-    HWY_ALIGN float distance[kWidth];
-    std::uint32_t hits = test_node<kMovement>(node, setup_, query_.tfar, distance);
+  // Goes to the nearest child that is hit and leaves the others in a frame; where any hit will do, to the
+  // first one. False: none is hit.
+  HWY_INLINE bool descend(Place& at) {
+    const NodeHeader& node = bvh_.node(at.ref);
     if constexpr (kCount) ++counts_->nodes;
+    std::uint32_t hits;
+    const ChildKeys keys = test_node<kMovement>(node, at.form, setup_, query_.tfar, hits);
     if (hits == 0) return false;
-    const std::uint32_t first = static_cast<std::uint32_t>(std::countr_zero(hits));
-    hits &= hits - 1;
-    if (hits == 0) {
-      current = node.child[first];
-      return true;
+    const std::uint32_t others = hits & (hits - 1);
+    if (kAnyHit || others == 0) {
+      at = child_of(node, static_cast<std::uint32_t>(std::countr_zero(hits)));
+    } else {
+      at = child_of(node, ChildKeys::slot(keys.take_nearest(top_->keys)));
     }
-    StackEntry* const base = top_;
-    *top_++ = stack_entry(distance[first], node.child[first]);
-    do {
-      const std::uint32_t i = static_cast<std::uint32_t>(std::countr_zero(hits));
-      hits &= hits - 1;
-      push_sorted(base, stack_entry(distance[i], node.child[i]));
-    } while (hits != 0);
-    current = child_of(*--top_);
+    if (!kAnyHit && others == 0) return true;
+    top_->node = &node;
+    top_->left = kAnyHit ? others : static_cast<std::uint32_t>(std::popcount(others));
+    top_ += top_->left != 0;
     return true;
   }
 
-  HWY_INLINE void push_sorted(StackEntry* base, StackEntry entry) {
-    StackEntry* at = top_++;
-    if constexpr (!kAnyHit) {
-      for (; at > base && at[-1] < entry; --at) *at = at[-1];
-    }
-    *at = entry;
-  }
-
-  HWY_INLINE bool pop(ChildRef& current) {
+  // The next child of the topmost frame: where the closest hit is wanted, the nearest. A frame whose nearest
+  // is beyond the closest hit is done with.
+  HWY_INLINE bool pop(Place& at) {
     while (top_ != stack_) {
-      const StackEntry e = *--top_;
-      if (distance_of(e) <= query_.tfar) {
-        current = child_of(e);
+      Frame& frame = top_[-1];
+      if constexpr (kAnyHit) {
+        at = child_of(*frame.node, static_cast<std::uint32_t>(std::countr_zero(frame.left)));
+        frame.left &= frame.left - 1;
+        top_ -= frame.left == 0;
         return true;
       }
+      const ChildKey key = ChildKeys::load(frame.keys).take_nearest(frame.keys);
+      if (distance_of(key) > query_.tfar) {
+        --top_;
+        continue;
+      }
+      at = child_of(*frame.node, ChildKeys::slot(key));
+      top_ -= --frame.left == 0;
+      return true;
     }
     return false;
   }
@@ -108,40 +89,16 @@ class Traversal {
   HWY_INLINE void test_leaf(const BlockHeader& first) {
     for (const BlockHeader* block = &first;; block = next_block(block)) {
       if (kInstanced && block->kind == BlockKind::kInstance) {
-        enter_instance(block->triangle[0]);
+        enter_instance(block->owner);
       } else {
-        test_triangles(*block);
+        if constexpr (kCount) {
+          ++counts_->blocks;
+          counts_->triangles += block->count;
+        }
+        test_triangles<kMovement, kAnyHit>(bvh_, *block, setup_, instance_, query_);
       }
       if ((kAnyHit && query_.found) || block->last) return;
     }
-  }
-
-  HWY_INLINE void test_triangles(const BlockHeader& block) {
-    if constexpr (kCount) {
-      ++counts_->blocks;
-      counts_->triangles += block.count;
-    }
-    BlockHit hit;
-    test_block<kMovement>(bvh_, block, setup_, query_.tfar, hit);
-    for (std::uint32_t lanes = hit.lanes; lanes != 0; lanes &= lanes - 1) {
-      const int i = std::countr_zero(lanes);
-      if (kAnyHit) {
-        query_.found = true;
-        return;
-      }
-      const Hit candidate{hit.t[i], hit.u[i], hit.v[i], block.triangle[i], block.mesh[i], instance_};
-      if (query_.found && !closer(candidate, query_.hit)) continue;
-      query_.found = true;
-      query_.hit = candidate;
-      query_.tfar = candidate.t;
-    }
-  }
-
-  // At equal distance, the one with the lowest ids: the answer does not depend on the shape of the tree.
-  static bool closer(const Hit& a, const Hit& b) {
-    if (a.t != b.t) return a.t < b.t;
-    if (a.instance != b.instance) return a.instance < b.instance;
-    return a.mesh != b.mesh ? a.mesh < b.mesh : a.triangle < b.triangle;
   }
 
   // Not inlined: the stack of the inner traversal is the inner traversal's own.
@@ -149,7 +106,7 @@ class Traversal {
     if constexpr (kInstanced) {
       const Instance& instance = bvh_.instances[id];
       Ray local = ray_;
-      if (instance.object->empty || !is_there(instance, local) || !to_object_space(instance, local)) return;
+      if (!to_object<kMovement>(bvh_, instance, local)) return;
       if constexpr (kCount) ++counts_->instances;
       if (kMovement == Movement::kPolynomial && instance.object->movement == Movement::kPolynomial) {
         trace_object<Movement::kPolynomial>(instance, local, id);
@@ -165,48 +122,14 @@ class Traversal {
     Traversal<kObject, false, kAnyHit, kCount>(*instance.object, local, id, query_, counts_).run();
   }
 
-  // Whether the object is there at the ray's time; the ray's time in the object's own time.
-  static bool is_there(const Instance& instance, Ray& local) {
-    if (!kMoving || instance.object->clock.is_shutter()) return true;
-    return instance.object->clock.at(clamped_time(local.time), local.time);
-  }
-
-  // The ray in the object's space: matrix elements interpolated in single precision, inverted and applied in
-  // double. The parameter t keeps its meaning. False where the map is singular at this time, or the instance
-  // not there: nothing can be hit.
-  bool to_object_space(const Instance& instance, Ray& local) const {
-    const D4 d;
-    const Affine3f* controls = bvh_.controls_of(instance);
-    Affine3f map = *controls;
-    float u = clamped_time(ray_.time);
-    if (kMoving && instance.clock != kNoClock && !bvh_.clocks[instance.clock].at(u, u)) return false;
-    if (kMoving && instance.form.moving()) {
-      const std::uint32_t degree = kMovement == Movement::kPolynomial ? instance.form.degree : 1;
-      const SegmentTime at = locate(u, instance.form.segments);
-      const Affine3f* first = controls + at.key * degree;
-      const Weights<D4> w(d, at.w);
-      static_assert(sizeof(Affine3f) == 12 * sizeof(float));
-      for (int i = 0; i < 12; i += 4) {
-        const auto control = [&](std::uint32_t c) { return hn::LoadU(d, &first[c].x.x + i); };
-        hn::StoreU(simd_bezier(control, degree, w), d, &map.x.x + i);
-      }
-    }
-    const Affine3d world_from_object(map);
-    if (world_from_object.determinant() == 0.0) return false;
-    const Affine3d object_from_world = inverse(world_from_object);
-    local.org = Vec3f(object_from_world.point(Vec3d(ray_.org)));
-    local.dir = Vec3f(object_from_world.vector(Vec3d(ray_.dir)));
-    return true;
-  }
-
   const Bvh& bvh_;
   const Ray& ray_;
   const RaySetup<kMovement> setup_;
   const std::uint32_t instance_;
   Query& query_;
   TraceCounts* const counts_;
-  StackEntry stack_[(kWidth - 1) * kMaxDepth + 1];
-  StackEntry* top_ = stack_;
+  Frame stack_[kMaxDepth + 1];  // at most one for each node on the way down
+  Frame* top_ = stack_;
 };
 
 template <Movement kMovement, bool kInstanced, bool kCount>

@@ -1,4 +1,4 @@
-// A ray against a block of 4 triangles at the ray's time, watertight: S. Woop, C. Benthin, I. Wald,
+// A ray against a block of triangles at the ray's time, watertight: S. Woop, C. Benthin, I. Wald,
 // "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013.
 //
 // Woop recomputes edge functions in double where they are exactly 0 in single precision. Here they always
@@ -14,6 +14,7 @@
 #define MSBVH_TRIANGLE_TEST_INL_H
 #endif
 
+#include <algorithm>
 #include <hwy/highway.h>
 
 #include "core/bvh/bvh.h"
@@ -24,16 +25,22 @@ HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using D4 = hn::FixedTag<float, kBlockWidth>;
+using D4 = hn::FixedTag<float, 4>;
 using V4 = hn::Vec<D4>;
-
-// Positions of one vertex of each of the 4 triangles: [axis].
-struct Vertex4 {
-  V4 axis[3];
-};
+// As many triangles at once as the instruction set can, at most a block's; and vertices.
+using D8 = hn::CappedTag<float, kBlockWidth>;
+using V8 = hn::Vec<D8>;
+#if HWY_TARGET == HWY_AVX3
+using DPool = hn::FixedTag<float, kBlockVertices>;
+#else
+using DPool = D8;
+#endif
+using VPool = hn::Vec<DPool>;
+inline constexpr std::uint32_t kLanes8 = hn::MaxLanes(D8());
+inline constexpr std::uint32_t kPoolLanes = hn::MaxLanes(DPool());
 
 // a * b - c * d with the exact sign, 0 only if it is exactly 0 (short of underflow).
-HWY_INLINE V4 difference_of_products(V4 a, V4 b, V4 c, V4 d) {
+HWY_INLINE V8 difference_of_products(V8 a, V8 b, V8 c, V8 d) {
 #if HWY_TARGET == HWY_SSE4
   const hn::FixedTag<double, 2> d64;
   const hn::FixedTag<float, 2> half;
@@ -41,119 +48,212 @@ HWY_INLINE V4 difference_of_products(V4 a, V4 b, V4 c, V4 d) {
     return hn::DemoteTo(half, hn::Sub(hn::Mul(hn::PromoteTo(d64, x), hn::PromoteTo(d64, y)),
                                       hn::Mul(hn::PromoteTo(d64, z), hn::PromoteTo(d64, w))));
   };
-  const D4 d4;
   const auto lo = in_double(hn::LowerHalf(a), hn::LowerHalf(b), hn::LowerHalf(c), hn::LowerHalf(d));
   const auto hi = in_double(hn::UpperHalf(half, a), hn::UpperHalf(half, b), hn::UpperHalf(half, c),
                             hn::UpperHalf(half, d));
-  return hn::Combine(d4, hi, lo);
+  return hn::Combine(D8(), hi, lo);
 #else
-  const V4 cd = hn::Mul(c, d);
-  const V4 error = hn::NegMulAdd(c, d, cd);  // cd - c * d, exactly
+  const V8 cd = hn::Mul(c, d);
+  const V8 error = hn::NegMulAdd(c, d, cd);  // cd - c * d, exactly
   return hn::Add(hn::MulSub(a, b, cd), error);
 #endif
 }
 
-HWY_INLINE Vertex4 load_gathered(const GatheredKey& key, int vertex) {
-  const D4 d;
-  return {{hn::Load(d, key.position[vertex][0]), hn::Load(d, key.position[vertex][1]),
-           hn::Load(d, key.position[vertex][2])}};
-}
+// Positions in the ray's space, its origin at the ray's, the direction along z, unit z scale: of several
+// vertices, or of the same corner of several triangles.
+template <typename V>
+struct Sheared {
+  V x, y, z;
+};
 
-// Rows of 4 positions (x y z and a float that does not matter) to columns.
-HWY_INLINE Vertex4 transpose(V4 a, V4 b, V4 c, V4 d) {
-  const D4 tag;
-  const V4 xy_ab = hn::InterleaveLower(tag, a, b), zw_ab = hn::InterleaveUpper(tag, a, b);
-  const V4 xy_cd = hn::InterleaveLower(tag, c, d), zw_cd = hn::InterleaveUpper(tag, c, d);
-  return {{hn::ConcatLowerLower(tag, xy_cd, xy_ab), hn::ConcatUpperUpper(tag, xy_cd, xy_ab),
-           hn::ConcatLowerLower(tag, zw_cd, zw_ab)}};
-}
-
+// A block's vertices at the ray's time.
 template <Movement kMovement>
-HWY_INLINE Vertex4 load_indexed(const Bvh& bvh, const BlockHeader& block, int vertex, SegmentTime at,
-                                const Weights<D4>& w) {
-  const D4 d;
-  constexpr bool kMoving = kMovement != Movement::kStill;
-  const std::uint32_t degree = kMovement == Movement::kPolynomial ? block.degree : 1;
-  const auto& indices = reinterpret_cast<const VertexIndices*>(&block + 1)->vertex[vertex];
-  V4 rows[kBlockWidth];
-  for (std::uint32_t i = 0; i < kBlockWidth; ++i) {
-    const TriangleMesh& mesh = *bvh.meshes[block.mesh[i]];
-    const Vec3f* p = mesh.control_positions(at.key * degree) + indices[i];
+class BlockVertices {
+ public:
+  HWY_INLINE BlockVertices(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& ray)
+      : block_(block),
+        ray_(ray),
+        at_(ray.at_level[block.form_code.level()]),
+        degree_(kMovement == Movement::kPolynomial ? block.form_code.degree() : 1),
+        moves_(kMoving && block.form_code.level() != 0),
+        bvh_(bvh) {}
+
+  // Those from `first` on, as many as fit a vector.
+  HWY_INLINE Sheared<VPool> sheared(std::uint32_t first) const {
+    const DPool d;
+    VPool p[3];
+    if (kMoving && block_.kind == BlockKind::kIndexed) {
+      load_indexed(first, p);
+    } else {
+      load_gathered(first, p);
+    }
+    const auto relative = [&](int axis) { return hn::Sub(p[axis], hn::Set(d, ray_.org[axis])); };
+    const VPool z = relative(ray_.kz);
+    return {hn::NegMulAdd(hn::Set(d, ray_.shear_x), z, relative(ray_.kx)),
+            hn::NegMulAdd(hn::Set(d, ray_.shear_y), z, relative(ray_.ky)),
+            hn::Mul(hn::Set(d, ray_.scale_z), z)};
+  }
+
+ private:
+  static constexpr bool kMoving = kMovement != Movement::kStill;
+
+  HWY_INLINE void load_gathered(std::uint32_t first, VPool (&p)[3]) const {
+    const DPool d;
+    const std::uint32_t row = block_.row_floats();
+    const float* vertices = block_.vertices() + std::size_t(3) * row * at_.key * degree_ + first;
+    const Weights<DPool> w(d, at_.w);
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      const auto control = [&](std::uint32_t c) { return hn::LoadU(d, vertices + (3 * c + axis) * row); };
+      p[axis] = moves_ ? simd_bezier(control, degree_, w) : control(0);
+    }
+  }
+
+  // A vertex's three coordinates at once, then rows to columns, four vertices by four.
+  HWY_INLINE void load_indexed(std::uint32_t first, VPool (&p)[3]) const {
+    HWY_ALIGN float columns[3][kPoolLanes];
+    const D4 d;
+    const TriangleMesh& mesh = *bvh_.meshes[block_.owner];
+    const std::uint32_t* indices = block_.vertex_indices() + first;
+    const std::uint32_t count = std::min(block_.row_floats() - first, kPoolLanes);
+    for (std::uint32_t i = 0; i < count; i += 4) {
+      const V4 a = position(mesh, indices[i]), b = position(mesh, indices[i + 1]),
+               c = position(mesh, indices[i + 2]), e = position(mesh, indices[i + 3]);
+      const V4 xy_ab = hn::InterleaveLower(d, a, b), zw_ab = hn::InterleaveUpper(d, a, b);
+      const V4 xy_ce = hn::InterleaveLower(d, c, e), zw_ce = hn::InterleaveUpper(d, c, e);
+      hn::Store(hn::ConcatLowerLower(d, xy_ce, xy_ab), d, columns[0] + i);
+      hn::Store(hn::ConcatUpperUpper(d, xy_ce, xy_ab), d, columns[1] + i);
+      hn::Store(hn::ConcatLowerLower(d, zw_ce, zw_ab), d, columns[2] + i);
+    }
+    for (int axis = 0; axis < 3; ++axis) p[axis] = hn::Load(DPool(), columns[axis]);
+  }
+  HWY_INLINE V4 position(const TriangleMesh& mesh, std::uint32_t vertex) const {
+    const D4 d;
+    const Vec3f* p = mesh.control_positions(at_.key * degree_) + vertex;
     // The guard element makes the last one safe.
     const auto control = [&](std::uint32_t c) {
       return hn::LoadU(d, &p[std::size_t(c) * mesh.vertex_count].x);
     };
-    rows[i] = kMoving && block.level != 0 ? simd_bezier(control, degree, w) : control(0);
+    return moves_ ? simd_bezier(control, degree_, Weights<D4>(d, at_.w)) : control(0);
   }
-  return transpose(rows[0], rows[1], rows[2], rows[3]);
-}
 
-template <Movement kMovement>
-HWY_INLINE Vertex4 load_vertex(const Bvh& bvh, const BlockHeader& block, int vertex, SegmentTime at,
-                               const Weights<D4>& w) {
-  constexpr bool kMoving = kMovement != Movement::kStill;
-  if (kMoving && block.kind == BlockKind::kIndexed) return load_indexed<kMovement>(bvh, block, vertex, at, w);
-  const std::uint32_t degree = kMovement == Movement::kPolynomial ? block.degree : 1;
-  const auto* controls = reinterpret_cast<const GatheredKey*>(&block + 1) + at.key * degree;
-  if (!kMoving || block.level == 0) return load_gathered(controls[0], vertex);
-  Vertex4 v;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto control = [&](std::uint32_t c) { return hn::Load(D4(), controls[c].position[vertex][axis]); };
-    v.axis[axis] = simd_bezier(control, degree, w);
-  }
-  return v;
-}
-
-// The vertex in the ray's space: origin at the ray's, the direction along z, unit z scale.
-struct ShearedVertex {
-  V4 x, y, z;
+  const BlockHeader& block_;
+  const RaySetup<kMovement>& ray_;
+  const SegmentTime at_;
+  const std::uint32_t degree_;
+  const bool moves_;
+  const Bvh& bvh_;
 };
 
-template <Movement kMovement>
-HWY_INLINE ShearedVertex shear(const Vertex4& v, const RaySetup<kMovement>& ray) {
-  const D4 d;
-  const auto relative = [&](int axis) { return hn::Sub(v.axis[axis], hn::Set(d, ray.org[axis])); };
-  const V4 z = relative(ray.kz);
-  return {hn::NegMulAdd(hn::Set(d, ray.shear_x), z, relative(ray.kx)),
-          hn::NegMulAdd(hn::Set(d, ray.shear_y), z, relative(ray.ky)), hn::Mul(hn::Set(d, ray.scale_z), z)};
-}
+// A block's vertices where the corners of its triangles pick them.
+class VertexPool {
+ public:
+#if HWY_TARGET == HWY_SSE4  // through memory
+  template <Movement kMovement>
+  HWY_INLINE VertexPool(const BlockVertices<kMovement>& vertices, std::uint32_t count) {
+    const D8 d;
+    for (std::uint32_t first = 0; first < count; first += kLanes8) {
+      const Sheared<V8> s = vertices.sheared(first);
+      hn::Store(s.x, d, x_ + first);
+      hn::Store(s.y, d, y_ + first);
+      hn::Store(s.z, d, z_ + first);
+    }
+  }
+  HWY_INLINE Sheared<V8> pick(const std::uint8_t* corners) const {
+    return {of(x_, corners), of(y_, corners), of(z_, corners)};
+  }
+
+ private:
+  HWY_INLINE static V8 of(const float* row, const std::uint8_t* corners) {
+    HWY_ALIGN const float picked[4] = {row[corners[0]], row[corners[1]], row[corners[2]], row[corners[3]]};
+    return hn::Load(D8(), picked);
+  }
+  HWY_ALIGN float x_[kBlockVertices];
+  HWY_ALIGN float y_[kBlockVertices];
+  HWY_ALIGN float z_[kBlockVertices];
+#elif HWY_TARGET == HWY_AVX2  // from one or two registers
+  template <Movement kMovement>
+  HWY_INLINE VertexPool(const BlockVertices<kMovement>& vertices, std::uint32_t count)
+      : many_(count > kPoolLanes), low_(vertices.sheared(0)), high_(many_ ? vertices.sheared(kPoolLanes) : low_) {}
+
+  HWY_INLINE Sheared<V8> pick(const std::uint8_t* corners) const {
+    const D8 d;
+    const hn::RebindToSigned<D8> di;
+    const auto at = hn::PromoteTo(di, hn::LoadU(hn::Rebind<std::uint8_t, D8>(), corners));
+    const auto lane = hn::IndicesFromVec(d, hn::And(at, hn::Set(di, kPoolLanes - 1)));
+    const auto beyond = hn::RebindMask(d, hn::Gt(at, hn::Set(di, kPoolLanes - 1)));
+    const auto of = [&](V8 low, V8 high) {
+      const V8 v = hn::TableLookupLanes(low, lane);
+      return many_ ? hn::IfThenElse(beyond, hn::TableLookupLanes(high, lane), v) : v;
+    };
+    return {of(low_.x, high_.x), of(low_.y, high_.y), of(low_.z, high_.z)};
+  }
+
+ private:
+  const bool many_;
+  const Sheared<V8> low_, high_;
+#else  // from one register
+  template <Movement kMovement>
+  HWY_INLINE VertexPool(const BlockVertices<kMovement>& vertices, std::uint32_t)
+      : vertices_(vertices.sheared(0)) {}
+
+  HWY_INLINE Sheared<V8> pick(const std::uint8_t* corners) const {
+    const DPool d;
+    const hn::RebindToSigned<DPool> di;
+    const auto at = hn::PromoteTo(di, hn::LoadU(hn::Rebind<std::uint8_t, DPool>(), corners));
+    // 8 corners are read as 16: the others are no corners, and not used.
+    const auto lane = hn::IndicesFromVec(d, hn::And(at, hn::Set(di, kPoolLanes - 1)));
+    const auto of = [&](VPool v) { return hn::LowerHalf(hn::TableLookupLanes(v, lane)); };
+    return {of(vertices_.x), of(vertices_.y), of(vertices_.z)};
+  }
+
+ private:
+  const Sheared<VPool> vertices_;
+#endif
+};
 
 struct BlockHit {
   std::uint32_t lanes;  // a bit for each triangle hit in [tnear, tfar]
   HWY_ALIGN float t[kBlockWidth], u[kBlockWidth], v[kBlockWidth];
 };
 
+// The triangles from `first` on, as many as fit a vector.
+HWY_INLINE std::uint32_t test_triangles(const VertexPool& pool, const BlockHeader& block, std::uint32_t first,
+                                        float tnear, float tfar, BlockHit& out) {
+  const D8 d;
+  const Sheared<V8> a = pool.pick(block.corners(0) + first);
+  const Sheared<V8> b = pool.pick(block.corners(1) + first);
+  const Sheared<V8> c = pool.pick(block.corners(2) + first);
+
+  const V8 weight_a = difference_of_products(c.x, b.y, c.y, b.x);
+  const V8 weight_b = difference_of_products(a.x, c.y, a.y, c.x);
+  const V8 weight_c = difference_of_products(b.x, a.y, b.y, a.x);
+  const V8 zero = hn::Zero(d);
+  const V8 least = hn::Min(hn::Min(weight_a, weight_b), weight_c);
+  const V8 most = hn::Max(hn::Max(weight_a, weight_b), weight_c);
+  const V8 sum = hn::Add(hn::Add(weight_a, weight_b), weight_c);
+  const auto inside = hn::And(hn::Or(hn::Ge(least, zero), hn::Le(most, zero)), hn::Ne(sum, zero));
+  if (hn::AllFalse(d, inside)) return 0;
+
+  const V8 reciprocal = hn::Div(hn::Set(d, 1.0f), sum);
+  const V8 t =
+      hn::Mul(hn::MulAdd(weight_a, a.z, hn::MulAdd(weight_b, b.z, hn::Mul(weight_c, c.z))), reciprocal);
+  const auto in_range = hn::And(hn::Ge(t, hn::Set(d, tnear)), hn::Le(t, hn::Set(d, tfar)));
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(d, hn::And(inside, in_range), bits);
+  hn::Store(t, d, out.t + first);
+  hn::Store(hn::Mul(weight_b, reciprocal), d, out.u + first);
+  hn::Store(hn::Mul(weight_c, reciprocal), d, out.v + first);
+  return static_cast<std::uint32_t>(bits[0]) << first;
+}
+
 template <Movement kMovement>
 HWY_INLINE void test_block(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& ray,
                            float tfar, BlockHit& out) {
-  const D4 d;
-  const SegmentTime at = kMovement == Movement::kStill ? SegmentTime{0, 0.0f} : ray.at_level[block.level];
-  const Weights<D4> w(d, at.w);
-  const ShearedVertex a = shear(load_vertex<kMovement>(bvh, block, 0, at, w), ray);
-  const ShearedVertex b = shear(load_vertex<kMovement>(bvh, block, 1, at, w), ray);
-  const ShearedVertex c = shear(load_vertex<kMovement>(bvh, block, 2, at, w), ray);
-
-  const V4 weight_a = difference_of_products(c.x, b.y, c.y, b.x);
-  const V4 weight_b = difference_of_products(a.x, c.y, a.y, c.x);
-  const V4 weight_c = difference_of_products(b.x, a.y, b.y, a.x);
-  const V4 zero = hn::Zero(d);
-  const V4 least = hn::Min(hn::Min(weight_a, weight_b), weight_c);
-  const V4 most = hn::Max(hn::Max(weight_a, weight_b), weight_c);
-  const V4 sum = hn::Add(hn::Add(weight_a, weight_b), weight_c);
-  const auto inside = hn::And(hn::Or(hn::Ge(least, zero), hn::Le(most, zero)), hn::Ne(sum, zero));
-  out.lanes = 0;
-  if (hn::AllFalse(d, inside)) return;
-
-  const V4 reciprocal = hn::Div(hn::Set(d, 1.0f), sum);
-  const V4 t =
-      hn::Mul(hn::MulAdd(weight_a, a.z, hn::MulAdd(weight_b, b.z, hn::Mul(weight_c, c.z))), reciprocal);
-  const auto in_range = hn::And(hn::Ge(t, hn::Set(d, ray.tnear)), hn::Le(t, hn::Set(d, tfar)));
-  std::uint8_t bits[8] = {};
-  hn::StoreMaskBits(d, hn::And(inside, in_range), bits);
-  out.lanes = bits[0] & ((1u << block.count) - 1u);
-  hn::Store(t, d, out.t);
-  hn::Store(hn::Mul(weight_b, reciprocal), d, out.u);
-  hn::Store(hn::Mul(weight_c, reciprocal), d, out.v);
+  const VertexPool pool(BlockVertices<kMovement>(bvh, block, ray), block.vertex_count);
+  out.lanes = test_triangles(pool, block, 0, ray.tnear, tfar, out);
+  if (kLanes8 < kBlockWidth && block.count > kLanes8)
+    out.lanes |= test_triangles(pool, block, kLanes8, ray.tnear, tfar, out);
+  out.lanes &= (1u << block.count) - 1u;
 }
 
 }  // namespace msbvh::HWY_NAMESPACE

@@ -1,0 +1,99 @@
+#include "core/bvh/leaf_blocks.h"
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <tuple>
+
+namespace msbvh {
+namespace {
+
+// Adds the triangle, unless it is there already. False: its vertices do not fit.
+bool add_triangle(const TriangleMesh& mesh, std::uint32_t id, LeafBlock& block) {
+  if (block.count > 0 && block.triangles[block.count - 1] == id) return true;
+  if (block.count == kBlockWidth) return false;
+  std::uint32_t vertices = block.vertex_count;
+  std::array<std::uint8_t, 3> corner;
+  for (std::uint32_t v = 0; v < 3; ++v) {
+    const std::uint32_t vertex = mesh.triangles[id][v];
+    const auto known = std::find(block.vertices.begin(), block.vertices.begin() + vertices, vertex);
+    corner[v] = static_cast<std::uint8_t>(known - block.vertices.begin());
+    if (corner[v] < vertices) continue;
+    if (vertices == kBlockVertices) return false;
+    block.vertices[vertices++] = vertex;
+  }
+  for (std::uint32_t v = 0; v < 3; ++v) block.corners[v][block.count] = corner[v];
+  block.triangles[block.count++] = id;
+  block.vertex_count = vertices;
+  return true;
+}
+
+void write_vertices(const TriangleMesh& mesh, const LeafBlock& block, std::byte* at) {
+  const std::uint32_t row = BlockHeader::padded_vertices(block.vertex_count);
+  const auto vertex = [&](std::uint32_t i) { return block.vertices[std::min(i, block.vertex_count - 1)]; };
+  if (triangle_block_kind(level_of(block.form.segments)) == BlockKind::kIndexed) {
+    auto* indices = reinterpret_cast<std::uint32_t*>(at);
+    for (std::uint32_t i = 0; i < row; ++i) indices[i] = vertex(i);
+    return;
+  }
+  auto* out = reinterpret_cast<float*>(at);
+  for (std::uint32_t c = 0; c < block.form.controls(); ++c, out += 3 * row) {
+    const Vec3f* positions = mesh.control_positions(c);
+    for (std::uint32_t i = 0; i < row; ++i) {
+      const Vec3f& p = positions[vertex(i)];
+      for (int axis = 0; axis < 3; ++axis) out[axis * static_cast<int>(row) + static_cast<int>(i)] = p[axis];
+    }
+  }
+}
+
+}  // namespace
+
+void sort_leaf(const Primitives& primitives, std::span<Reference> leaf) {
+  const auto order = [&](const Reference& r) {
+    const TrackForm form = form_of(primitives, r);
+    return std::tuple(form.segments, form.degree, r.mesh(), r.index);
+  };
+  std::sort(leaf.begin(), leaf.end(),
+            [&](const Reference& a, const Reference& b) { return order(a) < order(b); });
+}
+
+LeafBlock first_block(const Primitives& primitives, std::span<const Reference> leaf) {
+  const Reference& first = leaf.front();
+  LeafBlock block;
+  block.is_instance = first.is_instance();
+  block.owner = block.is_instance ? first.index : first.mesh();
+  block.form = form_of(primitives, first);
+  block.references = 1;
+  if (block.is_instance) return block;
+  const TriangleMesh& mesh = *primitives.meshes[block.owner];
+  add_triangle(mesh, first.index, block);
+  for (const Reference& r : leaf.subspan(1)) {
+    if (r.is_instance() || r.mesh() != block.owner || !add_triangle(mesh, r.index, block)) break;
+    ++block.references;
+  }
+  return block;
+}
+
+void write_block(const Primitives& primitives, const LeafBlock& block, bool last, std::byte* at) {
+  std::memset(at, 0, block.bytes());  // no byte is left to chance
+  BlockHeader& header = *new (at) BlockHeader{};
+  header.kind =
+      block.is_instance ? BlockKind::kInstance : triangle_block_kind(level_of(block.form.segments));
+  header.form_code = FormCode::of(block.form);
+  header.count = static_cast<std::uint8_t>(block.count);
+  header.vertex_count = static_cast<std::uint8_t>(block.vertex_count);
+  header.last = last;
+  header.owner = block.owner;
+  header.units = static_cast<std::uint32_t>(block.bytes() / kUnit);
+  if (block.is_instance) return;
+  auto* ids = reinterpret_cast<std::uint32_t*>(at + sizeof(BlockHeader));
+  auto* corners = reinterpret_cast<std::uint8_t*>(ids + header.lanes());
+  for (std::uint32_t i = 0; i < header.lanes(); ++i) {
+    const std::uint32_t lane = i < block.count ? i : 0;
+    ids[i] = block.triangles[lane];
+    for (std::uint32_t v = 0; v < 3; ++v) corners[v * header.lanes() + i] = block.corners[v][lane];
+  }
+  write_vertices(*primitives.meshes[block.owner], block, at + BlockHeader::fixed_bytes(block.count));
+}
+
+}  // namespace msbvh

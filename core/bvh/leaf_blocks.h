@@ -1,0 +1,41 @@
+// The blocks of a leaf: which of its references share one, and their bytes (core/bvh/layout.h).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/build/reference.h"
+#include "core/bvh/layout.h"
+
+namespace msbvh {
+
+// What goes into one block: an instance, or up to kBlockWidth triangles of one mesh that have up to
+// kBlockVertices vertices between them.
+struct LeafBlock {
+  std::uint32_t owner;  // mesh or instance id
+  bool is_instance;
+  TrackForm form;
+  std::size_t references;  // how many of the leaf's it takes
+  std::uint32_t count = 0, vertex_count = 0;
+  std::array<std::uint32_t, kBlockWidth> triangles;
+  std::array<std::array<std::uint8_t, kBlockWidth>, 3> corners;
+  std::array<std::uint32_t, kBlockVertices> vertices;  // in the mesh
+
+  std::size_t bytes() const {
+    return is_instance ? sizeof(BlockHeader) : triangle_block_bytes(form, count, vertex_count);
+  }
+};
+
+// Brings a leaf's references into the order in which first_block() takes them.
+void sort_leaf(const Primitives& primitives, std::span<Reference> leaf);
+
+// The block that the first of the sorted references go into; leaf must not be empty. Two fragments of one
+// triangle that meet again in a leaf share an entry.
+LeafBlock first_block(const Primitives& primitives, std::span<const Reference> leaf);
+
+// Writes block.bytes() bytes.
+void write_block(const Primitives& primitives, const LeafBlock& block, bool last, std::byte* at);
+
+}  // namespace msbvh

@@ -1,0 +1,218 @@
+// Many rays at once: kSlots of them take turns, one node or one leaf each.
+//
+// A ray on its own waits: for the child's address, for the cache line behind it, and for the processor to
+// guess again where it guessed wrong which child comes next. Here the next box of a ray is fetched while the
+// others have their turns, and what would be a guess is made arithmetic: a node's children always go onto the
+// stack and the next place is always popped from it; rays at nodes and rays at leaves stand in two queues.
+// Rays need not be coherent. Same tests, same order, same hits as core/trace/traverse-inl.h.
+
+#if defined(MSBVH_STREAM_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef MSBVH_STREAM_INL_H
+#undef MSBVH_STREAM_INL_H
+#else
+#define MSBVH_STREAM_INL_H
+#endif
+
+#include <cstddef>
+#include <hwy/highway.h>
+#include <memory>
+
+#include "core/trace/traverse-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace msbvh::HWY_NAMESPACE {
+
+template <Movement kMovement, bool kInstanced, bool kAnyHit>
+class Stream {
+ public:
+  using Setup = RaySetup<kMovement>;
+#ifndef KSLOTS
+#define KSLOTS 16
+#endif
+  static constexpr std::size_t kSlots = KSLOTS;
+
+  // `finish(ray index, query)` takes the answers, in any order.
+  template <typename Finish>
+  void run(const Bvh& world, const Ray* rays, std::size_t count, const Finish& finish) {
+    world_ = &world;
+    rays_ = rays;
+    count_ = count;
+    next_ray_ = 0;
+    std::size_t nodes = 0, leaves = 0;
+    const auto enqueue = [&](Slot* slot) {
+      nodes_[nodes] = slot;
+      leaves_[leaves] = slot;
+      const bool leaf = slot->at.ref.is_leaf();
+      nodes += !leaf;
+      leaves += leaf;
+      prefetch(*slot);
+    };
+    const auto done = [&](Slot* slot) {
+      finish(slot->index, slot->query);
+      if (next_ray_ == count_) return;
+      start(*slot);
+      enqueue(slot);
+    };
+    for (std::size_t i = 0; i < kSlots && next_ray_ < count_; ++i) {
+      start(slots_[i]);
+      enqueue(&slots_[i]);
+    }
+    while (nodes + leaves > 0) {
+      // A slot is put back only at or before its place in the queue that is being read.
+      const std::size_t at_nodes = nodes;
+      nodes = 0;
+      for (std::size_t i = 0; i < at_nodes; ++i) {
+        Slot* slot = nodes_[i];
+        step_node(*slot);
+        next(*slot) ? enqueue(slot) : done(slot);
+      }
+      const std::size_t at_leaves = leaves;
+      leaves = 0;
+      for (std::size_t i = 0; i < at_leaves; ++i) {
+        Slot* slot = leaves_[i];
+        step_leaf(*slot) ? enqueue(slot) : done(slot);
+      }
+    }
+  }
+
+ private:
+  static constexpr bool kMoving = kMovement != Movement::kStill;
+
+  struct Slot {
+    Setup setup[kInstanced ? 2 : 1];  // in the world, and in an instance's object
+    Query query{0.0f};
+    const Ray* ray;
+    std::size_t index;
+    // Of the tree that the ray is in.
+    const Bvh* bvh;
+    const Setup* in;
+    Frame* base;
+    std::uint32_t instance;
+    Place at;
+    Frame* top;
+    Frame stack[2 * kMaxDepth + 2];
+  };
+
+  void start(Slot& slot) {
+    slot.index = next_ray_++;
+    slot.ray = &rays_[slot.index];
+    slot.query = Query(slot.ray->tfar);
+    slot.setup[0] = Setup(*slot.ray, world_->max_level);
+    slot.top = slot.stack;
+    enter(slot, *world_, 0, kNoInstance);
+  }
+
+  static void enter(Slot& slot, const Bvh& bvh, std::size_t setup, std::uint32_t instance) {
+    slot.bvh = &bvh;
+    slot.in = &slot.setup[setup];
+    slot.base = slot.top;
+    slot.instance = instance;
+    slot.at = {bvh.root, bvh.root_form_code};
+  }
+
+  HWY_INLINE static void step_node(Slot& slot) {
+    const NodeHeader& node = slot.bvh->node(slot.at.ref);
+    std::uint32_t hits;
+    const ChildKeys keys = test_node<kMovement>(node, slot.at.form, *slot.in, slot.query.tfar, hits);
+    keys.store(slot.top->keys);
+    slot.top->node = &node;
+    slot.top->left = static_cast<std::uint32_t>(std::popcount(hits));
+    slot.top += hits != 0;
+  }
+
+  // Goes to the nearest child of the topmost frame. False: the ray is done.
+  HWY_INLINE bool next(Slot& slot) const {
+    for (;;) {
+      if (slot.top == slot.base) {
+        if (!kInstanced || slot.instance == kNoInstance) return false;
+        // Back from an instance. Its frames are gone, the world's are below.
+        slot.bvh = world_;
+        slot.in = &slot.setup[0];
+        slot.base = slot.stack;
+        slot.instance = kNoInstance;
+        continue;
+      }
+      Frame& frame = slot.top[-1];
+      const ChildKey key = ChildKeys::load(frame.keys).take_nearest(frame.keys);
+      if (distance_of(key) > slot.query.tfar) {
+        --slot.top;
+        continue;
+      }
+      slot.at = child_of(*frame.node, ChildKeys::slot(key));
+      slot.top -= --frame.left == 0;
+      return true;
+    }
+  }
+
+  // False: the ray is done.
+  HWY_INLINE bool step_leaf(Slot& slot) const {
+    const BlockHeader* block = &slot.bvh->block(slot.at.ref);
+    if (kInstanced && block->kind == BlockKind::kInstance) {  // alone in its leaf
+      if (enter_instance(slot, block->owner)) return true;
+      return next(slot);
+    }
+    for (;; block = next_block(block)) {
+      test_triangles<kMovement, kAnyHit>(*slot.bvh, *block, *slot.in, slot.instance, slot.query);
+      if (kAnyHit && slot.query.found) return false;
+      if (block->last) break;
+    }
+    return next(slot);
+  }
+
+  // False: there is nothing to hit.
+  bool enter_instance(Slot& slot, std::uint32_t id) const {
+    const Instance& instance = world_->instances[id];
+    Ray local = *slot.ray;
+    if (!to_object<kMovement>(*world_, instance, local)) return false;
+    slot.setup[kInstanced ? 1 : 0] = Setup(local, instance.object->max_level);
+    enter(slot, *instance.object, kInstanced ? 1 : 0, id);
+    return true;
+  }
+
+  // The header and what the ray will read of a node, or the first lines of a leaf, without a guess which.
+  HWY_INLINE static void prefetch(const Slot& slot) {
+    const std::byte* p = slot.bvh->arena.data() + slot.at.ref.offset();
+    __builtin_prefetch(p);
+    const std::size_t key = slot.in->at_level[slot.at.form.level()].key;
+    const std::size_t degree = kMovement == Movement::kPolynomial ? slot.at.form.degree() : 1;
+    p += sizeof(NodeHeader) + (slot.at.ref.is_leaf() ? 0 : key * degree * sizeof(NodeBounds));
+    for (std::size_t line = 0; line < (kMoving ? 6 : 3); ++line) __builtin_prefetch(p + 64 * line);
+  }
+
+  const Bvh* world_ = nullptr;
+  const Ray* rays_ = nullptr;
+  std::size_t count_ = 0, next_ray_ = 0;
+  Slot* nodes_[kSlots + 1];
+  Slot* leaves_[kSlots + 1];
+  Slot slots_[kSlots];
+};
+
+// Streams are large, a few kilobytes a ray: one of each kind a thread, made when first asked for.
+template <Movement kMovement, bool kInstanced, bool kAnyHit>
+Stream<kMovement, kInstanced, kAnyHit>& thread_stream() {
+  using S = Stream<kMovement, kInstanced, kAnyHit>;
+  static thread_local const std::unique_ptr<S> stream = std::make_unique<S>();
+  return *stream;
+}
+
+template <Movement kMovement, bool kInstanced>
+void intersect_many(const Bvh& bvh, const Ray* rays, std::size_t count, Hit* hits) {
+  for (std::size_t i = 0; bvh.empty && i < count; ++i) hits[i] = Hit{};
+  if (bvh.empty) return;
+  thread_stream<kMovement, kInstanced, false>().run(bvh, rays, count, [&](std::size_t i, const Query& query) {
+    hits[i] = query.found ? query.hit : Hit{};
+  });
+}
+
+template <Movement kMovement, bool kInstanced>
+void occluded_many(const Bvh& bvh, const Ray* rays, std::size_t count, bool* occluded) {
+  for (std::size_t i = 0; bvh.empty && i < count; ++i) occluded[i] = false;
+  if (bvh.empty) return;
+  thread_stream<kMovement, kInstanced, true>().run(
+      bvh, rays, count, [&](std::size_t i, const Query& query) { occluded[i] = query.found; });
+}
+
+}  // namespace msbvh::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

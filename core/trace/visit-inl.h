@@ -1,0 +1,106 @@
+// What both ways of walking a tree share, one ray (core/trace/traverse-inl.h) and many by turns
+// (core/trace/stream-inl.h): places in a tree, the stack's frames, leaves, the step into an instance.
+
+#if defined(MSBVH_VISIT_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef MSBVH_VISIT_INL_H
+#undef MSBVH_VISIT_INL_H
+#else
+#define MSBVH_VISIT_INL_H
+#endif
+
+#include <bit>
+#include <hwy/highway.h>
+
+#include "core/base/affine.h"
+#include "core/trace/node_test-inl.h"
+#include "core/trace/triangle_test-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace msbvh::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+struct Query {
+  explicit Query(float farthest) : tfar(farthest) {}
+  float tfar;  // of the closest hit so far
+  bool found = false;
+  Hit hit;
+};
+
+// A child, and how it moves.
+struct Place {
+  ChildRef ref;
+  FormCode form;
+};
+HWY_INLINE Place child_of(const NodeHeader& node, std::uint32_t slot) {
+  return {node.child[slot], node.child_form[slot]};
+}
+
+// The children of a node that are still to be visited.
+struct alignas(64) Frame {
+  ChildKey keys[kWidth];
+  const NodeHeader* node;
+  std::uint32_t left;  // how many of the keys are not kNoChild; or, where any hit will do, a bit for each child
+};
+
+// At equal distance, the one with the lowest ids: the answer does not depend on the shape of the tree.
+HWY_INLINE bool closer(const Hit& a, const Hit& b) {
+  if (a.t != b.t) return a.t < b.t;
+  if (a.instance != b.instance) return a.instance < b.instance;
+  return a.mesh != b.mesh ? a.mesh < b.mesh : a.triangle < b.triangle;
+}
+
+template <Movement kMovement, bool kAnyHit>
+HWY_INLINE void test_triangles(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& setup,
+                               std::uint32_t instance, Query& query) {
+  BlockHit hit;
+  test_block<kMovement>(bvh, block, setup, query.tfar, hit);
+  if (kAnyHit) {
+    query.found |= hit.lanes != 0;
+    return;
+  }
+  for (std::uint32_t lanes = hit.lanes; lanes != 0; lanes &= lanes - 1) {
+    const int i = std::countr_zero(lanes);
+    const Hit candidate{hit.t[i], hit.u[i], hit.v[i], block.triangles()[i], block.owner, instance};
+    if (query.found && !closer(candidate, query.hit)) continue;
+    query.found = true;
+    query.hit = candidate;
+    query.tfar = candidate.t;
+  }
+}
+
+// The ray in an instance's own space and time: matrix elements interpolated in single precision, inverted and
+// applied in double. The parameter t keeps its meaning. False where there is nothing to hit: the map is
+// singular at this time, or the instance or its object not there.
+template <Movement kMovement>
+bool to_object(const Bvh& bvh, const Instance& instance, Ray& ray) {
+  constexpr bool kMoving = kMovement != Movement::kStill;
+  if (instance.object->empty) return false;
+  const D4 d;
+  const Affine3f* controls = bvh.controls_of(instance);
+  Affine3f map = *controls;
+  float u = clamped_time(ray.time);
+  if (kMoving && !instance.object->clock.is_shutter() && !instance.object->clock.at(u, ray.time)) return false;
+  if (kMoving && instance.clock != kNoClock && !bvh.clocks[instance.clock].at(u, u)) return false;
+  if (kMoving && instance.form.moving()) {
+    const std::uint32_t degree = kMovement == Movement::kPolynomial ? instance.form.degree : 1;
+    const SegmentTime at = locate(u, instance.form.segments);
+    const Affine3f* first = controls + at.key * degree;
+    const Weights<D4> w(d, at.w);
+    static_assert(sizeof(Affine3f) == 12 * sizeof(float));
+    for (int i = 0; i < 12; i += 4) {
+      const auto control = [&](std::uint32_t c) { return hn::LoadU(d, &first[c].x.x + i); };
+      hn::StoreU(simd_bezier(control, degree, w), d, &map.x.x + i);
+    }
+  }
+  const Affine3d world_from_object(map);
+  if (world_from_object.determinant() == 0.0) return false;
+  const Affine3d object_from_world = inverse(world_from_object);
+  ray.org = Vec3f(object_from_world.point(Vec3d(ray.org)));
+  ray.dir = Vec3f(object_from_world.vector(Vec3d(ray.dir)));
+  return true;
+}
+
+}  // namespace msbvh::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
