@@ -1,6 +1,5 @@
 #include "bench/sides.h"
 
-#include <cstdlib>
 #include <limits>
 
 #include "core/base/parallel.h"
@@ -20,27 +19,17 @@ void OurSide::build(unsigned) {
   tracer_.emplace(trees_->world());
 }
 
+// As a renderer that has many rays at hand asks.
 void OurSide::trace(RayKind kind, const Ray* rays, std::size_t count, float* t) const {
-  if (std::getenv("MANY")) {
-    std::vector<Hit> hits(count);
-    if (kind == RayKind::kShadow) {
-      std::unique_ptr<bool[]> occluded(new bool[count]);
-      tracer_->occluded({rays, count}, occluded.get());
-      for (std::size_t i = 0; i < count; ++i) t[i] = occluded[i] ? 0.0f : kInfinity;
-      return;
-    }
-    tracer_->intersect({rays, count}, hits.data());
-    for (std::size_t i = 0; i < count; ++i) t[i] = hits[i].found() ? hits[i].t : kInfinity;
+  if (kind == RayKind::kShadow) {
+    const auto occluded = std::make_unique<bool[]>(count);
+    tracer_->occluded({rays, count}, occluded.get());
+    for (std::size_t i = 0; i < count; ++i) t[i] = occluded[i] ? 0.0f : kInfinity;
     return;
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (kind == RayKind::kShadow) {
-      t[i] = tracer_->occluded(rays[i]) ? 0.0f : kInfinity;
-    } else {
-      Hit hit;
-      t[i] = tracer_->intersect(rays[i], hit) ? hit.t : kInfinity;
-    }
-  }
+  std::vector<Hit> hits(count);
+  tracer_->intersect({rays, count}, hits.data());
+  for (std::size_t i = 0; i < count; ++i) t[i] = hits[i].found() ? hits[i].t : kInfinity;
 }
 
 void trace_all(const Side& side, RayKind kind, const std::vector<Ray>& rays, std::vector<float>& t) {

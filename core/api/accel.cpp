@@ -94,6 +94,10 @@ void Accel::commit(const BuildSettings& settings) {
 
 bool Accel::intersect(const Ray& ray, Hit& hit) const { return data_->tracer->intersect(ray, hit); }
 bool Accel::occluded(const Ray& ray) const { return data_->tracer->occluded(ray); }
+void Accel::intersect(std::span<const Ray> rays, Hit* hits) const { data_->tracer->intersect(rays, hits); }
+void Accel::occluded(std::span<const Ray> rays, bool* occluded) const {
+  data_->tracer->occluded(rays, occluded);
+}
 
 const Bvh& Accel::bvh() const { return data_->committed(); }
 const BvhStatistics& Accel::statistics() const { return bvh().statistics; }

@@ -53,6 +53,9 @@ class Accel {
   // counting.
   bool intersect(const Ray& ray, Hit& hit) const;
   bool occluded(const Ray& ray) const;
+  // The same for many rays, coherent or not: faster from some dozens of rays on. As many hits as rays.
+  void intersect(std::span<const Ray> rays, Hit* hits) const;
+  void occluded(std::span<const Ray> rays, bool* occluded) const;
 
   const Bvh& bvh() const;
   const BvhStatistics& statistics() const;

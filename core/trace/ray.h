@@ -29,6 +29,7 @@ struct Hit {
   std::uint32_t instance = kNoInstance;  // id in the outer Accel, kNoInstance for a mesh in it directly
 
   bool found() const { return triangle != kNoTriangle; }
+  bool operator==(const Hit&) const = default;
 };
 
 }  // namespace msbvh

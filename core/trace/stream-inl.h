@@ -13,6 +13,10 @@
 #define MSBVH_STREAM_INL_H
 #endif
 
+#ifndef KSLOTS
+#define KSLOTS 16
+#endif
+#include <bit>
 #include <cstddef>
 #include <hwy/highway.h>
 #include <memory>
@@ -26,9 +30,8 @@ template <Movement kMovement, bool kInstanced, bool kAnyHit>
 class Stream {
  public:
   using Setup = RaySetup<kMovement>;
-#ifndef KSLOTS
-#define KSLOTS 16
-#endif
+  // Enough that a line from memory is there when its ray's turn comes; few enough that their stacks' tops stay
+  // in the first cache.
   static constexpr std::size_t kSlots = KSLOTS;
 
   // `finish(ray index, query)` takes the answers, in any order.
@@ -96,8 +99,9 @@ class Stream {
   void start(Slot& slot) {
     slot.index = next_ray_++;
     slot.ray = &rays_[slot.index];
-    slot.query = Query(slot.ray->tfar);
-    slot.setup[0] = Setup(*slot.ray, world_->max_level);
+    slot.query.tfar = slot.ray->tfar;
+    slot.query.found = false;
+    std::construct_at(&slot.setup[0], *slot.ray, world_->max_level);  // in place: no copy waits for its stores
     slot.top = slot.stack;
     enter(slot, *world_, 0, kNoInstance);
   }
@@ -114,13 +118,14 @@ class Stream {
     const NodeHeader& node = slot.bvh->node(slot.at.ref);
     std::uint32_t hits;
     const ChildKeys keys = test_node<kMovement>(node, slot.at.form, *slot.in, slot.query.tfar, hits);
-    keys.store(slot.top->keys);
+    if (!kAnyHit) keys.store(slot.top->keys);
     slot.top->node = &node;
-    slot.top->left = static_cast<std::uint32_t>(std::popcount(hits));
+    slot.top->left = kAnyHit ? hits : static_cast<std::uint32_t>(std::popcount(hits));
     slot.top += hits != 0;
   }
 
-  // Goes to the nearest child of the topmost frame. False: the ray is done.
+  // Goes to the nearest child of the topmost frame, or to the first one where any hit will do. False: the ray
+  // is done.
   HWY_INLINE bool next(Slot& slot) const {
     for (;;) {
       if (slot.top == slot.base) {
@@ -133,6 +138,12 @@ class Stream {
         continue;
       }
       Frame& frame = slot.top[-1];
+      if constexpr (kAnyHit) {
+        slot.at = child_of(*frame.node, static_cast<std::uint32_t>(std::countr_zero(frame.left)));
+        frame.left &= frame.left - 1;
+        slot.top -= frame.left == 0;
+        return true;
+      }
       const ChildKey key = ChildKeys::load(frame.keys).take_nearest(frame.keys);
       if (distance_of(key) > slot.query.tfar) {
         --slot.top;
@@ -164,7 +175,7 @@ class Stream {
     const Instance& instance = world_->instances[id];
     Ray local = *slot.ray;
     if (!to_object<kMovement>(*world_, instance, local)) return false;
-    slot.setup[kInstanced ? 1 : 0] = Setup(local, instance.object->max_level);
+    std::construct_at(&slot.setup[kInstanced ? 1 : 0], local, instance.object->max_level);
     enter(slot, *instance.object, kInstanced ? 1 : 0, id);
     return true;
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <doctest/doctest.h>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -21,16 +22,33 @@ inline Accel accel_of(std::vector<TriangleMesh> meshes, Builder builder = Builde
   return accel;
 }
 
+// Many rays at once have the very hits that they have one by one.
+inline void check_many(const Tracer& tracer, const std::vector<Ray>& rays) {
+  std::vector<Hit> hits(rays.size());
+  const auto occluded = std::make_unique<bool[]>(rays.size());
+  tracer.intersect(rays, hits.data());
+  tracer.occluded(rays, occluded.get());
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    CAPTURE(i);
+    Hit hit;
+    CHECK(tracer.intersect(rays[i], hit) == hits[i].found());
+    CHECK(hit == hits[i]);
+    CHECK(tracer.occluded(rays[i]) == occluded[i]);
+  }
+}
+
 // Each ray on each instruction set, closest and any hit, against the double-precision brute force.
 inline void check_against_oracle(const Accel& accel, const Vec3f& centre, float radius, int rays,
                                  std::uint64_t seed) {
+  std::vector<Ray> all;
+  procedural::Random random(seed);
+  for (int i = 0; i < rays; ++i) all.push_back(procedural::random_ray(random, centre, radius));
   for (const InstructionSet set : supported_instruction_sets()) {
     CAPTURE(instruction_set_name(set));
     const Tracer tracer(accel.bvh(), set);
-    procedural::Random random(seed);
     int hits = 0;
     for (int i = 0; i < rays; ++i) {
-      const Ray ray = procedural::random_ray(random, centre, radius);
+      const Ray& ray = all[static_cast<std::size_t>(i)];
       Hit hit;
       const bool found = tracer.intersect(ray, hit);
       hits += found;
@@ -41,6 +59,7 @@ inline void check_against_oracle(const Accel& accel, const Vec3f& centre, float 
       CHECK_MESSAGE(!wrong_shadow, wrong_shadow.value_or(""));
     }
     CHECK(hits > rays / 50);  // the rays do test something
+    check_many(tracer, all);
   }
 }
 
