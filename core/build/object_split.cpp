@@ -1,110 +1,125 @@
 #include "core/build/object_split.h"
 
 #include <array>
-#include <vector>
 
-#include "core/base/parallel.h"
+#include "core/build/reduce.h"
 
 namespace msbvh {
 namespace {
 
 // Above this, a set is looked at in parallel, in chunks of this size.
-constexpr std::size_t kChunk = 32768;
+constexpr std::size_t kChunk = 16384;
 
 struct Bins {
-  std::array<std::array<Box3f, ObjectBinning::kBins>, 3> box;
-  std::array<std::array<std::uint32_t, ObjectBinning::kBins>, 3> count{};
+  // Not boxes, whose constructor would fill all of them: only the bins in use are ever looked at.
+  __m128 lo[ObjectBinning::kMaxBins][3], hi[ObjectBinning::kMaxBins][3];
+  // One lane an axis; lane 3 is unused.
+  alignas(16) std::uint32_t count[ObjectBinning::kMaxBins][4];
 
+  explicit Bins(int bins) {
+    const Box4 none;
+    for (int b = 0; b < bins; ++b) {
+      for (int axis = 0; axis < 3; ++axis) lo[b][axis] = none.lo, hi[b][axis] = none.hi;
+      _mm_store_si128(reinterpret_cast<__m128i*>(count[b]), _mm_setzero_si128());
+    }
+  }
+  Box4 box(int bin, int axis) const { return {lo[bin][axis], hi[bin][axis]}; }
+  void grow(int bin, int axis, const Box4& b) {
+    lo[bin][axis] = _mm_min_ps(lo[bin][axis], b.lo);
+    hi[bin][axis] = _mm_max_ps(hi[bin][axis], b.hi);
+  }
   void add(std::span<const Reference> references, const ObjectBinning& binning) {
     for (const Reference& r : references) {
+      const Box4 b(r.box);
+      alignas(16) std::int32_t bin[4];
+      _mm_store_si128(reinterpret_cast<__m128i*>(bin), binning.bins_of(b));
       for (int axis = 0; axis < 3; ++axis) {
-        const int b = binning.bin(r.box, axis);
-        box[axis][b].grow(r.box);
-        ++count[axis][b];
+        grow(bin[axis], axis, b);
+        ++count[bin[axis]][axis];
       }
     }
   }
-  void add(const Bins& other) {
-    for (int axis = 0; axis < 3; ++axis) {
-      for (int b = 0; b < ObjectBinning::kBins; ++b) {
-        box[axis][b].grow(other.box[axis][b]);
-        count[axis][b] += other.count[axis][b];
+  void add(const Bins& other, int bins) {
+    for (int b = 0; b < bins; ++b) {
+      for (int axis = 0; axis < 3; ++axis) {
+        grow(b, axis, other.box(b, axis));
+        count[b][axis] += other.count[b][axis];
       }
     }
   }
+  __m128i counts(int bin) const { return _mm_load_si128(reinterpret_cast<const __m128i*>(count[bin])); }
 };
 
-// Reduces over fixed chunks, in order: the same result for any number of threads.
-template <typename T, typename Add>
-T reduce(std::span<const Reference> references, const Add& add) {
-  std::vector<T> parts((references.size() + kChunk - 1) / kChunk);
-  parallel_for_ranges(references.size(), kChunk, [&](std::size_t begin, std::size_t end) {
-    add(parts[begin / kChunk], references.subspan(begin, end - begin));
-  });
-  return parts.empty() ? T{} : [&] {
-    T all = parts[0];
-    for (std::size_t i = 1; i < parts.size(); ++i) all.add(parts[i]);
-    return all;
-  }();
-}
+// Boxes that grow bin by bin, one an axis, and the cost of what is in them.
+struct Side {
+  Box4 box[3];
+  __m128i count = _mm_setzero_si128();
 
-struct SetBoundsSum : SetBounds {
-  void add(const SetBoundsSum& other) {
-    box.grow(other.box);
-    centres.grow(other.centres);
+  void grow(const Bins& bins, int bin) {
+    for (int axis = 0; axis < 3; ++axis) box[axis].grow(bins.box(bin, axis));
+    count = _mm_add_epi32(count, bins.counts(bin));
   }
+  __m128 costs() const { return _mm_mul_ps(half_areas(box[0], box[1], box[2]), block_counts(count)); }
+  __m128 none() const { return _mm_castsi128_ps(_mm_cmpeq_epi32(count, _mm_setzero_si128())); }
 };
 
-void sweep(const Bins& bins, int axis, ObjectSplit& best) {
-  constexpr int kBins = ObjectBinning::kBins;
-  std::array<Box3f, kBins> right_box;
-  std::array<std::uint32_t, kBins> right_count{};
-  Box3f box;
-  std::uint32_t count = 0;
-  for (int b = kBins - 1; b > 0; --b) {
-    box.grow(bins.box[axis][b]);
-    right_box[b] = box;
-    right_count[b] = count += bins.count[axis][b];
+// All three axes at once, one a lane.
+ObjectSplit sweep(const Bins& bins, int bin_count) {
+  const __m128 infinity = _mm_set1_ps(std::numeric_limits<float>::infinity());
+  __m128 right_cost[ObjectBinning::kMaxBins];
+  Side side;
+  for (int b = bin_count - 1; b > 0; --b) {
+    side.grow(bins, b);
+    right_cost[b] = select4(side.none(), infinity, side.costs());
   }
-  box = {};
-  count = 0;
-  for (int b = 1; b < kBins; ++b) {
-    box.grow(bins.box[axis][b - 1]);
-    count += bins.count[axis][b - 1];
-    if (count == 0 || right_count[b] == 0) continue;
-    const float cost =
-        half_area(box) * block_count(count) + half_area(right_box[b]) * block_count(right_count[b]);
-    if (cost < best.cost) best = {cost, axis, b, box, right_box[b]};
+  side = {};
+  __m128 best = infinity;
+  __m128i best_bin = _mm_setzero_si128();
+  for (int b = 1; b < bin_count; ++b) {
+    side.grow(bins, b - 1);
+    const __m128 cost = _mm_add_ps(select4(side.none(), infinity, side.costs()), right_cost[b]);
+    const __m128 better = _mm_cmplt_ps(cost, best);
+    best = select4(better, cost, best);
+    best_bin =
+        _mm_castps_si128(select4(better, _mm_castsi128_ps(_mm_set1_epi32(b)), _mm_castsi128_ps(best_bin)));
   }
+  alignas(16) float costs[4];
+  alignas(16) std::int32_t first_right[4];
+  _mm_store_ps(costs, best);
+  _mm_store_si128(reinterpret_cast<__m128i*>(first_right), best_bin);
+  ObjectSplit split;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (costs[axis] < split.cost) split = {costs[axis], axis, first_right[axis], {}, {}};
+  }
+  return split;
 }
 
 }  // namespace
 
-SetBounds bounds_of(std::span<const Reference> references) {
-  return reduce<SetBoundsSum>(references, [](SetBoundsSum& sum, std::span<const Reference> part) {
-    for (const Reference& r : part) {
-      sum.box.grow(r.box);
-      sum.centres.grow(r.box.lo * 0.5f + r.box.hi * 0.5f);
-    }
-  });
-}
-
-ObjectBinning::ObjectBinning(const Box3f& centres) : lo(centres.lo) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const float extent = centres.hi[axis] - centres.lo[axis];
-    scale[axis] = extent > 0.0f ? 0.9999f * static_cast<float>(kBins) / extent : 0.0f;
-    if (!std::isfinite(scale[axis])) scale[axis] = 0.0f;  // denormal extent: as good as none
-  }
+ObjectBinning::ObjectBinning(const SetBounds& bounds, std::size_t references)
+    : lo_(bounds.sums.lo), bins_(static_cast<int>(std::min<std::size_t>(kMaxBins, 4 + references / 8))) {
+  last_ = _mm_set1_ps(static_cast<float>(bins_ - 1));
+  const __m128 extent = _mm_sub_ps(bounds.sums.hi, lo_);
+  const __m128 scale = _mm_div_ps(_mm_set1_ps(0.9999f * static_cast<float>(bins_)), extent);
+  // A denormal extent is as good as none: its scale is infinite.
+  const __m128 usable = _mm_and_ps(_mm_cmpgt_ps(extent, _mm_setzero_ps()),
+                                   _mm_cmplt_ps(scale, _mm_set1_ps(std::numeric_limits<float>::infinity())));
+  scale_ = _mm_and_ps(usable, scale);
 }
 
 ObjectSplit find_object_split(std::span<const Reference> references, const ObjectBinning& binning) {
-  const Bins bins =
-      reduce<Bins>(references, [&](Bins& sum, std::span<const Reference> part) { sum.add(part, binning); });
-  ObjectSplit best;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (binning.scale[axis] > 0.0f) sweep(bins, axis, best);
+  const int count = binning.bins();
+  const Bins bins = reduce_in_chunks<Bins>(
+      references.size(), kChunk, [&] { return Bins(count); },
+      [&](Bins& sum, std::size_t begin, std::size_t end) {
+        sum.add(references.subspan(begin, end - begin), binning);
+      },
+      [&](Bins& sum, const Bins& part) { sum.add(part, count); });
+  ObjectSplit split = sweep(bins, count);
+  for (int b = 0; b < count; ++b) {
+    (b < split.first_right_bin ? split.left : split.right).grow(bins.box(b, split.axis));
   }
-  return best;
+  return split;
 }
 
 }  // namespace msbvh
