@@ -44,6 +44,12 @@ struct Box4 {
   __m128 sum() const { return _mm_add_ps(lo, hi); }
   bool empty() const { return (_mm_movemask_ps(_mm_cmpgt_ps(lo, hi)) & 7) != 0; }
 
+  void store(Box3f& box) const {
+    float* p = reinterpret_cast<float*>(&box);
+    const __m128 zx = _mm_shuffle_ps(lo, hi, _MM_SHUFFLE(0, 0, 2, 2));
+    _mm_storeu_ps(p, lo);
+    _mm_storeu_ps(p + 2, _mm_shuffle_ps(zx, hi, _MM_SHUFFLE(2, 1, 2, 0)));
+  }
   Box3f box() const {
     alignas(16) float l[4], h[4];
     _mm_store_ps(l, lo);

@@ -23,23 +23,44 @@ namespace detail {
 // Sets from this size on are sorted in parallel, in chunks of this size.
 inline constexpr std::size_t kPartitionChunk = 32768;
 
+// Grows one of two bounds without a branch: a minimum with what is not a number is the other operand.
+class HalfBounds {
+ public:
+  void grow(const Box4& box, bool left) {
+    const __m128 in_left = _mm_castsi128_ps(_mm_set1_epi32(-static_cast<int>(left)));
+    const __m128 in_right = _mm_castsi128_ps(_mm_set1_epi32(static_cast<int>(left) - 1));
+    grow(bounds_[0], box, in_right);
+    grow(bounds_[1], box, in_left);
+  }
+  const SetBounds& operator[](int side) const { return bounds_[side]; }
+
+ private:
+  static void grow(SetBounds& bounds, const Box4& box, __m128 not_this) {
+    const __m128 lo = _mm_or_ps(box.lo, not_this), hi = _mm_or_ps(box.hi, not_this);
+    const __m128 sum = _mm_or_ps(box.sum(), not_this);
+    bounds.box = {_mm_min_ps(lo, bounds.box.lo), _mm_max_ps(hi, bounds.box.hi)};
+    bounds.sums = {_mm_min_ps(sum, bounds.sums.lo), _mm_max_ps(sum, bounds.sums.hi)};
+  }
+
+  SetBounds bounds_[2];
+};
+
 // Lomuto's scheme, without a branch to mispredict: every reference is swapped to the end of the left ones,
-// which then grow by it or not.
+// which then grow by it or not. The box is loaded from where it lies: loads across recent stores stall.
 template <typename Ref, typename IsLeft>
 Halves partition_chunk(std::span<Ref> references, const IsLeft& is_left) {
-  Halves halves;
+  HalfBounds bounds;
   std::size_t left = 0;
   for (std::size_t i = 0; i < references.size(); ++i) {
+    const Box4 box(references[i].box);
     const Ref r = references[i];
-    const Box4 box(r.box);
     const bool is = is_left(box);
     references[i] = references[left];
     references[left] = r;
     left += is;
-    halves.bounds[is ? 0 : 1].grow(box);
+    bounds.grow(box, is);
   }
-  halves.left_count = left;
-  return halves;
+  return {left, {bounds[0], bounds[1]}};
 }
 
 // Where in the set the k-th reference is that its chunk has sorted to the wrong side of `middle`.
