@@ -69,6 +69,12 @@ inline __m128 half_areas(const Box4& a, const Box4& b, const Box4& c) {
   return _mm_add_ps(_mm_mul_ps(x, _mm_add_ps(y, z)), _mm_mul_ps(y, z));
 }
 
-inline float half_area(const Box4& b) { return half_area(b.box()); }
+// 0 for an empty box.
+inline float half_area(const Box4& b) {
+  const __m128 e = _mm_max_ps(_mm_sub_ps(b.hi, b.lo), _mm_setzero_ps());
+  const __m128 p = _mm_mul_ps(e, _mm_shuffle_ps(e, e, _MM_SHUFFLE(3, 0, 2, 1)));
+  const __m128 xz = _mm_add_ss(p, _mm_movehl_ps(p, p));
+  return _mm_cvtss_f32(_mm_add_ss(xz, _mm_shuffle_ps(p, p, _MM_SHUFFLE(1, 1, 1, 1))));
+}
 
 }  // namespace msbvh

@@ -1,6 +1,7 @@
 #include "core/build/spatial_split.h"
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "core/build/clip.h"
@@ -9,35 +10,31 @@
 namespace msbvh {
 namespace {
 
-constexpr int kBins = 16;
+constexpr int kMaxBins = 16;
 constexpr std::size_t kChunk = 4096;  // walking through bins is dear: smaller chunks than for object splits
 
-// Planes between bins, equally spaced over the box of a set; one axis a lane.
-class Planes {
- public:
-  explicit Planes(const Box4& box) : lo_(box.lo) {
-    const __m128 extent = _mm_sub_ps(box.hi, box.lo);
-    const __m128 step = _mm_mul_ps(extent, _mm_set1_ps(1.0f / kBins));
-    per_unit_ = _mm_div_ps(_mm_set1_ps(static_cast<float>(kBins)), extent);
-    _mm_store_ps(lo_of_, lo_);
-    _mm_store_ps(step_, step);
-    // Planes closer than the coordinates' own spacing separate nothing.
-    const __m128 distinct = _mm_and_ps(_mm_cmpgt_ps(_mm_add_ps(box.lo, step), box.lo),
-                                       _mm_cmplt_ps(per_unit_, _mm_set1_ps(1e30f)));
-    usable_ = _mm_movemask_ps(distinct);
-    per_unit_ = _mm_and_ps(distinct, per_unit_);
-  }
-  bool usable(int axis) const { return ((usable_ >> axis) & 1) != 0; }
-  float plane(int axis, int i) const { return lo_of_[axis] + step_[axis] * static_cast<float>(i); }
-  __m128i bins_of(__m128 point) const {
-    const __m128 x = _mm_mul_ps(_mm_sub_ps(point, lo_), per_unit_);
-    return _mm_cvttps_epi32(_mm_min_ps(_mm_max_ps(x, _mm_setzero_ps()), _mm_set1_ps(kBins - 1)));
-  }
+float coordinate(const Vec3f& p, int axis) { return (&p.x)[axis]; }
 
- private:
-  __m128 lo_, per_unit_;
-  alignas(16) float lo_of_[4], step_[4];
-  int usable_;
+int longest_axis(const Box3f& box) {
+  const Vec3f e = box.extent();
+  return e.x >= e.y && e.x >= e.z ? 0 : (e.y >= e.z ? 1 : 2);
+}
+
+// Planes between bins, equally spaced along an axis of a set's box.
+struct Planes {
+  int axis, bins;
+  float lo, step, per_unit, last;
+
+  Planes(const Box3f& box, int axis_, int bins_)
+      : axis(axis_), bins(bins_), lo(coordinate(box.lo, axis)), last(static_cast<float>(bins - 1)) {
+    const float extent = coordinate(box.hi, axis) - lo;
+    step = extent / static_cast<float>(bins);
+    per_unit = static_cast<float>(bins) / extent;
+    // Planes closer than the coordinates' own spacing separate nothing: all is in bin 0 then.
+    if (!(lo + step > lo) || !std::isfinite(per_unit)) per_unit = 0.0f;
+  }
+  float plane(int i) const { return lo + step * static_cast<float>(i); }
+  int bin(float x) const { return static_cast<int>(std::min(std::max((x - lo) * per_unit, 0.0f), last)); }
 };
 
 // A triangle with its corners in order along an axis: where planes across the axis cut it.
@@ -88,78 +85,74 @@ class OrderedTriangle {
   float x_[3];
 };
 
-struct Bins {
-  Box4 box[3][kBins];
-  std::uint32_t enter[3][kBins] = {}, leave[3][kBins] = {};  // references that begin and that end here
+struct SpatialBins {
+  std::array<Box4, kMaxBins> box;
+  std::array<std::uint32_t, kMaxBins> enter{}, leave{};  // references that begin and that end in a bin
 
-  void add(const CentrePose& pose, const Reference& r, const Planes& planes) {
-    const Box4 b(r.box);
-    alignas(16) std::int32_t first[4], last[4];
-    const __m128 half_sum = _mm_mul_ps(b.sum(), _mm_set1_ps(0.5f));
-    _mm_store_si128(reinterpret_cast<__m128i*>(first), planes.bins_of(r.is_instance() ? half_sum : b.lo));
-    _mm_store_si128(reinterpret_cast<__m128i*>(last), planes.bins_of(r.is_instance() ? half_sum : b.hi));
-    for (int axis = 0; axis < 3; ++axis) {
-      ++enter[axis][first[axis]];
-      ++leave[axis][last[axis]];
-      if (first[axis] == last[axis]) {
-        box[axis][first[axis]].grow(b);
-      } else {
-        walk(pose.corners(r), b, axis, first[axis], last[axis], planes);
-      }
-    }
-  }
-  void add(const Bins& other) {
-    for (int axis = 0; axis < 3; ++axis) {
-      for (int b = 0; b < kBins; ++b) {
-        box[axis][b].grow(other.box[axis][b]);
-        enter[axis][b] += other.enter[axis][b];
-        leave[axis][b] += other.leave[axis][b];
-      }
-    }
-  }
-
- private:
-  // The parts of a triangle between planes: their corners are its own, and where the planes cut its edges.
-  void walk(const std::array<const Vec3f*, 3>& corners, const Box4& whole, int axis, int first, int last,
-            const Planes& planes) {
-    const __m128 points[3] = {load4(corners[0]), load4(corners[1]), load4(corners[2])};
-    const OrderedTriangle triangle(points, axis);
-    const Box3f limits = whole.box();
-    const float end = std::min(triangle.hi(), limits.hi[axis]);
-    float x = std::max(triangle.lo(), limits.lo[axis]);
-    Box4 section = triangle.section(x);
-    for (int bin = first; bin <= last; ++bin) {
-      const float next = bin == last ? end : planes.plane(axis, bin + 1);
-      Box4 part = section;
-      section = triangle.section(next);
-      part.grow(section);
-      if (triangle.middle() > x && triangle.middle() < next) part.grow(triangle.middle_corner());
-      part = intersect(part, whole);
-      if (!part.empty()) box[axis][bin].grow(part);
-      x = next;
+  void add(const SpatialBins& other) {
+    for (int b = 0; b < kMaxBins; ++b) {
+      box[b].grow(other.box[b]);
+      enter[b] += other.enter[b];
+      leave[b] += other.leave[b];
     }
   }
 };
 
-void sweep(const Bins& bins, int axis, const Planes& planes, SpatialSplit& best) {
-  float right_cost[kBins];
-  std::size_t right_count[kBins];
+// The parts of a triangle between planes: their corners are its own, and where the planes cut its edges.
+void add_parts(const std::array<const Vec3f*, 3>& corners, const Box3f& box, int first, int last,
+               const Planes& planes, SpatialBins& bins) {
+  const Box4 whole(box);
+  const __m128 points[3] = {load4(corners[0]), load4(corners[1]), load4(corners[2])};
+  const OrderedTriangle triangle(points, planes.axis);
+  const float end = std::min(triangle.hi(), coordinate(box.hi, planes.axis));
+  float x = std::max(triangle.lo(), coordinate(box.lo, planes.axis));
+  Box4 section = triangle.section(x);
+  for (int bin = first; bin <= last; ++bin) {
+    const float next = bin == last ? end : planes.plane(bin + 1);
+    Box4 part = section;
+    section = triangle.section(next);
+    part.grow(section);
+    if (triangle.middle() > x && triangle.middle() < next) part.grow(triangle.middle_corner());
+    part = intersect(part, whole);
+    if (!part.empty()) bins.box[bin].grow(part);
+    x = next;
+  }
+}
+
+void add(const CentrePose& pose, const Reference& r, const Planes& planes, SpatialBins& bins) {
+  float lo = coordinate(r.box.lo, planes.axis), hi = coordinate(r.box.hi, planes.axis);
+  if (r.is_instance()) lo = hi = lo * 0.5f + hi * 0.5f;
+  const int first = planes.bin(lo), last = planes.bin(hi);
+  ++bins.enter[first];
+  ++bins.leave[last];
+  if (first == last) {
+    bins.box[first].grow(Box4(r.box));
+  } else {
+    add_parts(pose.corners(r), r.box, first, last, planes, bins);
+  }
+}
+
+SpatialSplit sweep(const SpatialBins& bins, const Planes& planes) {
+  SpatialSplit best;
+  float right_cost[kMaxBins];
+  std::size_t right_count[kMaxBins];
   Box4 box;
   std::size_t count = 0;
-  for (int b = kBins - 1; b > 0; --b) {
-    box.grow(bins.box[axis][b]);
-    right_count[b] = count += bins.leave[axis][b];
+  for (int b = planes.bins - 1; b > 0; --b) {
+    box.grow(bins.box[b]);
+    right_count[b] = count += bins.leave[b];
     right_cost[b] = half_area(box) * block_count(count);
   }
   box = {};
   count = 0;
-  for (int b = 1; b < kBins; ++b) {
-    box.grow(bins.box[axis][b - 1]);
-    count += bins.enter[axis][b - 1];
+  for (int b = 1; b < planes.bins; ++b) {
+    box.grow(bins.box[b - 1]);
+    count += bins.enter[b - 1];
     if (count == 0 || right_count[b] == 0) continue;
     const float cost = half_area(box) * block_count(count) + right_cost[b];
-    if (cost < best.cost) best = {cost, axis, planes.plane(axis, b), count, right_count[b]};
+    if (cost < best.cost) best = {cost, planes.axis, planes.plane(b), count, right_count[b]};
   }
+  return best;
 }
 
 bool is_cut(const Reference& r, const SpatialSplit& split) {
@@ -180,19 +173,18 @@ bool cut(const CentrePose& pose, const SpatialSplit& split, Reference& r, Refere
 }  // namespace
 
 SpatialSplit find_spatial_split(const CentrePose& pose, std::span<const Reference> references,
-                                const Box4& box) {
-  const Planes planes(box);
-  const Bins bins = reduce_in_chunks<Bins>(
-      references.size(), kChunk, [] { return Bins(); },
-      [&](Bins& sum, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) sum.add(pose, references[i], planes);
+                                const Box4& box, std::size_t stride) {
+  const std::size_t looked_at = (references.size() + stride - 1) / stride;
+  const int bin_count = looked_at < 2 * kMaxBins ? kMaxBins / 2 : kMaxBins;
+  const Box3f limits = box.box();
+  const Planes planes(limits, longest_axis(limits), bin_count);
+  const SpatialBins bins = reduce_in_chunks<SpatialBins>(
+      looked_at, kChunk, [] { return SpatialBins(); },
+      [&](SpatialBins& sum, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) add(pose, references[i * stride], planes, sum);
       },
-      [](Bins& sum, const Bins& part) { sum.add(part); });
-  SpatialSplit best;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (planes.usable(axis)) sweep(bins, axis, planes, best);
-  }
-  return best;
+      [](SpatialBins& sum, const SpatialBins& part) { sum.add(part); });
+  return sweep(bins, planes);
 }
 
 std::size_t cut_references(const CentrePose& pose, std::span<Reference> references, std::size_t room,

@@ -12,9 +12,10 @@ namespace msbvh {
 struct WorkSet {
   std::span<Reference> references;
   SetBounds bounds;
-  std::size_t room = 0;      // references that spatial splits may add, below this node
-  std::uint32_t depth = 0;   // of the binary node
-  std::uint32_t misses = 0;  // spatial splits looked for in vain, one after the other, on the way here
+  std::size_t room = 0;     // references that spatial splits may add, below this node
+  std::uint32_t depth = 0;  // of the binary node
+  std::uint32_t patience =
+      0;  // spatial splits to be looked for in vain, one after the other, before giving up
 
   std::size_t size() const { return references.size(); }
 };
@@ -26,7 +27,7 @@ struct SplitChoice {
   ObjectBinning binning;
   ObjectSplit object;
   SpatialSplit spatial;
-  std::uint32_t misses = 0;  // of the children
+  std::uint32_t patience = 0;  // of the children
 };
 
 class Splitter {
@@ -37,6 +38,7 @@ class Splitter {
         root_area_(root_area),
         instances_(!pose.primitives().instances.empty()) {}
 
+  static WorkSet root(std::span<Reference> references, const SetBounds& bounds, std::size_t room);
   SplitChoice choose(const WorkSet& set) const;
   // Neither child is empty. Right parts of cut references go behind the set's, where there must be space for
   // set.room.
@@ -45,6 +47,8 @@ class Splitter {
  private:
   bool may_be_leaf(const WorkSet& set) const;
   bool wants_spatial_split(const WorkSet& set, const ObjectSplit& object, float area) const;
+  // Whether a sample of the set would rather be cut.
+  bool promises_gain(const WorkSet& set, const SplitChoice& choice) const;
 
   const CentrePose& pose_;
   const BuildSettings& settings_;

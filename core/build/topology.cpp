@@ -90,7 +90,7 @@ Topology build_topology(const Primitives& primitives, const BuildSettings& setti
   out.references = RawArray<Reference>(count + extra);
   out.nodes = RawArray<BinaryNode>(2 * (count + extra));
   const Splitter splitter(pose, settings, half_area(all.bounds.box));
-  const WorkSet root{{all.memory->data(), count}, all.bounds, extra, 0, 0};
+  const WorkSet root = Splitter::root({all.memory->data(), count}, all.bounds, extra);
   TopologyBuilder(splitter, settings, out).run(std::move(all.memory), root);
   return out;
 }
