@@ -15,46 +15,80 @@ double largest_coordinate(const std::array<Vec3d, 3>& triangle) {
   return std::max({m.x, m.y, m.z});
 }
 
-// Keeps the part where sign * (coordinate - plane) <= 0. Should the corners not fit, keeps all: more than the
-// fragment is always right.
-BarycentricPolygon clip_to_plane(const BarycentricPolygon& in, const std::array<Vec3d, 3>& triangle, int axis,
-                                 double plane, double sign) {
-  const Vec3d c{triangle[0][axis], triangle[1][axis], triangle[2][axis]};
-  const auto outside_by = [&](const Vec3d& b) { return sign * (dot(b, c) - plane * (b.x + b.y + b.z)); };
-  BarycentricPolygon out;
-  for (int i = 0; i < in.count; ++i) {
-    if (out.count + 2 > BarycentricPolygon::kMaxCorners) return in;
-    const Vec3d& a = in.corners[i];
-    const Vec3d& b = in.corners[i + 1 == in.count ? 0 : i + 1];
-    const double da = outside_by(a), db = outside_by(b);
-    if (da <= 0.0) out.corners[out.count++] = a;
-    if ((da < 0.0 && db > 0.0) || (da > 0.0 && db < 0.0)) {
-      out.corners[out.count++] = lerp(a, b, da / (da - db));
+// Clips one polygon after the other between two buffers: filling a third with zeros costs more than clipping.
+class Clipper {
+ public:
+  explicit Clipper(const std::array<Vec3d, 3>& triangle) : triangle_(triangle) {
+    polygons_[0].corners[0] = {1, 0, 0};
+    polygons_[0].corners[1] = {0, 1, 0};
+    polygons_[0].corners[2] = {0, 0, 1};
+    polygons_[0].count = 3;
+  }
+  const BarycentricPolygon& polygon() const { return polygons_[current_]; }
+
+  // Keeps the part where sign * (coordinate - plane) <= 0. Should the corners not fit, keeps all: more than
+  // the fragment is always right.
+  void clip(int axis, double plane, double sign) {
+    const Vec3d c{triangle_[0][axis], triangle_[1][axis], triangle_[2][axis]};
+    if (sign * (c.x - plane) <= 0.0 && sign * (c.y - plane) <= 0.0 && sign * (c.z - plane) <= 0.0) return;
+    const BarycentricPolygon& in = polygons_[current_];
+    BarycentricPolygon& out = polygons_[1 - current_];
+    out.count = 0;
+    double outside_by[BarycentricPolygon::kMaxCorners];
+    for (int i = 0; i < in.count; ++i) {
+      const Vec3d& b = in.corners[i];
+      outside_by[i] = sign * (dot(b, c) - plane * (b.x + b.y + b.z));
+    }
+    for (int i = 0; i < in.count; ++i) {
+      if (out.count + 2 > BarycentricPolygon::kMaxCorners) return;
+      const int next = i + 1 == in.count ? 0 : i + 1;
+      const double da = outside_by[i], db = outside_by[next];
+      if (da <= 0.0) out.corners[out.count++] = in.corners[i];
+      if ((da < 0.0 && db > 0.0) || (da > 0.0 && db < 0.0)) {
+        out.corners[out.count++] = lerp(in.corners[i], in.corners[next], da / (da - db));
+      }
+    }
+    current_ = 1 - current_;
+  }
+
+  void clip(const Box3f& box, double error) {
+    for (int axis = 0; axis < 3; ++axis) {
+      clip(axis, double(box.hi[axis]) + error, 1.0);
+      clip(axis, double(box.lo[axis]) - error, -1.0);
     }
   }
-  return out;
-}
+
+  Box3f bounds() const {
+    Box3d bounds;
+    for (int i = 0; i < polygon().count; ++i) bounds.grow(at(triangle_, polygon().corners[i]));
+    return polygon().count == 0 ? Box3f{} : round_outwards(bounds);
+  }
+
+ private:
+  const std::array<Vec3d, 3>& triangle_;
+  BarycentricPolygon polygons_[2];
+  int current_ = 0;
+};
 
 }  // namespace
 
 BarycentricPolygon clip_to_box(const std::array<Vec3d, 3>& triangle, const Box3f& box) {
-  BarycentricPolygon polygon;
-  polygon.corners = {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
-  polygon.count = 3;
-  const double error = kClipError * largest_coordinate(triangle);
-  for (int axis = 0; axis < 3; ++axis) {
-    polygon = clip_to_plane(polygon, triangle, axis, double(box.hi[axis]) + error, 1.0);
-    polygon = clip_to_plane(polygon, triangle, axis, double(box.lo[axis]) - error, -1.0);
-  }
-  return polygon;
+  Clipper clipper(triangle);
+  clipper.clip(box, kClipError * largest_coordinate(triangle));
+  return clipper.polygon();
 }
 
-Box3f clipped_bounds(const std::array<Vec3d, 3>& triangle, Box3f box, int axis, float plane, bool below) {
-  (below ? box.hi : box.lo)[axis] = plane;
-  const BarycentricPolygon polygon = clip_to_box(triangle, box);
-  Box3d bounds;
-  for (int i = 0; i < polygon.count; ++i) bounds.grow(at(triangle, polygon.corners[i]));
-  return polygon.count == 0 ? Box3f{} : intersect(round_outwards(bounds), box);
+CutBounds cut_bounds(const std::array<Vec3d, 3>& triangle, const Box3f& box, int axis, float plane) {
+  const double error = kClipError * largest_coordinate(triangle);
+  Clipper below(triangle);
+  below.clip(box, error);
+  Clipper above = below;
+  below.clip(axis, double(plane) + error, 1.0);
+  above.clip(axis, double(plane) - error, -1.0);
+  Box3f low = box, high = box;
+  low.hi[axis] = plane;
+  high.lo[axis] = plane;
+  return {intersect(below.bounds(), low), intersect(above.bounds(), high)};
 }
 
 float round_down(double value) {

@@ -30,9 +30,12 @@ BarycentricPolygon clip_to_box(const std::array<Vec3d, 3>& triangle, const Box3f
 // (error below 4 * 2^-53); 2^-46 leaves room for six planes, one after the other.
 inline constexpr double kClipError = 0x1p-46;
 
-// Tight box, in single precision rounded outwards, of the part of the triangle inside `box` and on one side
+// Tight boxes, in single precision rounded outwards, of the part of the triangle inside `box` on either side
 // of a plane: axis coordinate <= plane (below) or >= plane. Empty if nothing is.
-Box3f clipped_bounds(const std::array<Vec3d, 3>& triangle, Box3f box, int axis, float plane, bool below);
+struct CutBounds {
+  Box3f below, above;
+};
+CutBounds cut_bounds(const std::array<Vec3d, 3>& triangle, const Box3f& box, int axis, float plane);
 
 // The floats next to a double, below and above (or equal to) it.
 float round_down(double value);

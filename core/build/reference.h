@@ -41,10 +41,6 @@ struct Reference {
   bool is_clipped() const { return (owner & kClippedFlag) != 0; }
 };
 
-// References to all primitives, whole. Order: meshes' triangles, then instances. Instances with an empty box
-// (nothing in them) are left out.
-std::vector<Reference> make_references(const Primitives& primitives);
-
 // How what the reference stands for moves.
 TrackForm form_of(const Primitives& primitives, const Reference& reference);
 

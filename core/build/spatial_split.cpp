@@ -1,162 +1,201 @@
 #include "core/build/spatial_split.h"
 
 #include <array>
+#include <cmath>
 #include <vector>
 
-#include "core/base/lerp.h"
-#include "core/base/parallel.h"
 #include "core/build/clip.h"
-#include "core/build/object_split.h"
+#include "core/build/reduce.h"
 
 namespace msbvh {
 namespace {
 
-constexpr int kBins = 16;
-constexpr std::size_t kChunk = 8192;  // cutting is dear: smaller chunks than for object splits
+constexpr int kMaxBins = 16;
+constexpr std::size_t kChunk = 4096;  // walking through bins is dear: smaller chunks than for object splits
 
-struct Bin {
-  Box3f box;
-  std::uint32_t enter = 0, leave = 0;  // references that begin and that end here
+float coordinate(const Vec3f& p, int axis) { return (&p.x)[axis]; }
+
+int longest_axis(const Box3f& box) {
+  const Vec3f e = box.extent();
+  return e.x >= e.y && e.x >= e.z ? 0 : (e.y >= e.z ? 1 : 2);
+}
+
+// Planes between bins, equally spaced along an axis of a set's box.
+struct Planes {
+  int axis, bins;
+  float lo, step, per_unit, last;
+
+  Planes(const Box3f& box, int axis_, int bins_)
+      : axis(axis_), bins(bins_), lo(coordinate(box.lo, axis)), last(static_cast<float>(bins - 1)) {
+    const float extent = coordinate(box.hi, axis) - lo;
+    step = extent / static_cast<float>(bins);
+    per_unit = static_cast<float>(bins) / extent;
+    // Planes closer than the coordinates' own spacing separate nothing: all is in bin 0 then.
+    if (!(lo + step > lo) || !std::isfinite(per_unit)) per_unit = 0.0f;
+  }
+  float plane(int i) const { return lo + step * static_cast<float>(i); }
+  int bin(float x) const { return static_cast<int>(std::min(std::max((x - lo) * per_unit, 0.0f), last)); }
 };
 
-// The planes between the bins of one axis; identical for counting and for dividing.
-class Planes {
+// A triangle with its corners in order along an axis: where planes across the axis cut it.
+class OrderedTriangle {
  public:
-  Planes(float lo, float hi)
-      : lo_(lo), step_((hi - lo) / static_cast<float>(kBins)), per_unit_(1.0f / step_) {}
-  float plane(int i) const { return lo_ + step_ * static_cast<float>(i); }
-  int bin(float x) const {
-    int b = std::clamp(static_cast<int>((x - lo_) * per_unit_), 0, kBins - 1);
-    while (b > 0 && x < plane(b)) --b;
-    while (b < kBins - 1 && x >= plane(b + 1)) ++b;
-    return b;
+  OrderedTriangle(const __m128 (&corners)[3], int axis) {
+    for (int i = 0; i < 3; ++i) {
+      alignas(16) float p[4];
+      _mm_store_ps(p, corners[i]);
+      corner_[i] = corners[i];
+      x_[i] = p[axis];
+    }
+    order(0, 1);
+    order(1, 2);
+    order(0, 1);
+    slope_[0] = slope(0, 2);
+    slope_[1] = slope(0, 1);
+    slope_[2] = slope(1, 2);
   }
-  // Planes closer than the coordinates' own spacing separate nothing.
-  bool distinct(float hi) const {
-    return plane(1) > lo_ && plane(kBins - 1) < hi && std::isfinite(per_unit_);
+  float lo() const { return x_[0]; }
+  float middle() const { return x_[1]; }
+  float hi() const { return x_[2]; }
+  __m128 middle_corner() const { return corner_[1]; }
+  // Where the plane meets the longest edge and one of the others.
+  Box4 section(float x) const {
+    Box4 box;
+    box.grow(along(0, slope_[0], x));
+    box.grow(x < x_[1] ? along(0, slope_[1], x) : along(1, slope_[2], x));
+    return box;
   }
 
  private:
-  float lo_, step_, per_unit_;
+  void order(int i, int j) {
+    if (x_[i] <= x_[j]) return;
+    std::swap(x_[i], x_[j]);
+    std::swap(corner_[i], corner_[j]);
+  }
+  __m128 slope(int i, int j) const {
+    const float length = x_[j] - x_[i];
+    const float per_unit = length > 0.0f ? 1.0f / length : 0.0f;
+    return _mm_mul_ps(_mm_sub_ps(corner_[j], corner_[i]), _mm_set1_ps(per_unit));
+  }
+  __m128 along(int from, __m128 slope, float x) const {
+    return _mm_add_ps(corner_[from], _mm_mul_ps(slope, _mm_set1_ps(x - x_[from])));
+  }
+
+  __m128 corner_[3], slope_[3];
+  float x_[3];
 };
 
-// Boxes of a triangle's parts between the planes, by walking its edges: a part's corners are vertices and
-// crossings of edges with planes. In single precision and not conservative, since it only weighs candidates.
-std::array<Box3f, kBins> parts_between(const std::array<Vec3f, 3>& triangle, int axis, const Planes& planes) {
-  std::array<Box3f, kBins> parts;
-  for (int i = 0; i < 3; ++i) {
-    Vec3f a = triangle[i], b = triangle[(i + 1) % 3];
-    if (a[axis] > b[axis]) std::swap(a, b);
-    const int first = planes.bin(a[axis]), last = planes.bin(b[axis]);
-    parts[first].grow(a);
-    parts[last].grow(b);
-    const float per_unit = 1.0f / (b[axis] - a[axis]);
-    for (int bin = first; bin < last; ++bin) {
-      Vec3f crossing = lerp(a, b, std::clamp((planes.plane(bin + 1) - a[axis]) * per_unit, 0.0f, 1.0f));
-      crossing[axis] = planes.plane(bin + 1);
-      parts[bin].grow(crossing);
-      parts[bin + 1].grow(crossing);
-    }
-  }
-  return parts;
-}
+struct SpatialBins {
+  std::array<Box4, kMaxBins> box;
+  std::array<std::uint32_t, kMaxBins> enter{}, leave{};  // references that begin and that end in a bin
 
-struct AxisBins {
-  std::array<Bin, kBins> bins;
-
-  void add(const Primitives& primitives, const Reference& r, int axis, const Planes& planes) {
-    if (r.is_instance()) {
-      Bin& bin = bins[planes.bin(r.box.lo[axis] * 0.5f + r.box.hi[axis] * 0.5f)];
-      bin.box.grow(r.box);
-      ++bin.enter;
-      ++bin.leave;
-      return;
-    }
-    const int first = planes.bin(r.box.lo[axis]), last = planes.bin(r.box.hi[axis]);
-    ++bins[first].enter;
-    ++bins[last].leave;
-    if (first == last) return bins[first].box.grow(r.box);
-    const std::array<Box3f, kBins> parts = parts_between(centre_triangle<float>(primitives, r), axis, planes);
-    for (int b = first; b <= last; ++b) {
-      const Box3f part = intersect(parts[b], r.box);
-      if (!part.empty()) bins[b].box.grow(part);
-    }
-  }
-  void add(const AxisBins& other) {
-    for (int b = 0; b < kBins; ++b) {
-      bins[b].box.grow(other.bins[b].box);
-      bins[b].enter += other.bins[b].enter;
-      bins[b].leave += other.bins[b].leave;
+  void add(const SpatialBins& other) {
+    for (int b = 0; b < kMaxBins; ++b) {
+      box[b].grow(other.box[b]);
+      enter[b] += other.enter[b];
+      leave[b] += other.leave[b];
     }
   }
 };
 
-AxisBins fill(const Primitives& primitives, std::span<const Reference> references, int axis,
-              const Planes& planes) {
-  std::vector<AxisBins> parts((references.size() + kChunk - 1) / kChunk);
-  parallel_for_ranges(references.size(), kChunk, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      parts[begin / kChunk].add(primitives, references[i], axis, planes);
-  });
-  for (std::size_t i = 1; i < parts.size(); ++i) parts[0].add(parts[i]);
-  return parts[0];
+// The parts of a triangle between planes: their corners are its own, and where the planes cut its edges.
+void add_parts(const std::array<const Vec3f*, 3>& corners, const Box3f& box, int first, int last,
+               const Planes& planes, SpatialBins& bins) {
+  const Box4 whole(box);
+  const __m128 points[3] = {load4(corners[0]), load4(corners[1]), load4(corners[2])};
+  const OrderedTriangle triangle(points, planes.axis);
+  const float end = std::min(triangle.hi(), coordinate(box.hi, planes.axis));
+  float x = std::max(triangle.lo(), coordinate(box.lo, planes.axis));
+  Box4 section = triangle.section(x);
+  for (int bin = first; bin <= last; ++bin) {
+    const float next = bin == last ? end : planes.plane(bin + 1);
+    Box4 part = section;
+    section = triangle.section(next);
+    part.grow(section);
+    if (triangle.middle() > x && triangle.middle() < next) part.grow(triangle.middle_corner());
+    part = intersect(part, whole);
+    if (!part.empty()) bins.box[bin].grow(part);
+    x = next;
+  }
 }
 
-void sweep(const AxisBins& axis_bins, int axis, const Planes& planes, SpatialSplit& best) {
-  std::array<Box3f, kBins> right_box;
-  std::array<std::size_t, kBins> right_count{};
-  Box3f box;
+void add(const CentrePose& pose, const Reference& r, const Planes& planes, SpatialBins& bins) {
+  float lo = coordinate(r.box.lo, planes.axis), hi = coordinate(r.box.hi, planes.axis);
+  if (r.is_instance()) lo = hi = lo * 0.5f + hi * 0.5f;
+  const int first = planes.bin(lo), last = planes.bin(hi);
+  ++bins.enter[first];
+  ++bins.leave[last];
+  if (first == last) {
+    bins.box[first].grow(Box4(r.box));
+  } else {
+    add_parts(pose.corners(r), r.box, first, last, planes, bins);
+  }
+}
+
+SpatialSplit sweep(const SpatialBins& bins, const Planes& planes) {
+  SpatialSplit best;
+  float right_cost[kMaxBins];
+  std::size_t right_count[kMaxBins];
+  Box4 box;
   std::size_t count = 0;
-  for (int b = kBins - 1; b > 0; --b) {
-    box.grow(axis_bins.bins[b].box);
-    right_box[b] = box;
-    right_count[b] = count += axis_bins.bins[b].leave;
+  for (int b = planes.bins - 1; b > 0; --b) {
+    box.grow(bins.box[b]);
+    right_count[b] = count += bins.leave[b];
+    right_cost[b] = half_area(box) * block_count(count);
   }
   box = {};
   count = 0;
-  for (int b = 1; b < kBins; ++b) {
-    box.grow(axis_bins.bins[b - 1].box);
-    count += axis_bins.bins[b - 1].enter;
+  for (int b = 1; b < planes.bins; ++b) {
+    box.grow(bins.box[b - 1]);
+    count += bins.enter[b - 1];
     if (count == 0 || right_count[b] == 0) continue;
-    const float cost =
-        half_area(box) * block_count(count) + half_area(right_box[b]) * block_count(right_count[b]);
-    if (cost < best.cost) best = {cost, axis, planes.plane(b), box, right_box[b], count, right_count[b]};
-  }
-}
-
-Reference part_of(const Primitives& primitives, const Reference& r, const SpatialSplit& split, bool below) {
-  Reference part = r;
-  part.owner |= Reference::kClippedFlag;
-  part.box = clipped_bounds(centre_triangle<double>(primitives, r), r.box, split.axis, split.plane, below);
-  return part;
-}
-
-}  // namespace
-
-SpatialSplit find_spatial_split(const Primitives& primitives, std::span<const Reference> references,
-                                const Box3f& box) {
-  SpatialSplit best;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Planes planes(box.lo[axis], box.hi[axis]);
-    if (!planes.distinct(box.hi[axis])) continue;
-    sweep(fill(primitives, references, axis, planes), axis, planes, best);
+    const float cost = half_area(box) * block_count(count) + right_cost[b];
+    if (cost < best.cost) best = {cost, planes.axis, planes.plane(b), count, right_count[b]};
   }
   return best;
 }
 
-DividedReference divide(const Primitives& primitives, const Reference& r, const SpatialSplit& split) {
-  const float lo = r.box.lo[split.axis], hi = r.box.hi[split.axis];
-  const bool uncut = r.is_instance() || lo >= split.plane || hi <= split.plane;
-  if (uncut) {
-    const bool left = (lo * 0.5f + hi * 0.5f) < split.plane;
-    return {left, !left, r, r};
+bool is_cut(const Reference& r, const SpatialSplit& split) {
+  return !r.is_instance() && r.box.lo[split.axis] < split.plane && r.box.hi[split.axis] > split.plane;
+}
+
+// False if all of it lies on one side, within the error of clipping.
+bool cut(const CentrePose& pose, const SpatialSplit& split, Reference& r, Reference& right) {
+  const CutBounds bounds = cut_bounds(pose.triangle(r), r.box, split.axis, split.plane);
+  if (bounds.below.empty() || bounds.above.empty()) return false;
+  r.owner |= Reference::kClippedFlag;
+  right = r;
+  r.box = bounds.below;
+  right.box = bounds.above;
+  return true;
+}
+
+}  // namespace
+
+SpatialSplit find_spatial_split(const CentrePose& pose, std::span<const Reference> references,
+                                const Box4& box, std::size_t stride) {
+  const std::size_t looked_at = (references.size() + stride - 1) / stride;
+  const int bin_count = looked_at < 2 * kMaxBins ? kMaxBins / 2 : kMaxBins;
+  const Box3f limits = box.box();
+  const Planes planes(limits, longest_axis(limits), bin_count);
+  const SpatialBins bins = reduce_in_chunks<SpatialBins>(
+      looked_at, kChunk, [] { return SpatialBins(); },
+      [&](SpatialBins& sum, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) add(pose, references[i * stride], planes, sum);
+      },
+      [](SpatialBins& sum, const SpatialBins& part) { sum.add(part); });
+  return sweep(bins, planes);
+}
+
+std::size_t cut_references(const CentrePose& pose, std::span<Reference> references, std::size_t room,
+                           const SpatialSplit& split) {
+  Reference* const behind = references.data() + references.size();
+  std::size_t count = 0;
+  for (Reference& r : references) {
+    if (count == room) break;
+    if (is_cut(r, split) && cut(pose, split, r, behind[count])) ++count;
   }
-  DividedReference d{true, true, part_of(primitives, r, split, true), part_of(primitives, r, split, false)};
-  d.in_left = !d.left.box.empty();
-  d.in_right = !d.right.box.empty();
-  if (d.in_left && d.in_right) return d;
-  // All of it lies on one side, within the error of clipping: it stays whole.
-  return {d.in_left, !d.in_left, r, r};
+  return count;
 }
 
 }  // namespace msbvh

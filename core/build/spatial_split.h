@@ -5,7 +5,9 @@
 #include <limits>
 #include <span>
 
+#include "core/build/centre_pose.h"
 #include "core/build/reference.h"
+#include "core/build/sah.h"
 
 namespace msbvh {
 
@@ -13,20 +15,35 @@ struct SpatialSplit {
   float cost = std::numeric_limits<float>::infinity();  // as ObjectSplit::cost
   int axis = 0;
   float plane = 0.0f;
-  Box3f left, right;  // estimates from the bins
   std::size_t left_count = 0, right_count = 0;
 };
 
-// The best of equally spaced planes over the box of the set. Cut triangles are bounded exactly within each
-// bin that they span; instances are never cut and count on the side of their centre.
-SpatialSplit find_spatial_split(const Primitives& primitives, std::span<const Reference> references,
-                                const Box3f& box);
+// The best of equally spaced planes across the longest axis of the set's box: looking along all three takes
+// three times as long and finds worse trees, since cuts are spent on what soon needs them again. The parts of
+// triangles between planes are found in single precision, since they only weigh candidates; instances are
+// never cut and count on the side of their centre. With a stride only every so many-th reference is looked
+// at.
+SpatialSplit find_spatial_split(const CentrePose& pose, std::span<const Reference> references,
+                                const Box4& box, std::size_t stride = 1);
 
-// Where a reference goes. Both sides hold something if and only if the reference is cut (clipped flags set).
-struct DividedReference {
-  bool in_left = false, in_right = false;
-  Reference left, right;
+// Cuts the references that lie on both sides, as long as there is room: left parts take their place, right
+// parts go behind `references`, `room` of them at most. Returns how many there are. What cannot be cut stays
+// whole.
+std::size_t cut_references(const CentrePose& pose, std::span<Reference> references, std::size_t room,
+                           const SpatialSplit& split);
+
+// The split's predicate, of parts as of what is whole: by the centre.
+class IsLeftOfPlane {
+ public:
+  explicit IsLeftOfPlane(const SpatialSplit& split)
+      : twice_(_mm_set1_ps(2.0f * split.plane)), axis_(split.axis) {}
+  bool operator()(const Box4& box) const {
+    return ((_mm_movemask_ps(_mm_cmplt_ps(box.sum(), twice_)) >> axis_) & 1) != 0;
+  }
+
+ private:
+  const __m128 twice_;
+  const int axis_;
 };
-DividedReference divide(const Primitives& primitives, const Reference& reference, const SpatialSplit& split);
 
 }  // namespace msbvh

@@ -4,9 +4,8 @@
 
 #include <atomic>
 #include <cstdint>
-#include <memory>
-#include <vector>
 
+#include "core/build/raw_array.h"
 #include "core/build/reference.h"
 #include "core/build/settings.h"
 
@@ -25,11 +24,9 @@ struct BinaryNode {
 };
 
 struct Topology {
-  // Uninitialised where unused: pages that no node touches cost nothing.
-  std::unique_ptr<BinaryNode[]> nodes;  // node 0 is the root
-  std::uint32_t node_count = 0;         // 0: nothing in the tree
-  std::vector<Reference>
-      references;  // leaves own ranges of it; slots that spatial splits left unused lie between
+  RawArray<BinaryNode> nodes;         // node 0 is the root
+  std::uint32_t node_count = 0;       // up to the last one in use; 0: nothing in the tree
+  RawArray<Reference> references;     // leaves own ranges of it; what lies between is unused
   std::uint64_t reference_count = 0;  // in leaves
 
   const BinaryNode& root() const { return nodes[0]; }

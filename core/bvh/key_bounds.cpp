@@ -1,15 +1,15 @@
 #include "core/bvh/key_bounds.h"
 
 #include <array>
+#include <limits>
 #include <vector>
 
+#include "core/build/box4.h"
 #include "core/build/clip.h"
 #include "core/motion/bezier.h"
 
 namespace msbvh {
 namespace {
-
-constexpr std::uint32_t kMaxControls = kMaxSegments * kMaxDegree + 1;
 
 float largest_coordinate(const Box3f& b) {
   const Vec3f m = max(abs(b.lo), abs(b.hi));
@@ -23,72 +23,107 @@ Box3f padded(const Box3f& b, float pad) {
 
 Box3d in_double(const Box3f& b) { return {Vec3d(b.lo), Vec3d(b.hi)}; }
 
-// Corners of the fragment as weights of the triangle's vertices, and its boxes at the mesh's own controls.
-class MovingFragment {
- public:
-  MovingFragment(const Primitives& primitives, const Reference& reference)
-      : mesh_(*primitives.meshes[reference.mesh()]),
-        triangle_(mesh_.triangles[reference.index]),
-        polygon_(clip_to_box(centre_triangle<double>(primitives, reference), reference.box)) {}
+// A point, or the corner of a box, in double.
+struct Point2 {
+  __m128d xy, zz;
 
-  Box3f at_control(std::uint32_t control) const {
-    const std::array<Vec3d, 3> v = vertices(control);
-    if (polygon_.count == 0) return whole(v);
-    Box3d box;
-    for (int i = 0; i < polygon_.count; ++i) {
-      const Vec3d& b = polygon_.corners[i];
-      box.grow(v[0] * b.x + v[1] * b.y + v[2] * b.z);
-    }
-    return padded(round_outwards(box),
-                  kFragmentPad * static_cast<float>(mesh_.degree) * size_around(control));
+  explicit Point2(const Vec3f& p) {
+    const __m128 v = load4(&p);  // the guard of TriangleMesh makes room
+    xy = _mm_cvtps_pd(v);
+    zz = _mm_cvtps_pd(_mm_movehl_ps(v, v));
   }
+  Point2(__m128d xy_, __m128d zz_) : xy(xy_), zz(zz_) {}
+  Vec3d vec() const {
+    double x[2];
+    _mm_storeu_pd(x, xy);
+    return {x[0], x[1], _mm_cvtsd_f64(zz)};
+  }
+};
+Point2 operator*(const Point2& a, __m128d s) { return {_mm_mul_pd(a.xy, s), _mm_mul_pd(a.zz, s)}; }
+Point2 operator+(const Point2& a, const Point2& b) {
+  return {_mm_add_pd(a.xy, b.xy), _mm_add_pd(a.zz, b.zz)};
+}
+Point2 min(const Point2& a, const Point2& b) { return {_mm_min_pd(a.xy, b.xy), _mm_min_pd(a.zz, b.zz)}; }
+Point2 max(const Point2& a, const Point2& b) { return {_mm_max_pd(a.xy, b.xy), _mm_max_pd(a.zz, b.zz)}; }
 
- private:
-  // The vertices in flight err by their own size, which may be larger at the segment's other controls.
-  float size_around(std::uint32_t control) const {
-    const std::uint32_t last = mesh_.form().controls() - 1, degree = mesh_.degree;
-    float size = 0.0f;
-    for (std::uint32_t c = control < degree ? 0 : control - degree; c <= std::min(control + degree, last);
-         ++c) {
-      size = std::max(size, largest_coordinate(whole(vertices(c))));
-    }
-    return size;
+struct Corners {
+  const Vec3f* v[3];
+
+  Corners(const TriangleMesh& mesh, const Triangle& triangle, std::uint32_t control) {
+    const Vec3f* p = mesh.control_positions(control);
+    for (int i = 0; i < 3; ++i) v[i] = p + triangle[i];
   }
-  std::array<Vec3d, 3> vertices(std::uint32_t control) const {
-    const Vec3f* p = mesh_.control_positions(control);
-    return {Vec3d(p[triangle_[0]]), Vec3d(p[triangle_[1]]), Vec3d(p[triangle_[2]])};
-  }
-  static Box3f whole(const std::array<Vec3d, 3>& v) {
-    Box3f box;
-    for (const Vec3d& p : v) box.grow(Vec3f(p));  // exact: these were floats
+  Box4 box() const {
+    Box4 box;
+    for (const Vec3f* p : v) box.grow(load4(p));
     return box;
   }
-
-  const TriangleMesh& mesh_;
-  const Triangle& triangle_;
-  BarycentricPolygon polygon_;
 };
 
-Box3f triangle_box(const TriangleMesh& mesh, const Triangle& triangle, std::uint32_t control) {
-  const Vec3f* p = mesh.control_positions(control);
-  Box3f box;
-  for (const std::uint32_t v : triangle) box.grow(p[v]);
-  return box;
+Box3d weighed_bounds(const Corners& corners, const BarycentricPolygon& polygon) {
+  const Point2 v[3] = {Point2(*corners.v[0]), Point2(*corners.v[1]), Point2(*corners.v[2])};
+  const __m128d infinity = _mm_set1_pd(std::numeric_limits<double>::infinity());
+  Point2 lo{infinity, infinity}, hi = lo * _mm_set1_pd(-1.0);
+  for (int i = 0; i < polygon.count; ++i) {
+    const Vec3d& b = polygon.corners[i];
+    const Point2 p = v[0] * _mm_set1_pd(b.x) + v[1] * _mm_set1_pd(b.y) + v[2] * _mm_set1_pd(b.z);
+    lo = min(lo, p);
+    hi = max(hi, p);
+  }
+  return {lo.vec(), hi.vec()};
+}
+
+// Boxes of the fragment at the mesh's own controls: its corners are weights of the triangle's vertices.
+void fragment_track(std::span<Box3f> out, const Primitives& primitives, const Reference& reference) {
+  const TriangleMesh& mesh = *primitives.meshes[reference.mesh()];
+  const Triangle& triangle = mesh.triangles[reference.index];
+  const BarycentricPolygon polygon =
+      clip_to_box(centre_triangle<double>(primitives, reference), reference.box);
+  const auto last = static_cast<std::uint32_t>(out.size() - 1), degree = mesh.degree;
+  for (std::uint32_t c = 0; c <= last; ++c) Corners(mesh, triangle, c).box().store(out[c]);
+  if (polygon.count == 0) return;  // whole
+  // The vertices in flight err by their own size, which may be larger at the segment's other controls. `out`
+  // still holds the whole triangle behind `c`; `size` remembers what is in front.
+  std::array<float, 2 * kMaxDegree + 1> size;
+  const auto size_at = [&](std::uint32_t c) -> float& { return size[c % size.size()]; };
+  for (std::uint32_t c = 0; c < std::min(degree, last + 1); ++c) size_at(c) = largest_coordinate(out[c]);
+  for (std::uint32_t c = 0; c <= last; ++c) {
+    if (c + degree <= last) size_at(c + degree) = largest_coordinate(out[c + degree]);
+    float around = 0.0f;
+    for (std::uint32_t k = c < degree ? 0 : c - degree; k <= std::min(c + degree, last); ++k)
+      around = std::max(around, size_at(k));
+    out[c] = padded(round_outwards(weighed_bounds(Corners(mesh, triangle, c), polygon)),
+                    kFragmentPad * static_cast<float>(degree) * around);
+  }
+}
+
+void triangle_track(std::span<Box3f> out, const TriangleMesh& mesh, const Triangle& triangle) {
+  for (std::uint32_t c = 0; c < out.size(); ++c) Corners(mesh, triangle, c).box().store(out[c]);
+}
+
+void grow(Box3f& box, const Box4& by) {
+  Box4 grown(box);
+  grown.grow(by);
+  grown.store(box);
 }
 
 void grow_by_triangle(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
                       const Reference& reference) {
   const TriangleMesh& mesh = *primitives.meshes[reference.mesh()];
-  std::array<Box3f, kMaxControls> boxes;
-  const std::uint32_t count = mesh.form().controls();
-  if (reference.is_clipped()) {
-    const MovingFragment fragment(primitives, reference);
-    for (std::uint32_t c = 0; c < count; ++c) boxes[c] = fragment.at_control(c);
-  } else {
-    const Triangle& triangle = mesh.triangles[reference.index];
-    for (std::uint32_t c = 0; c < count; ++c) boxes[c] = triangle_box(mesh, triangle, c);
+  const Triangle& triangle = mesh.triangles[reference.index];
+  if (mesh.form() == form && !reference.is_clipped()) {
+    for (std::uint32_t c = 0; c < out.size(); ++c) grow(out[c], Corners(mesh, triangle, c).box());
+    return;
   }
-  grow_track(out, form, {boxes.data(), count}, mesh.form());
+  constexpr std::uint32_t kFew = 9;  // longer tracks take longer than an allocation
+  Box3f few[kFew];
+  std::vector<Box3f> many;
+  const std::uint32_t count = mesh.form().controls();
+  if (count > kFew) many.resize(count);
+  const std::span<Box3f> track(count > kFew ? many.data() : few, count);
+  reference.is_clipped() ? fragment_track(track, primitives, reference)
+                         : triangle_track(track, mesh, triangle);
+  grow_track(out, form, track, mesh.form());
 }
 
 // The part of one source segment that a segment of the finer form covers, in that form.
@@ -110,7 +145,7 @@ void grow_segment(Box3f* out, std::uint32_t degree, const Box3f* source, std::ui
 void grow_track(std::span<Box3f> out, const TrackForm& form, std::span<const Box3f> track,
                 const TrackForm& track_form) {
   if (track_form == form) {
-    for (std::uint32_t c = 0; c < form.controls(); ++c) out[c].grow(track[c]);
+    for (std::uint32_t c = 0; c < form.controls(); ++c) grow(out[c], Box4(track[c]));
     return;
   }
   if (!track_form.moving()) {

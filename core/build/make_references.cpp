@@ -1,0 +1,55 @@
+#include "core/build/make_references.h"
+
+#include "core/build/reduce.h"
+#include "core/motion/bezier.h"
+
+namespace msbvh {
+namespace {
+
+constexpr float kCentre = 0.5f;
+constexpr std::size_t kTrianglesPerTask = 16384;
+
+Box3f centre_box(const InstanceBounds& bounds) {
+  const SegmentTime at = locate(kCentre, bounds.form.segments);
+  return track_value(bounds.controls.data(), bounds.form, at.key, at.w);
+}
+
+SetBounds add_mesh(const CentrePose& pose, std::uint32_t mesh, Reference* out) {
+  const std::vector<Triangle>& triangles = pose.primitives().meshes[mesh]->triangles;
+  const Vec3f* positions = pose.positions(mesh);
+  return reduce_in_chunks<SetBounds>(
+      triangles.size(), kTrianglesPerTask, [] { return SetBounds(); },
+      [&](SetBounds& sum, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          Box4 box;
+          for (const std::uint32_t v : triangles[i]) box.grow(load4(positions + v));
+          sum.grow(box);
+          out[i] = {box.box(), mesh, static_cast<std::uint32_t>(i)};
+        }
+      },
+      [](SetBounds& sum, const SetBounds& part) { sum.grow(part); });
+}
+
+}  // namespace
+
+AllReferences make_references(const CentrePose& pose) {
+  const Primitives& primitives = pose.primitives();
+  std::size_t capacity = primitives.instances.size();
+  for (const auto& mesh : primitives.meshes) capacity += mesh->triangles.size();
+  AllReferences all;
+  all.memory = std::make_shared<RawArray<Reference>>(capacity);
+  for (std::uint32_t m = 0; m < primitives.meshes.size(); ++m) {
+    all.bounds.grow(add_mesh(pose, m, all.memory->data() + all.count));
+    all.count += primitives.meshes[m]->triangles.size();
+  }
+  for (std::uint32_t i = 0; i < primitives.instances.size(); ++i) {
+    const InstanceBounds& bounds = primitives.instances[i];
+    if (bounds.controls.empty()) continue;
+    const Box3f box = centre_box(bounds);
+    all.bounds.grow(Box4(box));
+    (*all.memory)[all.count++] = {box, Reference::kInstanceOwner, i};
+  }
+  return all;
+}
+
+}  // namespace msbvh
