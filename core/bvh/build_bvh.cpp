@@ -33,6 +33,7 @@ Movement movement_of(const TrackForm& form) {
 // An instance that is there for a part of the shutter moves, in that a ray's time matters.
 Movement movement_of(const Bvh& bvh) {
   Movement most = movement_of(bvh.root_form);
+  for (const auto& mesh : bvh.meshes) most = std::max(most, movement_of(mesh->form()));
   for (const Instance& i : bvh.instances) {
     most = std::max({most, movement_of(i.form), i.object->movement});
     const bool clocked = i.clock != kNoClock || !i.object->clock.is_shutter();

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/bvh/box_track.h"
 #include "core/bvh/key_bounds.h"
 #include "core/bvh/leaf_blocks.h"
 
@@ -56,7 +58,8 @@ class Flattener {
         plans_(topology.node_count) {}
 
   void run() {
-    plan(0, 0);
+    Tally tally;
+    BoxTrack root = plan(0, 1, tally);
     const std::size_t bytes = plans_[0].bytes;
     if (bytes / kUnit >= ChildRef::kLeafFlag) {
       throw Error("accelerator: " + std::to_string(bytes) +
@@ -64,25 +67,28 @@ class Flattener {
     }
     out_.arena = AlignedBuffer(bytes + kArenaGuard);
     std::memset(out_.arena.data() + bytes, 0, kArenaGuard);
-    out_.root_form = plans_[0].form;
-    out_.root_bounds.assign(out_.root_form.controls(), {});
-    const Tally tally = emit(0, 0, out_.root_bounds, 1);
+    emit(0, 0);
     out_.root = ref_of(0, 0);
     out_.root_form_code = FormCode::of(plans_[0].form);
-    out_.max_level = level_of(plans_[0].form.segments);
+    out_.root_form = root.form;
+    out_.root_bounds = std::move(root.controls);
+    out_.max_level = level_of(tally.segments);
     report(tally);
   }
 
  private:
-  // What the layout pass learns of a subtree.
+  // What the first pass finds out about a subtree.
   struct Plan {
     std::size_t bytes = 0;  // of the whole subtree; a multiple of 64 for inner nodes, of 16 for leaves
-    TrackForm form;
+    TrackForm form;         // of the node itself
+    std::unique_ptr<NodeBounds[]> bounds;  // of inner nodes
   };
   // Summed over children in their order, so that the sums do not depend on threads.
   struct Tally {
     std::uint64_t nodes = 0, leaves = 0, node_bytes = 0, leaf_bytes = 0;
     std::uint32_t depth = 0;
+    std::uint32_t segments = 0;         // the most of any node or block
+    std::uint32_t motion_segments = 0;  // the most of any block
     double cost = 0.0;
     bool indexed = false;
 
@@ -92,6 +98,8 @@ class Flattener {
       node_bytes += t.node_bytes;
       leaf_bytes += t.leaf_bytes;
       depth = std::max(depth, t.depth);
+      segments = std::max(segments, t.segments);
+      motion_segments = std::max(motion_segments, t.motion_segments);
       cost += t.cost;
       indexed |= t.indexed;
     }
@@ -107,79 +115,112 @@ class Flattener {
     return is_leaf(node) ? ChildRef::leaf(unit) : ChildRef::node(unit);
   }
 
-  void plan(std::uint32_t node, std::uint32_t depth) {
-    if (is_leaf(node)) return plan_leaf(node);
+  // The first pass, bottom-up: boxes, forms and sizes. Returns the box of the subtree.
+  BoxTrack plan(std::uint32_t node, std::uint32_t depth, Tally& tally) {
+    return is_leaf(node) ? plan_leaf(node, depth, tally) : plan_node(node, depth, tally);
+  }
+
+  BoxTrack plan_node(std::uint32_t node, std::uint32_t depth, Tally& tally) {
+    if (depth > kMaxDepth) throw Error("accelerator: deeper than " + std::to_string(kMaxDepth) + " nodes");
     const WideChildren children(topology_, node);
-    const bool parallel = depth < kParallelDepth;
+    std::array<BoxTrack, kWidth> tracks;
+    std::array<Tally, kWidth> tallies;
+    const bool parallel = depth <= kParallelDepth;
     if (parallel && settings_.cancelled && settings_.cancelled()) throw Cancelled();
     parallel_for_ranges(children.count, parallel ? 1 : kWidth, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) plan(children.node[i], depth + 1);
+      for (std::size_t i = begin; i < end; ++i) tracks[i] = plan(children.node[i], depth + 1, tallies[i]);
     });
-    Plan& p = plans_[node];
+    TrackForm form;
+    for (std::uint32_t i = 0; i < children.count; ++i) {
+      form = common_form(form, tracks[i].form);
+      tally.add(tallies[i]);
+    }
+    SlotTracks slots(form, children.count);
     for (std::uint32_t i = 0; i < children.count; ++i)
-      p.form = common_form(p.form, plans_[children.node[i]].form);
+      grow_track(slots.slot(i), form, tracks[i].controls, tracks[i].form);
+    slots = in_fewest_segments(std::move(slots));
+    keep(node, children, slots, tally);
+    tally.depth = std::max(tally.depth, depth);
+    return union_of(slots, std::min(2 * tally.motion_segments, kMaxSegments));
+  }
+
+  void keep(std::uint32_t node, const WideChildren& children, const SlotTracks& slots, Tally& tally) {
+    Plan& p = plans_[node];
+    p.form = slots.form;
+    p.bounds = bounds_of(slots);
     p.bytes = node_bytes(p.form);
     std::size_t leaves = 0;
     for (std::uint32_t i = 0; i < children.count; ++i) {
-      (is_leaf(children.node[i]) ? leaves : p.bytes) += plans_[children.node[i]].bytes;
+      const bool leaf = is_leaf(children.node[i]);
+      (leaf ? leaves : p.bytes) += plans_[children.node[i]].bytes;
+      tally.cost += mean_half_area(slots.slot(i), slots.form) *
+                    (leaf ? settings_.block_cost * block_units(children.node[i]) : 1.0);
     }
     p.bytes += rounded_up(leaves, AlignedBuffer::kAlignment);
+    tally.segments = std::max(tally.segments, p.form.segments);
+    ++tally.nodes;
+    tally.node_bytes += node_bytes(p.form);
   }
 
-  void plan_leaf(std::uint32_t node) {
-    std::span<Reference> refs = leaf_references(node);
+  double block_units(std::uint32_t leaf) const {
+    return (topology_.nodes[leaf].count + kBlockWidth - 1) / kBlockWidth;
+  }
+
+  static std::unique_ptr<NodeBounds[]> bounds_of(const SlotTracks& slots) {
+    const std::uint32_t controls = slots.form.controls();
+    std::unique_ptr<NodeBounds[]> bounds(new NodeBounds[controls]);
+    constexpr Box3f kNothing{{kAbsent, kAbsent, kAbsent}, {-kAbsent, -kAbsent, -kAbsent}};
+    for (std::uint32_t c = 0; c < controls; ++c) {
+      for (std::uint32_t i = 0; i < kWidth; ++i)
+        bounds[c].set_box(i, i < slots.count ? slots.slot(i)[c] : kNothing);
+    }
+    return bounds;
+  }
+
+  BoxTrack plan_leaf(std::uint32_t node, std::uint32_t depth, Tally& tally) {
+    const std::span<Reference> refs = leaf_references(node);
     sort_leaf(primitives_, refs);
     Plan& p = plans_[node];
-    while (!refs.empty()) {
-      const LeafBlock block = first_block(primitives_, refs);
+    for (std::span<const Reference> rest = refs; !rest.empty();) {
+      const LeafBlock block = first_block(primitives_, rest);
       p.form = common_form(p.form, block.form);
       p.bytes += block.bytes();
-      refs = refs.subspan(block.references);
+      rest = rest.subspan(block.references);
+      tally.indexed |=
+          !block.is_instance && triangle_block_kind(level_of(block.form.segments)) == BlockKind::kIndexed;
     }
+    tally.segments = tally.motion_segments = p.form.segments;
+    tally.leaves = 1;
+    tally.leaf_bytes = p.bytes;
+    tally.depth = depth - 1;
+    BoxTrack track(p.form);
+    for (const Reference& r : refs) grow_by_reference(track.controls, p.form, primitives_, r);
+    return track;
   }
 
-  Tally emit(std::uint32_t node, std::size_t offset, std::span<Box3f> bounds, std::uint32_t depth) {
-    return is_leaf(node) ? emit_leaf(node, offset, bounds, depth) : emit_node(node, offset, bounds, depth);
+  // The second pass: bytes.
+  void emit(std::uint32_t node, std::size_t offset) {
+    is_leaf(node) ? emit_leaf(node, offset) : emit_node(node, offset);
   }
 
-  Tally emit_node(std::uint32_t node, std::size_t offset, std::span<Box3f> bounds, std::uint32_t depth) {
-    if (depth > kMaxDepth) throw Error("accelerator: deeper than " + std::to_string(kMaxDepth) + " nodes");
+  void emit_node(std::uint32_t node, std::size_t offset) {
     const WideChildren children(topology_, node);
-    const Plan& p = plans_[node];
-    const std::uint32_t controls = p.form.controls();
+    Plan& p = plans_[node];
     NodeHeader& header = *new (out_.arena.data() + offset) NodeHeader{};
     header.form_code = FormCode::of(p.form);
     header.child_count = static_cast<std::uint8_t>(children.count);
+    std::memcpy(header.bounds(), p.bounds.get(), p.form.controls() * sizeof(NodeBounds));
+    p.bounds.reset();
     std::size_t offsets[kWidth];
     place(children, offset + node_bytes(p.form), offsets);
-
-    std::vector<Box3f> slots(std::size_t(kWidth) * controls);
-    std::array<Tally, kWidth> tallies;
+    for (std::uint32_t i = 0; i < children.count; ++i) {
+      header.child[i] = ref_of(children.node[i], offsets[i]);
+      header.child_form[i] = FormCode::of(plans_[children.node[i]].form);
+    }
     parallel_for_ranges(children.count, p.bytes > kParallelBytes ? 1 : kWidth,
                         [&](std::size_t begin, std::size_t end) {
-                          for (std::size_t i = begin; i < end; ++i) {
-                            const std::uint32_t child = children.node[i];
-                            const TrackForm child_form = plans_[child].form;
-                            std::vector<Box3f> track(child_form.controls());
-                            tallies[i] = emit(child, offsets[i], track, depth + 1);
-                            grow_track({slots.data() + i * controls, controls}, p.form, track, child_form);
-                            header.child[i] = ref_of(child, offsets[i]);
-                            header.child_form[i] = FormCode::of(child_form);
-                          }
+                          for (std::size_t i = begin; i < end; ++i) emit(children.node[i], offsets[i]);
                         });
-    Tally sum;
-    for (std::uint32_t i = 0; i < children.count; ++i) {
-      const std::span<const Box3f> slot(slots.data() + i * controls, controls);
-      sum.add(tallies[i]);
-      sum.cost += mean_half_area(slot, p.form) *
-                  (is_leaf(children.node[i]) ? settings_.block_cost * block_units(children.node[i]) : 1.0);
-      for (std::uint32_t c = 0; c < controls; ++c) bounds[c].grow(slot[c]);
-    }
-    write_bounds(header, slots, controls);
-    ++sum.nodes;
-    sum.node_bytes += node_bytes(p.form);
-    sum.depth = std::max(sum.depth, depth);
-    return sum;
   }
 
   // Leaves right behind the node, where the next cache line is; then the inner children, depth first.
@@ -199,35 +240,14 @@ class Flattener {
     }
   }
 
-  double block_units(std::uint32_t leaf) const {
-    return (topology_.nodes[leaf].count + kBlockWidth - 1) / kBlockWidth;
-  }
-
-  static void write_bounds(NodeHeader& header, std::span<const Box3f> slots, std::uint32_t controls) {
-    for (std::uint32_t k = 0; k < controls; ++k) {
-      NodeBounds& b = *new (header.bounds() + k) NodeBounds;
-      constexpr Box3f kNothing{{kAbsent, kAbsent, kAbsent}, {-kAbsent, -kAbsent, -kAbsent}};
-      for (std::uint32_t i = 0; i < kWidth; ++i)
-        b.set_box(i, i < header.child_count ? slots[i * controls + k] : kNothing);
-    }
-  }
-
-  Tally emit_leaf(std::uint32_t node, std::size_t offset, std::span<Box3f> bounds, std::uint32_t depth) {
+  void emit_leaf(std::uint32_t node, std::size_t offset) {
     std::span<const Reference> refs = leaf_references(node);
-    for (const Reference& r : refs) grow_by_reference(bounds, plans_[node].form, primitives_, r);
-    Tally tally;
     while (!refs.empty()) {
       const LeafBlock block = first_block(primitives_, refs);
       refs = refs.subspan(block.references);
       write_block(primitives_, block, refs.empty(), out_.arena.data() + offset);
       offset += block.bytes();
-      tally.indexed |=
-          !block.is_instance && triangle_block_kind(level_of(block.form.segments)) == BlockKind::kIndexed;
     }
-    tally.leaves = 1;
-    tally.leaf_bytes = plans_[node].bytes;
-    tally.depth = depth;
-    return tally;
   }
 
   void report(const Tally& t) {
@@ -237,7 +257,7 @@ class Flattener {
     s.node_bytes = t.node_bytes;
     s.leaf_bytes = t.leaf_bytes;
     s.depth = t.depth;
-    s.max_segments = out_.root_form.segments;
+    s.max_segments = t.motion_segments;
     const double root_area = mean_half_area(out_.root_bounds, out_.root_form);
     s.sah_cost = 1.0 + (root_area > 0.0 ? t.cost / root_area : 0.0);
     if (!t.indexed) return;

@@ -11,16 +11,6 @@
 namespace msbvh {
 namespace {
 
-float largest_coordinate(const Box3f& b) {
-  const Vec3f m = max(abs(b.lo), abs(b.hi));
-  return std::max({m.x, m.y, m.z});
-}
-
-Box3f padded(const Box3f& b, float pad) {
-  const Vec3f p{pad, pad, pad};
-  return {b.lo - p, b.hi + p};
-}
-
 Box3d in_double(const Box3f& b) { return {Vec3d(b.lo), Vec3d(b.hi)}; }
 
 // A point, or the corner of a box, in double.
@@ -141,6 +131,16 @@ void grow_segment(Box3f* out, std::uint32_t degree, const Box3f* source, std::ui
 }
 
 }  // namespace
+
+float largest_coordinate(const Box3f& b) {
+  const Vec3f m = max(abs(b.lo), abs(b.hi));
+  return std::max({m.x, m.y, m.z});
+}
+
+Box3f padded(const Box3f& b, float pad) {
+  const Vec3f p{pad, pad, pad};
+  return {b.lo - p, b.hi + p};
+}
 
 void grow_track(std::span<Box3f> out, const TrackForm& form, std::span<const Box3f> track,
                 const TrackForm& track_form) {

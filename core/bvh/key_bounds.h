@@ -22,6 +22,9 @@ inline constexpr float kRekeyPad = 4.0f * kLerpError;
 // units of 2^-22 are 8 machine epsilons.
 inline constexpr float kFragmentPad = 4.0f * kLerpError;
 
+float largest_coordinate(const Box3f& box);  // by magnitude
+Box3f padded(const Box3f& box, float pad);
+
 // Grows `out` (form.controls() boxes) by `track` (track_form.controls() boxes); `form` must be a
 // common_form() of both. In the same form nothing is padded: interpolation is monotone.
 void grow_track(std::span<Box3f> out, const TrackForm& form, std::span<const Box3f> track,

@@ -28,11 +28,11 @@
 
 namespace msbvh {
 
-inline constexpr std::uint32_t kWidth = 8;       // children of a node
-inline constexpr std::uint32_t kBlockWidth = 8;     // triangles of a block
+inline constexpr std::uint32_t kWidth = 8;           // children of a node
+inline constexpr std::uint32_t kBlockWidth = 8;      // triangles of a block
 inline constexpr std::uint32_t kBlockVertices = 16;  // and vertices that they share
-inline constexpr std::uint32_t kMaxDepth = 96;   // of nodes; bounds the traversal stack
-inline constexpr std::size_t kUnit = 16;         // bytes that positions are counted in
+inline constexpr std::uint32_t kMaxDepth = 96;       // of nodes; bounds the traversal stack
+inline constexpr std::size_t kUnit = 16;             // bytes that positions are counted in
 
 // The position of a node or a leaf in the arena.
 struct ChildRef {

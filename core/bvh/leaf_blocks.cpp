@@ -77,8 +77,7 @@ LeafBlock first_block(const Primitives& primitives, std::span<const Reference> l
 void write_block(const Primitives& primitives, const LeafBlock& block, bool last, std::byte* at) {
   std::memset(at, 0, block.bytes());  // no byte is left to chance
   BlockHeader& header = *new (at) BlockHeader{};
-  header.kind =
-      block.is_instance ? BlockKind::kInstance : triangle_block_kind(level_of(block.form.segments));
+  header.kind = block.is_instance ? BlockKind::kInstance : triangle_block_kind(level_of(block.form.segments));
   header.form_code = FormCode::of(block.form);
   header.count = static_cast<std::uint8_t>(block.count);
   header.vertex_count = static_cast<std::uint8_t>(block.vertex_count);

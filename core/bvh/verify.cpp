@@ -57,7 +57,6 @@ class Verifier {
     if (ref.offset() % AlignedBuffer::kAlignment != 0) fail(ref, "does not start on a cache line");
     if (node.child_count < 2 || node.child_count > kWidth)
       fail(ref, "has " + std::to_string(node.child_count) + " children");
-    if (common_form(slot.form, node.form()) != slot.form) fail(ref, "has more controls than its parent");
     for (std::uint32_t i = 0; i < kWidth; ++i) {
       const Slot child = slot_of(node, i);
       if (i >= node.child_count) {
@@ -110,13 +109,12 @@ class Verifier {
     for (;; block = next_block(block)) {
       const auto end = reinterpret_cast<const std::byte*>(block) + sizeof(BlockHeader) - bvh_.arena.data();
       if (static_cast<std::size_t>(end) > bvh_.arena.size()) fail(ref, "reaches beyond the arena");
-      const TrackForm form = block->form();
-      if (common_form(slot.form, form) != slot.form) fail(ref, "a block has more controls than its node");
       if (block->kind == BlockKind::kInstance) {
         check_instance(ref, block->owner, slot);
       } else {
         check_block(ref, *block);
-        for (int i = 0; i < block->count; ++i) triangles_[{block->owner, block->triangles()[i]}].push_back(slot);
+        for (int i = 0; i < block->count; ++i)
+          triangles_[{block->owner, block->triangles()[i]}].push_back(slot);
       }
       if (block->last) return;
     }

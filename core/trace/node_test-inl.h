@@ -29,8 +29,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 constexpr float kFarFactor = 1.0f + 0x1p-20f;
 
 // A child that is hit as an integer that orders like its distance, and carries the child's slot in the three
-// lowest bits: distances are not negative. That makes a distance at most 7 units in the last place less, which
-// is on the safe side. A child that is not hit is kNoChild, farther than any.
+// lowest bits: distances are not negative. That makes a distance at most 7 units in the last place less,
+// which is on the safe side. A child that is not hit is kNoChild, farther than any.
 using ChildKey = std::int32_t;
 inline constexpr ChildKey kNoChild = 0x7fffffff;
 inline constexpr ChildKey kSlotMask = kWidth - 1;
@@ -90,8 +90,7 @@ class Slabs {
       const float* p = first + 2 * kWidth * axis;
       const auto control = [&](std::uint32_t c) { return hn::Load(d, p + c * kFloatsPerControl); };
       const auto x = moves ? simd_bezier(control, degree, weights) : control(0);
-      const auto t =
-          hn::Mul(hn::Sub(x, hn::Set(d, ray.org[axis])), hn::Load(d, ray.signed_reciprocal[axis]));
+      const auto t = hn::Mul(hn::Sub(x, hn::Set(d, ray.org[axis])), hn::Load(d, ray.signed_reciprocal[axis]));
       const auto swap = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&ray.backwards[axis]));
       farthest = hn::Max(hn::IfThenElse(swap, hn::ConcatLowerUpper(d, t, t), t), farthest);
     }

@@ -8,8 +8,8 @@
 #endif
 
 #include <cmath>
-#include <hwy/highway.h>
 #include <cstdint>
+#include <hwy/highway.h>
 #include <type_traits>
 
 #include "core/bvh/bvh.h"

@@ -30,8 +30,8 @@ template <Movement kMovement, bool kInstanced, bool kAnyHit>
 class Stream {
  public:
   using Setup = RaySetup<kMovement>;
-  // Enough that a line from memory is there when its ray's turn comes; few enough that their stacks' tops stay
-  // in the first cache.
+  // Enough that a line from memory is there when its ray's turn comes; few enough that their stacks' tops
+  // stay in the first cache.
   static constexpr std::size_t kSlots = KSLOTS;
 
   // `finish(ray index, query)` takes the answers, in any order.
@@ -101,7 +101,8 @@ class Stream {
     slot.ray = &rays_[slot.index];
     slot.query.tfar = slot.ray->tfar;
     slot.query.found = false;
-    std::construct_at(&slot.setup[0], *slot.ray, world_->max_level);  // in place: no copy waits for its stores
+    std::construct_at(&slot.setup[0], *slot.ray,
+                      world_->max_level);  // in place: no copy waits for its stores
     slot.top = slot.stack;
     enter(slot, *world_, 0, kNoInstance);
   }

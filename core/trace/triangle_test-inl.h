@@ -173,7 +173,9 @@ class VertexPool {
 #elif HWY_TARGET == HWY_AVX2  // from one or two registers
   template <Movement kMovement>
   HWY_INLINE VertexPool(const BlockVertices<kMovement>& vertices, std::uint32_t count)
-      : many_(count > kPoolLanes), low_(vertices.sheared(0)), high_(many_ ? vertices.sheared(kPoolLanes) : low_) {}
+      : many_(count > kPoolLanes),
+        low_(vertices.sheared(0)),
+        high_(many_ ? vertices.sheared(kPoolLanes) : low_) {}
 
   HWY_INLINE Sheared<V8> pick(const std::uint8_t* corners) const {
     const D8 d;
@@ -191,7 +193,7 @@ class VertexPool {
  private:
   const bool many_;
   const Sheared<V8> low_, high_;
-#else  // from one register
+#else                         // from one register
   template <Movement kMovement>
   HWY_INLINE VertexPool(const BlockVertices<kMovement>& vertices, std::uint32_t)
       : vertices_(vertices.sheared(0)) {}

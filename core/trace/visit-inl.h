@@ -39,7 +39,8 @@ HWY_INLINE Place child_of(const NodeHeader& node, std::uint32_t slot) {
 struct alignas(64) Frame {
   ChildKey keys[kWidth];
   const NodeHeader* node;
-  std::uint32_t left;  // how many of the keys are not kNoChild; or, where any hit will do, a bit for each child
+  std::uint32_t
+      left;  // how many of the keys are not kNoChild; or, where any hit will do, a bit for each child
 };
 
 // At equal distance, the one with the lowest ids: the answer does not depend on the shape of the tree.
@@ -79,7 +80,8 @@ bool to_object(const Bvh& bvh, const Instance& instance, Ray& ray) {
   const Affine3f* controls = bvh.controls_of(instance);
   Affine3f map = *controls;
   float u = clamped_time(ray.time);
-  if (kMoving && !instance.object->clock.is_shutter() && !instance.object->clock.at(u, ray.time)) return false;
+  if (kMoving && !instance.object->clock.is_shutter() && !instance.object->clock.at(u, ray.time))
+    return false;
   if (kMoving && instance.clock != kNoClock && !bvh.clocks[instance.clock].at(u, u)) return false;
   if (kMoving && instance.form.moving()) {
     const std::uint32_t degree = kMovement == Movement::kPolynomial ? instance.form.degree : 1;

@@ -33,7 +33,8 @@ std::uint64_t count_misses(const Accel& accel, InstructionSet set, const Motion&
     } else {
       for (std::size_t i = 0; i < kChunk; ++i) tracer.intersect(batch[i], hits[i]);
     }
-    misses += static_cast<std::uint64_t>(std::ranges::count_if(hits, [](const Hit& h) { return !h.found(); }));
+    misses +=
+        static_cast<std::uint64_t>(std::ranges::count_if(hits, [](const Hit& h) { return !h.found(); }));
   });
   return misses;
 }
