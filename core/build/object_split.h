@@ -45,7 +45,7 @@ class IsLeftOfBin {
  public:
   IsLeftOfBin(const ObjectBinning& binning, const ObjectSplit& split)
       : binning_(binning), first_right_(_mm_set1_epi32(split.first_right_bin)), axis_(split.axis) {}
-  bool operator()(const Box4& box) const {
+  bool operator()(const Box4& box, const Reference&) const {
     const __m128i left = _mm_cmplt_epi32(binning_.bins_of(box), first_right_);
     return ((_mm_movemask_ps(_mm_castsi128_ps(left)) >> axis_) & 1) != 0;
   }

@@ -54,7 +54,7 @@ Halves partition_chunk(std::span<Ref> references, const IsLeft& is_left) {
   for (std::size_t i = 0; i < references.size(); ++i) {
     const Box4 box(references[i].box);
     const Ref r = references[i];
-    const bool is = is_left(box);
+    const bool is = is_left(box, references[i]);
     references[i] = references[left];
     references[left] = r;
     left += is;
@@ -103,7 +103,8 @@ void swap_misplaced(std::span<Ref> references, const std::vector<Halves>& chunks
 
 }  // namespace detail
 
-// The order within each side depends on that before, but not on the number of threads.
+// `is_left` is given a reference and its box. The order within each side depends on that before, but not on
+// the number of threads.
 template <typename Ref, typename IsLeft>
 Halves partition(std::span<Ref> references, const IsLeft& is_left) {
   using namespace detail;

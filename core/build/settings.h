@@ -11,6 +11,13 @@ enum class Builder : std::uint8_t {
   kMbvh    // the same builder with spatial splits off: the interpolated BVH, the paper's baseline
 };
 
+// When the SAH looks at boxes.
+enum class SahTime : std::uint8_t {
+  kCentre,  // at the shutter's centre, as the paper has it
+  kShutter  // averaged over the shutter, with splits by velocity too, where motion is incoherent; else at the
+            // centre. Costs nothing to a still scene, a sample here and there to a coherent one.
+};
+
 // All of them, by the names that options and reports use.
 struct BuilderName {
   Builder builder;
@@ -28,6 +35,7 @@ struct BuildSettings {
   float spatial_split_root_overlap = 1e-5f;
   // ... and by more than this share of their own node's. Lower: a slower build for few references more.
   float spatial_split_node_overlap = 0.3f;
+  SahTime sah_time = SahTime::kShutter;
   std::uint32_t max_leaf_triangles = 8;
   // SAH: the cost of a triangle block (4 triangles) relative to that of a node (8 boxes).
   float block_cost = 1.0f;

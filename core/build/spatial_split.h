@@ -16,6 +16,9 @@ struct SpatialSplit {
   int axis = 0;
   float plane = 0.0f;
   std::size_t left_count = 0, right_count = 0;
+
+  // How many of so many references it cuts, at most.
+  std::size_t cuts(std::size_t references) const { return left_count + right_count - references; }
 };
 
 // The best of equally spaced planes across the longest axis of the set's box: looking along all three takes
@@ -37,7 +40,7 @@ class IsLeftOfPlane {
  public:
   explicit IsLeftOfPlane(const SpatialSplit& split)
       : twice_(_mm_set1_ps(2.0f * split.plane)), axis_(split.axis) {}
-  bool operator()(const Box4& box) const {
+  bool operator()(const Box4& box, const Reference&) const {
     return ((_mm_movemask_ps(_mm_cmplt_ps(box.sum(), twice_)) >> axis_) & 1) != 0;
   }
 

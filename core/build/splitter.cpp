@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/build/leaf_rule.h"
+
 namespace msbvh {
 namespace {
-
-// Below this depth the SAH decides; further down a set is halved, which ends within 32 more levels. Only sets
-// that the SAH peels one by one come here.
-constexpr std::uint32_t kMaxSahDepth = 56;
 
 // What keeps the search for spatial splits from costing more than all the rest; figures in
 // docs/design/build.md. Sets that make two blocks as they are have nothing to gain ...
@@ -29,7 +27,7 @@ float sampled_cost(const WorkSet& set, const ObjectBinning& binning, const Objec
   std::size_t counts[2] = {};
   for (std::size_t i = 0; i < set.size(); i += stride) {
     const Box4 box(set.references[i].box);
-    const int side = is_left(box) ? 0 : 1;
+    const int side = is_left(box, set.references[i]) ? 0 : 1;
     boxes[side].grow(box);
     ++counts[side];
   }
@@ -56,13 +54,11 @@ WorkSet Splitter::root(std::span<Reference> references, const SetBounds& bounds,
 SplitChoice Splitter::choose(const WorkSet& set) const {
   SplitChoice choice{SplitKind::kLeaf, ObjectBinning(set.bounds, set.size()), {}, {}, set.patience};
   const float area = half_area(set.bounds.box);
-  const bool may_be_leaf = this->may_be_leaf(set);
-  // A leaf that costs no more than a node does: no split can be better.
-  if (may_be_leaf && (set.size() == 1 || settings_.block_cost * block_count(set.size()) <= 1.0f))
-    return choice;
+  const bool leaf = may_be_leaf(std::span<const Reference>(set.references), settings_);
+  if (leaf && is_cheap_leaf(set.size(), settings_)) return choice;
   choice.kind = SplitKind::kHalves;
   if (set.depth > kMaxSahDepth) {
-    if (may_be_leaf) choice.kind = SplitKind::kLeaf;
+    if (leaf) choice.kind = SplitKind::kLeaf;
     return choice;
   }
   choice.object = find_object_split(set.references, choice.binning);
@@ -74,13 +70,13 @@ SplitChoice Splitter::choose(const WorkSet& set) const {
   }
   const float split_cost = area + settings_.block_cost * std::min(choice.object.cost, choice.spatial.cost);
   const float leaf_cost = settings_.block_cost * area * block_count(set.size());
-  if (may_be_leaf && leaf_cost <= split_cost) {
+  if (leaf && leaf_cost <= split_cost) {
     choice.kind = SplitKind::kLeaf;
   } else if (choice.spatial.cost < choice.object.cost) {
     choice.kind = SplitKind::kSpatial;
   } else if (std::isfinite(choice.object.cost)) {
     choice.kind = SplitKind::kObject;
-  } else if (may_be_leaf) {
+  } else if (leaf) {
     choice.kind = SplitKind::kLeaf;
   }
   return choice;
@@ -93,7 +89,7 @@ void Splitter::divide(const WorkSet& set, const SplitChoice& choice, WorkSet& le
   if (choice.kind == SplitKind::kObject) {
     halves = partition(all, IsLeftOfBin(choice.binning, choice.object));
   } else if (choice.kind == SplitKind::kSpatial) {
-    const std::size_t added = cut_references(pose_, all, room, choice.spatial);
+    const std::size_t added = cut_references(pose_, all, set.space_for(choice.spatial), choice.spatial);
     all = {all.data(), all.size() + added};
     room -= added;
     halves = partition(all, IsLeftOfPlane(choice.spatial));
@@ -102,13 +98,6 @@ void Splitter::divide(const WorkSet& set, const SplitChoice& choice, WorkSet& le
   const std::size_t left_room = room * halves.left_count / all.size();
   left = {all.first(halves.left_count), halves.left(), left_room, set.depth + 1, choice.patience};
   right = {all.subspan(halves.left_count), halves.right(), room - left_room, set.depth + 1, choice.patience};
-}
-
-bool Splitter::may_be_leaf(const WorkSet& set) const {
-  if (set.size() == 1) return true;
-  if (set.size() > settings_.max_leaf_triangles) return false;
-  return !instances_ || std::none_of(set.references.begin(), set.references.end(),
-                                     [](const Reference& r) { return r.is_instance(); });
 }
 
 // Only where the object split's children overlap noticeably.

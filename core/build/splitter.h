@@ -18,6 +18,7 @@ struct WorkSet {
       0;  // spatial splits to be looked for in vain, one after the other, before giving up
 
   std::size_t size() const { return references.size(); }
+  std::size_t space_for(const SpatialSplit& split) const { return std::min(room, split.cuts(size())); }
 };
 
 enum class SplitKind : std::uint8_t { kLeaf, kObject, kSpatial, kHalves };
@@ -33,19 +34,15 @@ struct SplitChoice {
 class Splitter {
  public:
   Splitter(const CentrePose& pose, const BuildSettings& settings, float root_area)
-      : pose_(pose),
-        settings_(settings),
-        root_area_(root_area),
-        instances_(!pose.primitives().instances.empty()) {}
+      : pose_(pose), settings_(settings), root_area_(root_area) {}
 
   static WorkSet root(std::span<Reference> references, const SetBounds& bounds, std::size_t room);
   SplitChoice choose(const WorkSet& set) const;
   // Neither child is empty. Right parts of cut references go behind the set's, where there must be space for
-  // set.room.
+  // set.space_for() of them.
   void divide(const WorkSet& set, const SplitChoice& choice, WorkSet& left, WorkSet& right) const;
 
  private:
-  bool may_be_leaf(const WorkSet& set) const;
   bool wants_spatial_split(const WorkSet& set, const ObjectSplit& object, float area) const;
   // Whether a sample of the set would rather be cut.
   bool promises_gain(const WorkSet& set, const SplitChoice& choice) const;
@@ -53,7 +50,6 @@ class Splitter {
   const CentrePose& pose_;
   const BuildSettings& settings_;
   const float root_area_;
-  const bool instances_;
 };
 
 }  // namespace msbvh

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/build/make_references.h"
+#include "core/build/moving_builder.h"
 #include "core/build/subtree.h"
 
 namespace msbvh {
@@ -15,14 +16,18 @@ namespace {
 
 // Smaller sets are one thread's.
 constexpr std::size_t kSubtreeReferences = 1024;
+// Smaller ones are not asked how they move: that takes as long as to build them.
+constexpr std::size_t kMovingReferences = 64;
 constexpr std::size_t kCancelReferences = 4096;
 constexpr std::size_t kCopiedPerTask = 32768;
 
 // The upper part of the tree, whose large sets all threads divide together.
 class TopologyBuilder {
  public:
-  TopologyBuilder(const Splitter& splitter, const BuildSettings& settings, Topology& out)
+  TopologyBuilder(const Splitter& splitter, const ShutterPose& shutter, const BuildSettings& settings,
+                  Topology& out)
       : splitter_(splitter),
+        shutter_(shutter),
         settings_(settings),
         slots_{out},
         subtree_references_(std::max<std::size_t>(kSubtreeReferences, settings.max_leaf_triangles)) {}
@@ -36,9 +41,11 @@ class TopologyBuilder {
  private:
   // `memory` is where the set lies, shared with its sibling.
   void build(std::uint32_t node, Memory memory, WorkSet set) {
+    if (is_incoherent(set))
+      return MovingBuilder(shutter_, settings_, slots_).run(node, set.references, set.depth);
     if (set.size() <= subtree_references_) return SubtreeBuilder(splitter_, slots_).run(node, set);
     check_cancelled(set);
-    set_box(slots_.topology.nodes[node], set.bounds.box);
+    write_node(slots_.topology.nodes[node], set.bounds.box, half_area(set.bounds.box));
     WorkSet left, right;
     {
       const SplitChoice choice = splitter_.choose(set);
@@ -48,13 +55,16 @@ class TopologyBuilder {
     const std::uint32_t children = slots_.next_node.fetch_add(2);
     slots_.topology.nodes[node].first = children;
     slots_.topology.nodes[node].count = 0;
-    parallel_invoke([&] { build(children, memory, left); }, [&] { build(children + 1, memory, right); });
+    // Each child holds the memory alone, so that what neither needs any more is freed.
+    Memory shared = memory;
+    parallel_invoke([&] { build(children, std::move(memory), left); },
+                    [&] { build(children + 1, std::move(shared), right); });
   }
 
   // Moves the set to where there is space for what the split adds. Room that it does not need stays a number.
   static Memory with_room(WorkSet& set, const SpatialSplit& split) {
     const std::size_t count = set.size();
-    const std::size_t added = std::min(set.room, split.left_count + split.right_count - count);
+    const std::size_t added = set.space_for(split);
     auto memory = std::make_shared<RawArray<Reference>>(count + added);
     parallel_for_ranges(count, kCopiedPerTask, [&](std::size_t begin, std::size_t end) {
       std::memcpy(memory->data() + begin, set.references.data() + begin, (end - begin) * sizeof(Reference));
@@ -63,11 +73,17 @@ class TopologyBuilder {
     return memory;
   }
 
+  bool is_incoherent(const WorkSet& set) const {
+    return settings_.sah_time == SahTime::kShutter && shutter_.moving() && set.size() >= kMovingReferences &&
+           shutter_.incoherent(set.references);
+  }
+
   void check_cancelled(const WorkSet& set) const {
     if (set.size() >= kCancelReferences && settings_.cancelled && settings_.cancelled()) throw Cancelled();
   }
 
   const Splitter& splitter_;
+  const ShutterPose& shutter_;
   const BuildSettings& settings_;
   TopologySlots slots_;
   const std::size_t subtree_references_;
@@ -91,7 +107,7 @@ Topology build_topology(const Primitives& primitives, const BuildSettings& setti
   out.nodes = RawArray<BinaryNode>(2 * (count + extra));
   const Splitter splitter(pose, settings, half_area(all.bounds.box));
   const WorkSet root = Splitter::root({all.memory->data(), count}, all.bounds, extra);
-  TopologyBuilder(splitter, settings, out).run(std::move(all.memory), root);
+  TopologyBuilder(splitter, ShutterPose(pose), settings, out).run(std::move(all.memory), root);
   return out;
 }
 

@@ -1,8 +1,8 @@
-// The binary topology of a tree, chosen at the shutter's centre: step 1 of the paper's construction
+// The binary topology of a tree, chosen at the shutter's centre, or over the shutter where motion is
+// incoherent: step 1 of the paper's construction
 // (section 3.1).
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 
 #include "core/build/raw_array.h"
@@ -16,11 +16,10 @@ struct BinaryNode {
   std::uint32_t first;  // leaf: first reference; inner: left child, the right one is next to it
   std::uint32_t count;  // leaf: number of references, > 0; inner: 0
 
+  float area;  // what its half area is to the SAH: at the centre, or averaged over the shutter
+
   bool is_leaf() const { return count > 0; }
-  float half_area() const {
-    const float x = hi[0] - lo[0], y = hi[1] - lo[1], z = hi[2] - lo[2];
-    return x * y + y * z + z * x;
-  }
+  float half_area() const { return area; }
 };
 
 struct Topology {

@@ -1,0 +1,31 @@
+// What may become a leaf.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
+#include "core/build/reference.h"
+#include "core/build/sah.h"
+#include "core/build/settings.h"
+
+namespace msbvh {
+
+// Below this depth the SAH decides; further down a set is halved, which ends within 32 more levels. Only sets
+// that the SAH peels one by one come here.
+inline constexpr std::uint32_t kMaxSahDepth = 56;
+
+// One instance, or so many triangles.
+template <typename Ref>
+bool may_be_leaf(std::span<const Ref> references, const BuildSettings& settings) {
+  if (references.size() == 1) return true;
+  if (references.size() > settings.max_leaf_triangles) return false;
+  return std::none_of(references.begin(), references.end(), [](const Ref& r) { return r.is_instance(); });
+}
+
+// Costs no more than a node does, so that no split can be better.
+inline bool is_cheap_leaf(std::size_t references, const BuildSettings& settings) {
+  return references == 1 || settings.block_cost * block_count(references) <= 1.0f;
+}
+
+}  // namespace msbvh
