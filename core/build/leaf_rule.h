@@ -23,9 +23,7 @@ bool may_be_leaf(std::span<const Ref> references, const BuildSettings& settings)
   return std::none_of(references.begin(), references.end(), [](const Ref& r) { return r.is_instance(); });
 }
 
-// Costs no more than a node does, so that no split can be better.
-inline bool is_cheap_leaf(std::size_t references, const BuildSettings& settings) {
-  return references == 1 || settings.block_cost * block_count(references) <= 1.0f;
-}
+// Not worth a look at its splits: half a block, which costs the same tests as a whole one.
+inline bool is_small_leaf(std::size_t references) { return references <= kTrianglesPerBlock / 2; }
 
 }  // namespace msbvh

@@ -95,14 +95,14 @@ bool MovingBuilder::split(const Set& set, Set& left, Set& right) const {
   const std::size_t count = set.references.size();
   const std::span<const MovingReference> references = set.references;
   const bool leaf = may_be_leaf(references, settings_);
-  if (leaf && is_cheap_leaf(count, settings_)) return false;
+  if (leaf && is_small_leaf(count)) return false;
   std::size_t middle = count / 2;
   if (set.depth <= kMaxSahDepth) {
     const MovingBinning binning(set.bounds, count);
     const MovingSplit best = find_moving_split(references, binning, pose_.mean_area());
     const float area = pose_.mean_area()(set.bounds.box);
     const float leaf_cost = settings_.block_cost * area * block_count(count);
-    if (leaf && leaf_cost <= area + settings_.block_cost * best.cost) return false;
+    if (leaf && leaf_cost <= settings_.split_cost * area + settings_.block_cost * best.cost) return false;
     if (std::isfinite(best.cost)) middle = partition(set.references, IsLeft(binning, best)).left_count;
   } else if (leaf) {
     return false;

@@ -55,7 +55,7 @@ SplitChoice Splitter::choose(const WorkSet& set) const {
   SplitChoice choice{SplitKind::kLeaf, ObjectBinning(set.bounds, set.size()), {}, {}, set.patience};
   const float area = half_area(set.bounds.box);
   const bool leaf = may_be_leaf(std::span<const Reference>(set.references), settings_);
-  if (leaf && is_cheap_leaf(set.size(), settings_)) return choice;
+  if (leaf && is_small_leaf(set.size())) return choice;
   choice.kind = SplitKind::kHalves;
   if (set.depth > kMaxSahDepth) {
     if (leaf) choice.kind = SplitKind::kLeaf;
@@ -68,7 +68,7 @@ SplitChoice Splitter::choose(const WorkSet& set) const {
       choice.patience = choice.spatial.cost < kWorthwhile * choice.object.cost ? kPatience : set.patience - 1;
     }
   }
-  const float split_cost = area + settings_.block_cost * std::min(choice.object.cost, choice.spatial.cost);
+  const float split_cost = settings_.split_cost * area + settings_.block_cost * std::min(choice.object.cost, choice.spatial.cost);
   const float leaf_cost = settings_.block_cost * area * block_count(set.size());
   if (leaf && leaf_cost <= split_cost) {
     choice.kind = SplitKind::kLeaf;
