@@ -79,17 +79,18 @@ class ChildKeys {
 // the axes gives where the boxes are entered and, negated, where they are left.
 template <Movement kMovement>
 class Slabs {
+  static constexpr bool kMoving = kMovement != Movement::kStill;
+
  public:
-  HWY_INLINE Slabs(const float* first, bool moves, std::uint32_t degree, float w,
+  HWY_INLINE Slabs(const float* first, std::size_t stride, std::uint32_t degree, float w,
                    const RaySetup<kMovement>& ray, float tfar) {
     const hn::FixedTag<float, 2 * kWidth> d;
     const Weights<decltype(d)> weights(d, w);
-    constexpr std::size_t kFloatsPerControl = sizeof(NodeBounds) / sizeof(float);
     auto farthest = hn::IfThenElse(hn::FirstN(d, kWidth), hn::Set(d, ray.tnear), hn::Set(d, -tfar));
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const float* p = first + 2 * kWidth * axis;
-      const auto control = [&](std::uint32_t c) { return hn::Load(d, p + c * kFloatsPerControl); };
-      const auto x = moves ? simd_bezier(control, degree, weights) : control(0);
+      const auto control = [&](std::uint32_t c) { return hn::Load(d, p + c * stride); };
+      const auto x = kMoving ? simd_bezier(control, degree, weights) : control(0);
       const auto t = hn::Mul(hn::Sub(x, hn::Set(d, ray.org[axis])), hn::Load(d, ray.signed_reciprocal[axis]));
       const auto swap = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&ray.backwards[axis]));
       farthest = hn::Max(hn::IfThenElse(swap, hn::ConcatLowerUpper(d, t, t), t), farthest);
@@ -108,17 +109,18 @@ class Slabs {
 #else
 template <Movement kMovement>
 class Slabs {
+  static constexpr bool kMoving = kMovement != Movement::kStill;
+
  public:
-  HWY_INLINE Slabs(const float* first, bool moves, std::uint32_t degree, float w,
+  HWY_INLINE Slabs(const float* first, std::size_t stride, std::uint32_t degree, float w,
                    const RaySetup<kMovement>& ray, float tfar) {
     const D d;
     const Weights<D> weights(d, w);
-    constexpr std::size_t kFloatsPerControl = sizeof(NodeBounds) / sizeof(float);
     for (std::size_t i = 0; i < ChildKeys::kVectors; ++i) {
       const auto slab = [&](std::uint32_t plane, int axis) {
         const float* p = first + plane + i * ChildKeys::kLanes;
-        const auto control = [&](std::uint32_t c) { return hn::Load(d, p + c * kFloatsPerControl); };
-        const auto x = moves ? simd_bezier(control, degree, weights) : control(0);
+        const auto control = [&](std::uint32_t c) { return hn::Load(d, p + c * stride); };
+        const auto x = kMoving ? simd_bezier(control, degree, weights) : control(0);
         return hn::Mul(hn::Sub(x, hn::Set(d, ray.org[axis])), hn::Set(d, ray.reciprocal[axis]));
       };
       enter_[i] = hn::Max(slab(ray.near_plane[0], 0), hn::Set(d, ray.tnear));
@@ -151,7 +153,10 @@ HWY_INLINE ChildKeys test_node(const NodeHeader& node, FormCode form, const RayS
   const SegmentTime at = ray.at_level[level];
   const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
   const auto* first = reinterpret_cast<const float*>(node.bounds() + at.key * degree);
-  const Slabs<kMovement> slabs(first, kMoving && level != 0, degree, at.w, ray, tfar);
+  // Among moving nodes a still one is one whose next control is itself, with weight 0: (1 - 0) x + 0 x is x,
+  // and no branch has to guess which is which.
+  const std::size_t stride = level == 0 ? 0 : sizeof(NodeBounds) / sizeof(float);
+  const Slabs<kMovement> slabs(first, stride, degree, at.w, ray, tfar);
   ChildKeys keys;
   hits = 0;
   for (std::size_t i = 0; i < ChildKeys::kVectors; ++i) {

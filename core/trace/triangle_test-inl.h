@@ -101,10 +101,12 @@ class BlockVertices {
     const DPool d;
     const std::uint32_t row = block_.row_floats();
     const float* vertices = block_.vertices() + std::size_t(3) * row * at_.key * degree_ + first;
+    const std::size_t stride = moves_ ? std::size_t(3) * row : 0;  // as of a node: node_test-inl.h
     const Weights<DPool> w(d, at_.w);
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
-      const auto control = [&](std::uint32_t c) { return hn::LoadU(d, vertices + (3 * c + axis) * row); };
-      p[axis] = moves_ ? simd_bezier(control, degree_, w) : control(0);
+      const float* first = vertices + axis * row;
+      const auto control = [&](std::uint32_t c) { return hn::LoadU(d, first + c * stride); };
+      p[axis] = kMoving ? simd_bezier(control, degree_, w) : control(0);
     }
   }
 
