@@ -35,7 +35,7 @@ SurfacePoint surface(const Scene& scene, const Hit& hit, const Ray& ray) {
 
 const Ray kDown{.org = {0, 0, 1}, .dir = {0, 0, -1}};
 const Ray kUp{.org = {0, 0, -1}, .dir = {0, 0, 1}};
-const Hit kHit{.u = 0.25f, .v = 0.5f};
+const Hit kHit{.u = 0.25f, .v = 0.5f, .triangle = 0};
 
 TEST_CASE("position and geometric normal, on the ray's side") {
   const Scene scene = triangle_scene();
