@@ -18,6 +18,22 @@ struct BuilderName {
 };
 inline constexpr BuilderName kBuilders[] = {{Builder::kMsbvh, "msbvh"}, {Builder::kMbvh, "mbvh"}};
 
+// What the tree of a frame takes over from that of the frame before it.
+enum class Refit : std::uint8_t {
+  kNever,  // nothing
+  // Geometry that did not change keeps its tree; where only positions did, the topology is evaluated at the
+  // new keys, and rebuilt once the tree has become dear.
+  kAuto,
+  kAlways  // the same, however dear
+};
+
+struct RefitName {
+  Refit refit;
+  const char* name;
+};
+inline constexpr RefitName kRefits[] = {
+    {Refit::kAuto, "auto"}, {Refit::kAlways, "always"}, {Refit::kNever, "never"}};
+
 struct BuildSettings {
   Builder builder = Builder::kMsbvh;
   // References that spatial splits may add, as a share of the triangles. More: fewer tests a ray on long thin
@@ -31,6 +47,13 @@ struct BuildSettings {
   std::uint32_t max_leaf_triangles = 8;
   // SAH: the cost of a triangle block (4 triangles) relative to that of a node (8 boxes).
   float block_cost = 1.0f;
+  Refit refit = Refit::kAuto;  // of Accel::commit_from() and of a Renderer's second commit()
+  // kAuto rebuilds where the shutter-averaged SAH cost has grown by more than this factor since the topology
+  // was built. Lower: more builds; higher: slower rays (docs/design/refit.md).
+  float refit_drift = 1.2f;
+  // Whether a later frame may refit this tree. Costs about 100 bytes a reference, and 12 a vertex of meshes
+  // that spatial splits have cut.
+  bool keep_topology = false;
   // Asked now and then during the build, from any thread; true stops it.
   std::function<bool()> cancelled;
 };

@@ -1,4 +1,5 @@
-// A built tree: what traversal reads, immutable.
+// A built tree: what traversal reads, immutable. Copies share the arena: all that it knows of meshes are
+// their ids, so that a copy may go on with meshes and objects that hold the same.
 #pragma once
 
 #include <memory>
@@ -8,6 +9,7 @@
 #include "core/base/aligned_buffer.h"
 #include "core/base/box.h"
 #include "core/build/reference.h"
+#include "core/build/settings.h"
 #include "core/bvh/layout.h"
 #include "core/bvh/statistics.h"
 #include "core/geometry/triangle_mesh.h"
@@ -40,6 +42,7 @@ class Bvh {
   std::vector<Affine3f> instance_controls;
   std::vector<Clock> clocks;  // of instances
   Clock clock;                // of this tree as an object that is instanced
+  Builder builder = Builder::kMsbvh;
 
   AlignedBuffer arena;
   ChildRef root = ChildRef::leaf(0);

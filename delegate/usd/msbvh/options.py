@@ -296,6 +296,15 @@ RENDER: Sequence[Decorator] = (
         show_default=True,
         help="mbvh: without spatial splits, the paper's baseline.",
     ),
+    click.option(
+        "--refit",
+        type=click.Choice(("auto", "always", "never")),
+        default="auto",
+        show_default=True,
+        help="Over frames: auto keeps the trees of what stands still and refits those of what moves, until rays"
+        " have become dearer by a fifth; always: however dear. Both hold the last frame beside the next. never:"
+        " builds each anew, for the quickest rays and the least memory. The picture is the same.",
+    ),
     click.option("--renderer", "-r", metavar="NAME", help="Accepted for usdrecord's sake; this is msbvh."),
     click.option("--disableGpu", is_flag=True, expose_value=False, help="Accepted; there is no GPU in use."),
 )
@@ -324,9 +333,7 @@ CONFORM: Sequence[Decorator] = (
         help="Samples a pixel that msbvh takes and the allowed error is for. Fewer: quicker, and blinder.",
     ),
     click.option("--json", "as_json", is_flag=True, help="For scripts."),
-    click.option(
-        "--out", type=click.Path(path_type=Path), metavar="DIR", help="Keep the images and the logs there."
-    ),
+    click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Keeps images and logs."),
     click.option(
         "--command",
         default="",
@@ -387,8 +394,6 @@ BENCH: Sequence[Decorator] = (
         type=click.IntRange(64, 100_000_000),
         help="About so many in every procedural scene. Default: each one's own, 10 thousand to 2 million.",
     ),
-    click.option(
-        "--out", type=click.Path(path_type=Path, file_okay=False), metavar="DIR", help="Write bench.json there."
-    ),
+    click.option("--out", type=click.Path(path_type=Path, file_okay=False), metavar="DIR", help="For bench.json."),
 )
 """What is measured, against whom, and how often."""
