@@ -28,6 +28,8 @@ struct Primitives {
   // Refit: by mesh, the poses that fragments were cut from when the topology was built; empty for meshes
   // without fragments. Without any, fragments are cut from the meshes' own centre.
   std::span<const CentrePose> rest = {};
+  TimeSlice slice = {};  // the part of the shutter that the tree is for; "centre" means that part's
+  bool swept = false;    // boxes are those of the whole shutter, still (Builder::kSwept)
 };
 
 // A reference stands for a whole primitive or, after spatial splits, for a fragment of a triangle. The
@@ -54,20 +56,23 @@ std::vector<Reference> make_references(const Primitives& primitives);
 
 // How what the reference stands for moves.
 TrackForm form_of(const Primitives& primitives, const Reference& reference);
+// How the nodes above it bound it: in the same form, still where primitives are swept, and in the time of the
+// slice where there is one.
+TrackForm node_form_of(const Primitives& primitives, const Reference& reference);
 
 // The triangle at the shutter's centre, of the frame that fragments were cut in; in double for clipping (each
 // float is exact in it).
 template <typename T>
 std::array<Vec3<T>, 3> centre_triangle(const Primitives& primitives, const Reference& reference) {
-  constexpr float kCentre = 0.5f;
+  const float centre = primitives.slice.time(0.5f);
   const TriangleMesh& mesh = *primitives.meshes[reference.mesh()];
   const Triangle& t = mesh.triangles[reference.index];
   if (!primitives.rest.empty()) {
     const CentrePose& rest = primitives.rest[reference.mesh()];
     return {Vec3<T>(rest[t[0]]), Vec3<T>(rest[t[1]]), Vec3<T>(rest[t[2]])};
   }
-  return {Vec3<T>(mesh.position(t[0], kCentre)), Vec3<T>(mesh.position(t[1], kCentre)),
-          Vec3<T>(mesh.position(t[2], kCentre))};
+  return {Vec3<T>(mesh.position(t[0], centre)), Vec3<T>(mesh.position(t[1], centre)),
+          Vec3<T>(mesh.position(t[2], centre))};
 }
 
 }  // namespace msbvh

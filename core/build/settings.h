@@ -8,15 +8,22 @@ namespace msbvh {
 
 enum class Builder : std::uint8_t {
   kMsbvh,  // object and spatial splits at the shutter's centre
-  kMbvh    // the same builder with spatial splits off: the interpolated BVH, the paper's baseline
+  kMbvh,   // the same builder with spatial splits off: the interpolated BVH, the paper's baseline
+  // For comparison, both without spatial splits:
+  kSwept,     // still boxes around all that a primitive does during the shutter: few bytes, slow rays
+  kTimeSplit  // a tree for each segment of the finest track: bytes and build grow with the segments
 };
 
 // All of them, by the names that options and reports use.
 struct BuilderName {
   Builder builder;
   const char* name;
+  bool comparison = false;  // measured where asked for
 };
-inline constexpr BuilderName kBuilders[] = {{Builder::kMsbvh, "msbvh"}, {Builder::kMbvh, "mbvh"}};
+inline constexpr BuilderName kBuilders[] = {{Builder::kMsbvh, "msbvh"},
+                                            {Builder::kMbvh, "mbvh"},
+                                            {Builder::kSwept, "swept", true},
+                                            {Builder::kTimeSplit, "timesplit", true}};
 
 // What the tree of a frame takes over from that of the frame before it.
 enum class Refit : std::uint8_t {

@@ -9,6 +9,7 @@
 #include "core/bvh/flatten.h"
 #include "core/bvh/instance_bounds.h"
 #include "core/bvh/refit.h"
+#include "core/bvh/time_split.h"
 
 namespace msbvh {
 namespace {
@@ -33,7 +34,8 @@ Movement movement_of(const TrackForm& form) {
 
 // An instance that is there for a part of the shutter moves, in that a ray's time matters.
 Movement movement_of(const Bvh& bvh) {
-  Movement most = movement_of(bvh.root_form);
+  Movement most = movement_of(bvh.root_form);  // still where the tree is swept
+  for (const auto& mesh : bvh.meshes) most = std::max(most, movement_of(mesh->form()));
   for (const Instance& i : bvh.instances) {
     most = std::max({most, movement_of(i.form), i.object->movement});
     const bool clocked = i.clock != kNoClock || !i.object->clock.is_shutter();
@@ -54,16 +56,27 @@ Bvh opened(BvhInput input, const BuildSettings& settings) {
   return bvh;
 }
 
-void finish(Bvh& bvh, const Topology& topology) {
+Primitives primitives_of(const Bvh& bvh, std::span<const InstanceBounds> instance_bounds) {
+  return {.meshes = bvh.meshes, .instances = instance_bounds, .swept = bvh.builder == Builder::kSwept};
+}
+
+void finish(Bvh& bvh, std::span<const InstanceBounds> instance_bounds, std::uint64_t references) {
+  bvh.max_level = level_of(finest_segments(bvh, instance_bounds));
   bvh.instanced = !bvh.instances.empty();
   bvh.movement = movement_of(bvh);
   for (const auto& mesh : bvh.meshes) bvh.statistics.triangles += mesh->triangles.size();
   bvh.statistics.instances = bvh.instances.size();
-  bvh.statistics.references = topology.reference_count;
+  bvh.statistics.references = references;
 }
 
 BuiltBvh built(Bvh bvh, std::span<const InstanceBounds> instance_bounds, const BuildSettings& settings) {
-  const Primitives primitives{bvh.meshes, instance_bounds};
+  const std::uint32_t segments = finest_segments(bvh, instance_bounds);
+  if (bvh.builder == Builder::kTimeSplit && segments > 1) {
+    finish(bvh, instance_bounds, build_time_split(bvh, instance_bounds, segments, settings));
+    bvh.statistics.built = 1;
+    return {std::move(bvh), nullptr};
+  }
+  const Primitives primitives = primitives_of(bvh, instance_bounds);
   const Stopwatch topology_watch;
   Topology topology = build_topology(primitives, settings);
   bvh.statistics.topology_seconds = topology_watch.seconds();
@@ -71,7 +84,7 @@ BuiltBvh built(Bvh bvh, std::span<const InstanceBounds> instance_bounds, const B
   flatten(primitives, topology, settings, bvh);
   bvh.statistics.bounds_seconds = bounds_watch.seconds();
   bvh.statistics.built = 1;
-  finish(bvh, topology);
+  finish(bvh, instance_bounds, topology.reference_count);
   std::unique_ptr<KeptTopology> kept;
   if (settings.keep_topology) {
     kept = std::make_unique<KeptTopology>(keep(topology, primitives));
@@ -84,7 +97,8 @@ BuiltBvh built(Bvh bvh, std::span<const InstanceBounds> instance_bounds, const B
 bool refit(Bvh& bvh, KeptTopology& kept, std::span<const InstanceBounds> instance_bounds,
            const BuildSettings& settings) {
   const Stopwatch watch;
-  const Primitives primitives{bvh.meshes, instance_bounds, kept.rest};
+  Primitives primitives = primitives_of(bvh, instance_bounds);
+  primitives.rest = kept.rest;
   Bvh refitted = bvh;
   flatten(primitives, kept.topology, settings, refitted);
   const bool dear = refitted.statistics.sah_cost > kept.sah_cost * double(settings.refit_drift);
@@ -94,7 +108,7 @@ bool refit(Bvh& bvh, KeptTopology& kept, std::span<const InstanceBounds> instanc
   }
   bvh = std::move(refitted);
   bvh.statistics.refitted = 1;
-  finish(bvh, kept.topology);
+  finish(bvh, instance_bounds, kept.topology.reference_count);
   bvh.statistics.bounds_seconds = bvh.statistics.refit_seconds = watch.seconds();
   return true;
 }

@@ -46,6 +46,8 @@ class Bvh {
 
   AlignedBuffer arena;
   ChildRef root = ChildRef::leaf(0);
+  std::vector<ChildRef>
+      slice_roots;    // Builder::kTimeSplit: of a tree for each slice of the shutter; else empty
   bool empty = true;  // nothing to hit; the arena is empty
   TrackForm root_form;
   std::vector<Box3f> root_bounds;        // at the controls of the root
@@ -60,6 +62,8 @@ class Bvh {
   const BlockHeader& block(ChildRef ref) const {
     return *reinterpret_cast<const BlockHeader*>(arena.data() + ref.offset());
   }
+  // `key`: of the ray's time in the finest level.
+  ChildRef root_at(std::uint32_t key) const { return slice_roots.empty() ? root : slice_roots[key]; }
   const Affine3f* controls_of(const Instance& instance) const {
     return instance_controls.data() + instance.first_control;
   }

@@ -141,7 +141,7 @@ class Flattener {
              std::tuple(fb.segments, fb.degree, b.mesh(), b.index);
     });
     Plan& p = plans_[node];
-    for (const Reference& r : refs) p.form = common_form(p.form, form(r));
+    for (const Reference& r : refs) p.form = common_form(p.form, node_form_of(primitives_, r));
     for (const BlockRange& b : blocks(refs)) p.bytes += b.bytes();
   }
 
@@ -178,7 +178,8 @@ class Flattener {
     const Plan& p = plans_[node];
     const std::uint32_t controls = p.form.controls();
     NodeHeader& header = *new (out_.arena.data() + offset) NodeHeader{};
-    header.level = static_cast<std::uint16_t>(level_of(p.form.segments));
+    const bool in_slice = p.form.moving() && !primitives_.slice.whole();
+    header.level = static_cast<std::uint16_t>(in_slice ? kSliceLevel : level_of(p.form.segments));
     header.degree = static_cast<std::uint16_t>(p.form.degree);
     header.child_count = children.count;
     std::size_t offsets[kWidth];

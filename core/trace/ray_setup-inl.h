@@ -54,6 +54,7 @@ struct RaySetup {
       const float u = clamped_time(ray.time);
       for (std::uint32_t level = 0; level <= max_level; ++level)
         at_level[level] = locate(u, segments_of_level(level));
+      at_level[kSliceLevel] = {0, at_level[max_level].w};
     }
   }
 };

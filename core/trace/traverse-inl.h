@@ -48,7 +48,7 @@ class Traversal {
         counts_(counts) {}
 
   void run() {
-    ChildRef current = bvh_.root;
+    ChildRef current = kMoving ? bvh_.root_at(setup_.at_level[bvh_.max_level].key) : bvh_.root;
     for (;;) {
       while (!current.is_leaf()) {
         if (!descend(current) && !pop(current)) return;

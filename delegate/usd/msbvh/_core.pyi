@@ -300,7 +300,7 @@ class RenderSettings(TypedDict, total=False):
     threads: int
     """0: all."""
     show_domes: bool
-    builder: Literal["msbvh", "mbvh"]
+    builder: Literal["msbvh", "mbvh", "swept", "timesplit"]
     refit: Literal["auto", "always", "never"]
     keep_topology: bool
     """So that the next commit() can refit."""
@@ -405,7 +405,7 @@ def bench_run(
     robust: Sequence[bool],
     peer: str,
 ) -> list[str]:
-    """Rows as JSON. ``builders`` empty: all; ``threads`` 0: all; ``peer``: path of its library, empty for none;
+    """Rows as JSON. ``builders`` empty: msbvh and mbvh; ``threads`` 0: all; ``peer``: path of its library, empty for none;
     ``robust``: the peer's modes; ``oracle_tests``: triangles that the oracle tests a builder and kind of ray.
 
     Without the GIL; a signal's exception ends it between two measurements.

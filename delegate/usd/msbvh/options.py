@@ -291,10 +291,11 @@ RENDER: Sequence[Decorator] = (
     click.option("--threads", type=click.IntRange(0, 4096), default=0, show_default=True, help="0: all."),
     click.option(
         "--builder",
-        type=click.Choice(("msbvh", "mbvh")),
+        type=click.Choice(tuple(_core.builders())),
         default="msbvh",
         show_default=True,
-        help="mbvh: without spatial splits, the paper's baseline.",
+        help="For comparison: mbvh has no spatial splits (the paper's baseline), swept has still boxes (slow rays),"
+        " timesplit a tree for each motion segment (bytes and build grow with them).",
     ),
     click.option(
         "--refit",
@@ -375,7 +376,7 @@ BENCH: Sequence[Decorator] = (
         "builders",
         multiple=True,
         type=click.Choice(tuple(_core.builders())),
-        help="Only this one; may be repeated. Default: all of them.",
+        help="Only this one; may be repeated. Default: msbvh and mbvh.",
     ),
     click.option(
         "--threads",
