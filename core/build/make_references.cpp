@@ -6,16 +6,30 @@
 namespace msbvh {
 namespace {
 
-constexpr float kCentre = 0.5f;
 constexpr std::size_t kTrianglesPerTask = 16384;
 
-Box3f centre_box(const InstanceBounds& bounds) {
-  const SegmentTime at = locate(kCentre, bounds.form.segments);
+Box3f reference_box(const Primitives& primitives, const InstanceBounds& bounds) {
+  if (primitives.swept) {
+    Box3f box;
+    for (const Box3f& b : bounds.controls) box.grow(b);
+    return box;
+  }
+  const SegmentTime at = locate(primitives.slice.time(0.5f), bounds.form.segments);
   return track_value(bounds.controls.data(), bounds.form, at.key, at.w);
 }
 
+Box4 swept_box(const TriangleMesh& mesh, const Triangle& triangle) {
+  Box4 box;
+  for (std::uint32_t c = 0; c < mesh.form().controls(); ++c) {
+    for (const std::uint32_t v : triangle) box.grow(load4(mesh.control_positions(c) + v));
+  }
+  return box;
+}
+
 SetBounds add_mesh(const CentrePose& pose, std::uint32_t mesh, Reference* out) {
-  const std::vector<Triangle>& triangles = pose.primitives().meshes[mesh]->triangles;
+  const TriangleMesh& shape = *pose.primitives().meshes[mesh];
+  const std::vector<Triangle>& triangles = shape.triangles;
+  const bool swept = pose.primitives().swept;
   const Vec3f* positions = pose.positions(mesh);
   return reduce_in_chunks<SetBounds>(
       triangles.size(), kTrianglesPerTask, [] { return SetBounds(); },
@@ -23,6 +37,7 @@ SetBounds add_mesh(const CentrePose& pose, std::uint32_t mesh, Reference* out) {
         for (std::size_t i = begin; i < end; ++i) {
           Box4 box;
           for (const std::uint32_t v : triangles[i]) box.grow(load4(positions + v));
+          if (swept) box = swept_box(shape, triangles[i]);
           sum.grow(box);
           out[i] = {box.box(), mesh, static_cast<std::uint32_t>(i)};
         }
@@ -45,7 +60,7 @@ AllReferences make_references(const CentrePose& pose) {
   for (std::uint32_t i = 0; i < primitives.instances.size(); ++i) {
     const InstanceBounds& bounds = primitives.instances[i];
     if (bounds.controls.empty()) continue;
-    const Box3f box = centre_box(bounds);
+    const Box3f box = reference_box(primitives, bounds);
     all.bounds.grow(Box4(box));
     (*all.memory)[all.count++] = {box, Reference::kInstanceOwner, i};
   }
