@@ -80,8 +80,9 @@ class TopologyBuilder {
   bool may_be_leaf(const Range& range) const {
     if (range.count() > settings_.max_leaf_triangles) return false;
     const auto refs = references(range);
-    return range.count() == 1 ||
-           std::none_of(refs.begin(), refs.end(), [](const Reference& r) { return r.is_instance(); });
+    return range.count() == 1 || std::none_of(refs.begin(), refs.end(), [](const Reference& r) {
+             return r.is_instance() || r.is_grid();
+           });
   }
 
   // Only where the object split's children overlap noticeably.

@@ -54,12 +54,13 @@ Bvh build_bvh(BvhInput input, const BuildSettings& settings) {
   const Stopwatch total;
   Bvh bvh;
   bvh.meshes = std::move(input.meshes);
+  bvh.grids = std::move(input.grids);
   bvh.instances = std::move(input.instances);
   bvh.instance_controls = std::move(input.instance_controls);
   bvh.clocks = std::move(input.clocks);
   bvh.clock = std::move(input.clock);
   const std::vector<InstanceBounds> instance_bounds = bound_instances(bvh);
-  const Primitives primitives{bvh.meshes, instance_bounds};
+  const Primitives primitives{bvh.meshes, instance_bounds, bvh.grids};
 
   const Stopwatch topology_watch;
   Topology topology = build_topology(primitives, settings);
@@ -69,8 +70,15 @@ Bvh build_bvh(BvhInput input, const BuildSettings& settings) {
   bvh.statistics.bounds_seconds = bounds_watch.seconds();
 
   bvh.instanced = !bvh.instances.empty();
+  bvh.gridded = !bvh.grids.empty() ||
+                std::ranges::any_of(bvh.instances, [](const Instance& i) { return i.object->gridded; });
   bvh.movement = movement_of(bvh);
   for (const auto& mesh : bvh.meshes) bvh.statistics.triangles += mesh->triangles.size();
+  for (const auto& mesh : bvh.grids) {
+    bvh.statistics.patches += mesh->patches.size();
+    bvh.statistics.quads += mesh->quad_count;
+    bvh.statistics.grid_bytes += mesh->values.size() * sizeof(float);
+  }
   bvh.statistics.instances = bvh.instances.size();
   bvh.statistics.references = topology.reference_count;
   bvh.statistics.build_seconds = total.seconds();

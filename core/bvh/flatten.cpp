@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/bvh/grid_block.h"
 #include "core/bvh/key_bounds.h"
 
 namespace msbvh {
@@ -18,6 +19,8 @@ namespace {
 // Subtrees of fewer bytes are written by one task, and planned by one from this depth on (8^3 tasks).
 constexpr std::size_t kParallelBytes = 1 << 18;
 constexpr std::uint32_t kParallelDepth = 3;
+// The cost of a patch: its tiles are 8 boxes, of which a ray that meets the patch enters one or two.
+constexpr double kPatchBlocks = 3.0;
 
 std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
 
@@ -50,8 +53,11 @@ struct WideChildren {
 struct BlockRange {
   std::span<const Reference> references;  // without repeats, 1 to 4
   TrackForm form;
-  bool instance;
-  std::size_t bytes() const { return instance ? sizeof(BlockHeader) : triangle_block_bytes(form); }
+  bool instance, grid;
+  std::size_t bytes() const {
+    if (grid) return grid_block_bytes(form);
+    return instance ? sizeof(BlockHeader) : triangle_block_bytes(form);
+  }
 };
 
 class Flattener {
@@ -146,7 +152,7 @@ class Flattener {
   }
 
   // Blocks of at most 4 distinct triangles of one form, or of one instance. Two fragments of one triangle
-  // that meet again in a leaf share an entry.
+  // that meet again in a leaf share an entry. A patch is alone in its leaf.
   std::vector<BlockRange> blocks(std::span<const Reference> refs) {
     std::vector<BlockRange> out;
     std::size_t begin = 0;
@@ -158,13 +164,13 @@ class Flattener {
       const bool other = i > begin && (form(refs[i]) != form(refs[begin]) || refs[i].is_instance() ||
                                        refs[begin].is_instance());
       if (i > begin && (full || other)) {
-        out.push_back({refs.subspan(begin, i - begin), form(refs[begin]), refs[begin].is_instance()});
+        out.push_back({refs.subspan(begin, i - begin), form(refs[begin]), refs[begin].is_instance(), false});
         begin = i;
         distinct = 0;
       }
       if (!repeat || distinct == 0) ++distinct;
     }
-    out.push_back({refs.subspan(begin), form(refs[begin]), refs[begin].is_instance()});
+    out.push_back({refs.subspan(begin), form(refs[begin]), refs[begin].is_instance(), refs[begin].is_grid()});
     return out;
   }
 
@@ -230,6 +236,7 @@ class Flattener {
   }
 
   double block_units(std::uint32_t leaf) const {
+    if (topology_.references[topology_.nodes[leaf].first].is_grid()) return kPatchBlocks;
     return (topology_.nodes[leaf].count + kBlockWidth - 1) / kBlockWidth;
   }
 
@@ -254,7 +261,7 @@ class Flattener {
     for (std::size_t i = 0; i < ranges.size(); ++i) {
       write_block(ranges[i], offset, i + 1 == ranges.size());
       offset += ranges[i].bytes();
-      tally.indexed |= !ranges[i].instance &&
+      tally.indexed |= !ranges[i].instance && !ranges[i].grid &&
                        triangle_block_kind(level_of(ranges[i].form.segments)) == BlockKind::kIndexed;
     }
     tally.leaves = 1;
@@ -269,6 +276,11 @@ class Flattener {
     block.level = static_cast<std::uint8_t>(level_of(range.form.segments));
     block.degree = static_cast<std::uint8_t>(range.form.degree);
     block.last = last;
+    if (range.grid) {
+      block.kind = BlockKind::kGrid;
+      block.count = 1;
+      return write_grid_block(primitives_, range.references[0], block);
+    }
     for (const Reference& r : range.references) {
       const bool repeat = block.count > 0 && r.mesh() == block.mesh[block.count - 1] &&
                           r.index == block.triangle[block.count - 1];

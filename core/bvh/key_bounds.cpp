@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/build/clip.h"
+#include "core/build/grid_clip.h"
 #include "core/motion/bezier.h"
 
 namespace msbvh {
@@ -23,16 +24,16 @@ Box3f padded(const Box3f& b, float pad) {
 
 Box3d in_double(const Box3f& b) { return {Vec3d(b.lo), Vec3d(b.hi)}; }
 
-// Corners of the fragment as weights of the triangle's vertices, and its boxes at the mesh's own controls.
+// A triangle's fragment on the move: corners as weights of the vertices. `Vertices` gives them in double,
+// each an exact float, at a control of the triangle's own track.
+template <typename Vertices>
 class MovingFragment {
  public:
-  MovingFragment(const Primitives& primitives, const Reference& reference)
-      : mesh_(*primitives.meshes[reference.mesh()]),
-        triangle_(mesh_.triangles[reference.index]),
-        polygon_(clip_to_box(centre_triangle<double>(primitives, reference), reference.box)) {}
+  MovingFragment(const BarycentricPolygon& polygon, const TrackForm& form, const Vertices& vertices)
+      : polygon_(polygon), form_(form), vertices_(vertices) {}
 
   Box3f at_control(std::uint32_t control) const {
-    const std::array<Vec3d, 3> v = vertices(control);
+    const std::array<Vec3d, 3> v = vertices_(control);
     if (polygon_.count == 0) return whole(v);
     Box3d box;
     for (int i = 0; i < polygon_.count; ++i) {
@@ -40,23 +41,19 @@ class MovingFragment {
       box.grow(v[0] * b.x + v[1] * b.y + v[2] * b.z);
     }
     return padded(round_outwards(box),
-                  kFragmentPad * static_cast<float>(mesh_.degree) * size_around(control));
+                  kFragmentPad * static_cast<float>(form_.degree) * size_around(control));
   }
 
  private:
   // The vertices in flight err by their own size, which may be larger at the segment's other controls.
   float size_around(std::uint32_t control) const {
-    const std::uint32_t last = mesh_.form().controls() - 1, degree = mesh_.degree;
+    const std::uint32_t last = form_.controls() - 1, degree = form_.degree;
     float size = 0.0f;
     for (std::uint32_t c = control < degree ? 0 : control - degree; c <= std::min(control + degree, last);
          ++c) {
-      size = std::max(size, largest_coordinate(whole(vertices(c))));
+      size = std::max(size, largest_coordinate(whole(vertices_(c))));
     }
     return size;
-  }
-  std::array<Vec3d, 3> vertices(std::uint32_t control) const {
-    const Vec3f* p = mesh_.control_positions(control);
-    return {Vec3d(p[triangle_[0]]), Vec3d(p[triangle_[1]]), Vec3d(p[triangle_[2]])};
   }
   static Box3f whole(const std::array<Vec3d, 3>& v) {
     Box3f box;
@@ -64,9 +61,9 @@ class MovingFragment {
     return box;
   }
 
-  const TriangleMesh& mesh_;
-  const Triangle& triangle_;
-  BarycentricPolygon polygon_;
+  const BarycentricPolygon& polygon_;
+  TrackForm form_;
+  const Vertices& vertices_;
 };
 
 Box3f triangle_box(const TriangleMesh& mesh, const Triangle& triangle, std::uint32_t control) {
@@ -82,11 +79,50 @@ void grow_by_triangle(std::span<Box3f> out, const TrackForm& form, const Primiti
   std::array<Box3f, kMaxControls> boxes;
   const std::uint32_t count = mesh.form().controls();
   if (reference.is_clipped()) {
-    const MovingFragment fragment(primitives, reference);
+    const BarycentricPolygon polygon =
+        clip_to_box(centre_triangle<double>(primitives, reference), reference.box);
+    const Triangle& t = mesh.triangles[reference.index];
+    const auto vertices = [&](std::uint32_t control) {
+      const Vec3f* p = mesh.control_positions(control);
+      return std::array{Vec3d(p[t[0]]), Vec3d(p[t[1]]), Vec3d(p[t[2]])};
+    };
+    const MovingFragment fragment(polygon, mesh.form(), vertices);
     for (std::uint32_t c = 0; c < count; ++c) boxes[c] = fragment.at_control(c);
   } else {
     const Triangle& triangle = mesh.triangles[reference.index];
     for (std::uint32_t c = 0; c < count; ++c) boxes[c] = triangle_box(mesh, triangle, c);
+  }
+  grow_track(out, form, {boxes.data(), count}, mesh.form());
+}
+
+// The parts of a patch inside the reference's box, all together.
+void grow_by_parts(std::span<Box3f> boxes, const Primitives& primitives, const Reference& reference) {
+  const GridMesh& mesh = *primitives.grids[reference.grid_mesh()];
+  const auto part = [&](const GridTriangle& triangle, const BarycentricPolygon* polygon) {
+    const std::array<GridVertex, 3> v = vertices_of(triangle);
+    const Grid& grid = mesh.grids[triangle.grid];
+    const auto vertices = [&](std::uint32_t control) {
+      return std::array{Vec3d(mesh.control_point(grid, v[0].row, v[0].column, control)),
+                        Vec3d(mesh.control_point(grid, v[1].row, v[1].column, control)),
+                        Vec3d(mesh.control_point(grid, v[2].row, v[2].column, control))};
+    };
+    const BarycentricPolygon all;
+    const MovingFragment fragment(polygon ? *polygon : all, mesh.form(), vertices);
+    for (std::uint32_t c = 0; c < boxes.size(); ++c) boxes[c].grow(fragment.at_control(c));
+  };
+  centre_patch(primitives, reference).visit(reference.box, part);
+}
+
+void grow_by_patch(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
+                   const Reference& reference) {
+  const GridMesh& mesh = *primitives.grids[reference.grid_mesh()];
+  std::array<Box3f, kMaxControls> boxes;
+  const std::uint32_t count = mesh.form().controls();
+  if (reference.is_clipped()) {
+    grow_by_parts({boxes.data(), count}, primitives, reference);
+  }
+  if (boxes[0].empty()) {  // no fragment, or nothing of it is left by rounding: more is always right
+    for (std::uint32_t c = 0; c < count; ++c) boxes[c] = mesh.bounds(mesh.patches[reference.index], c);
   }
   grow_track(out, form, {boxes.data(), count}, mesh.form());
 }
@@ -130,6 +166,7 @@ void grow_track(std::span<Box3f> out, const TrackForm& form, std::span<const Box
 
 void grow_by_reference(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
                        const Reference& reference) {
+  if (reference.is_grid()) return grow_by_patch(out, form, primitives, reference);
   if (!reference.is_instance()) return grow_by_triangle(out, form, primitives, reference);
   const InstanceBounds& bounds = primitives.instances[reference.index];
   grow_track(out, form, bounds.controls, bounds.form);

@@ -12,6 +12,7 @@
 //   indexed   3 x 16 B: vertex indices into the meshes' own tracks; 24 B a triangle, for many
 //             segments
 //   instance  none; triangle[0] is the instance's id
+//   grid      a window of a grid, alone in its leaf: core/bvh/grid_block.h
 //
 // A ray reads two controls of a node (degree + 1 of a Bezier track), whatever their number. Every node and
 // block has as many controls as it needs, no more.
@@ -72,7 +73,7 @@ struct alignas(64) NodeHeader {
   NodeBounds* bounds() { return reinterpret_cast<NodeBounds*>(this + 1); }
 };
 
-enum class BlockKind : std::uint8_t { kGathered, kIndexed, kInstance };
+enum class BlockKind : std::uint8_t { kGathered, kIndexed, kInstance, kGrid };
 
 struct alignas(16) BlockHeader {
   BlockKind kind;

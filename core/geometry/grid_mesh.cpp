@@ -1,11 +1,38 @@
 #include "core/geometry/grid_mesh.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/base/error.h"
+#include "core/geometry/triangle_mesh.h"
 
 namespace msbvh {
 namespace {
+
+[[noreturn]] void fail(const GridMesh& mesh, const std::string& what) {
+  throw Error((mesh.name.empty() ? std::string("grids") : mesh.name) + ": " + what);
+}
+
+// The arrays that follow from the grids' sizes are what they say.
+void check_layout(const GridMesh& mesh) {
+  GridMesh expected{mesh.name, mesh.segments, mesh.degree, mesh.grids, {}, 0, {}};
+  std::size_t values = 0;
+  for (Grid& g : expected.grids) {
+    if (g.rows < 1 || g.columns < 1 || g.rows > kMaxGridQuads || g.columns > kMaxGridQuads)
+      fail(mesh, "grids: found " + std::to_string(g.rows) + " x " + std::to_string(g.columns) +
+                     " quads; expected 1 to " + std::to_string(kMaxGridQuads) + " each");
+    if (g.first_value != values) fail(mesh, "grids: values that do not follow one another");
+    values += 3 * std::size_t(mesh.form().controls()) * g.points();
+  }
+  if (mesh.values.size() != values + GridMesh::kGuard)
+    fail(mesh, "values: found " + std::to_string(mesh.values.size()) + "; expected " +
+                   std::to_string(values) + ", and a guard of " + std::to_string(GridMesh::kGuard));
+  cut_into_patches(expected);
+  bool same = expected.patches == mesh.patches && expected.quad_count == mesh.quad_count;
+  for (std::size_t i = 0; i < mesh.grids.size(); ++i)
+    same &= expected.grids[i].first_quad == mesh.grids[i].first_quad;
+  if (!same) fail(mesh, "patches: found others; expected those of cut_into_patches()");
+}
 
 void cut_grid(const GridMesh& mesh, std::uint32_t g, std::vector<GridPatch>& out) {
   const Grid& grid = mesh.grids[g];
@@ -59,6 +86,19 @@ void cut_into_patches(GridMesh& mesh) {
     cut_grid(mesh, g, mesh.patches);
   }
   mesh.quad_count = static_cast<std::uint32_t>(quads);
+}
+
+void validate(const GridMesh& mesh) {
+  if (!is_valid_form(mesh.form()))
+    fail(mesh, "segments, degree: found " + std::to_string(mesh.segments) + ", " +
+                   std::to_string(mesh.degree) + "; expected 0 or a power of two up to " +
+                   std::to_string(kMaxSegments) + ", and 1 to " + std::to_string(kMaxDegree));
+  check_layout(mesh);
+  for (const float x : mesh.values) {
+    if (std::abs(x) <= kMaxCoordinate) continue;  // false for NaN too
+    fail(mesh, "values: found the coordinate " + std::to_string(x) +
+                   "; expected finite numbers of at most 2^60 in size");
+  }
 }
 
 }  // namespace msbvh

@@ -35,6 +35,7 @@ struct GridPatch {
   bool operator==(const GridPatch&) const = default;
 };
 inline constexpr std::uint32_t kPatchQuads = 8;
+inline constexpr std::uint32_t kMaxGridQuads = 65528;  // along a side: patches count in 16 bits
 
 // One of the two triangles of a quad: with a b the lower and d c the upper row, a b c and a c d.
 struct GridTriangle {
@@ -98,5 +99,10 @@ constexpr std::array<GridVertex, 3> vertices_of(const GridTriangle& t) {
 
 // Appends the patches of all grids and numbers the quads. Throws Error beyond 2^31 quads.
 void cut_into_patches(GridMesh& mesh);
+
+// The gate: checks the form, that `values` holds every point of every grid and the guard, that every
+// coordinate is finite and at most kMaxCoordinate in size, and that patches tile the grids. Throws Error
+// naming the mesh, the array, what was found and what is expected.
+void validate(const GridMesh& mesh);
 
 }  // namespace msbvh

@@ -10,20 +10,21 @@
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 
+template <Movement kMovement, bool kCount>
+constexpr void fill_row(IntersectKernel (&closest)[3], OccludedKernel (&any)[3]) {
+  closest[0] = intersect<kMovement, false, false, kCount>;
+  closest[1] = intersect<kMovement, true, false, kCount>;
+  closest[2] = intersect<kMovement, true, true, kCount>;
+  any[0] = occluded<kMovement, false, false, kCount>;
+  any[1] = occluded<kMovement, true, false, kCount>;
+  any[2] = occluded<kMovement, true, true, kCount>;
+}
+
 template <bool kCount>
-constexpr void fill(IntersectKernel (&closest)[3][2], OccludedKernel (&any)[3][2]) {
-  closest[0][0] = intersect<Movement::kStill, false, kCount>;
-  closest[0][1] = intersect<Movement::kStill, true, kCount>;
-  closest[1][0] = intersect<Movement::kLinear, false, kCount>;
-  closest[1][1] = intersect<Movement::kLinear, true, kCount>;
-  closest[2][0] = intersect<Movement::kPolynomial, false, kCount>;
-  closest[2][1] = intersect<Movement::kPolynomial, true, kCount>;
-  any[0][0] = occluded<Movement::kStill, false, kCount>;
-  any[0][1] = occluded<Movement::kStill, true, kCount>;
-  any[1][0] = occluded<Movement::kLinear, false, kCount>;
-  any[1][1] = occluded<Movement::kLinear, true, kCount>;
-  any[2][0] = occluded<Movement::kPolynomial, false, kCount>;
-  any[2][1] = occluded<Movement::kPolynomial, true, kCount>;
+constexpr void fill(IntersectKernel (&closest)[3][3], OccludedKernel (&any)[3][3]) {
+  fill_row<Movement::kStill, kCount>(closest[0], any[0]);
+  fill_row<Movement::kLinear, kCount>(closest[1], any[1]);
+  fill_row<Movement::kPolynomial, kCount>(closest[2], any[2]);
 }
 
 const KernelTable* kernel_table() {

@@ -31,26 +31,28 @@ constexpr float kFarFactor = 1.0f + 0x1p-20f;
 // A direction of 0 makes the reciprocal infinite and 0 * inf a NaN when the origin lies exactly on a plane.
 // x86's max and min return their second operand then: the plane bounds nothing, and the box counts as
 // entered.
-template <Movement kMovement>
-HWY_INLINE std::uint32_t test_node(const NodeHeader& node, const RaySetup<kMovement>& ray, float tfar,
-                                   float* distance) {
+//
+// `first` is the first control in force at the ray's time. Boxes of a node are aligned to cache lines, those
+// of a grid's tiles are not.
+template <Movement kMovement, bool kAligned>
+HWY_INLINE std::uint32_t test_boxes(const NodeBounds* controls, bool moving, std::uint32_t degree,
+                                    SegmentTime at, const RaySetup<kMovement>& ray, float tfar,
+                                    float* distance) {
   const hn::CappedTag<float, kWidth> d;
   using V = hn::Vec<decltype(d)>;
   constexpr std::size_t kFloatsPerControl = sizeof(NodeBounds) / sizeof(float);
-  constexpr bool kMoving = kMovement != Movement::kStill;
-  constexpr bool kCurved = kMovement == Movement::kPolynomial;
-  const std::uint32_t level = kMoving ? node.level : 0;
-  const SegmentTime at = kMoving ? ray.at_level[level] : SegmentTime{0, 0.0f};
-  const std::uint32_t degree = kCurved ? node.degree : 1;
-  const float* first = reinterpret_cast<const float*>(node.bounds()) + at.key * degree * kFloatsPerControl;
+  const float* first = reinterpret_cast<const float*>(controls);
   const Weights<decltype(d)> weights(d, at.w);
 
   std::uint32_t hits = 0;
   for (std::size_t lane = 0; lane < kWidth; lane += hn::Lanes(d)) {
     const auto slab = [&](std::uint32_t plane, int axis) {
       const float* p = first + plane + lane;
-      const auto control = [&](std::uint32_t i) { return hn::Load(d, p + i * kFloatsPerControl); };
-      const V x = kMoving && level != 0 ? simd_bezier(control, degree, weights) : control(0);
+      const auto control = [&](std::uint32_t i) {
+        const float* from = p + i * kFloatsPerControl;
+        return kAligned ? hn::Load(d, from) : hn::LoadU(d, from);
+      };
+      const V x = moving ? simd_bezier(control, degree, weights) : control(0);
       return hn::Mul(hn::Sub(x, hn::Set(d, ray.org[axis])), hn::Set(d, ray.reciprocal[axis]));
     };
     V enter = hn::Max(slab(ray.near_plane[0], 0), hn::Set(d, ray.tnear));
@@ -66,6 +68,17 @@ HWY_INLINE std::uint32_t test_node(const NodeHeader& node, const RaySetup<kMovem
     hits |= static_cast<std::uint32_t>(bits[0]) << lane;
   }
   return hits;
+}
+
+template <Movement kMovement>
+HWY_INLINE std::uint32_t test_node(const NodeHeader& node, const RaySetup<kMovement>& ray, float tfar,
+                                   float* distance) {
+  constexpr bool kMoving = kMovement != Movement::kStill;
+  const std::uint32_t level = kMoving ? node.level : 0;
+  const SegmentTime at = kMoving ? ray.at_level[level] : SegmentTime{0, 0.0f};
+  const std::uint32_t degree = kMovement == Movement::kPolynomial ? node.degree : 1;
+  return test_boxes<kMovement, true>(node.bounds() + at.key * degree, kMoving && level != 0, degree, at, ray,
+                                     tfar, distance);
 }
 
 }  // namespace msbvh::HWY_NAMESPACE

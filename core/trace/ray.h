@@ -18,12 +18,17 @@ struct Ray {
 
 inline constexpr std::uint32_t kNoInstance = 0xffffffffu;
 
+// In Hit::mesh: a mesh of grids (core/geometry/grid_mesh.h), counted apart from meshes of triangles.
+inline constexpr std::uint32_t kGridMesh = 0x40000000u;
+
 struct Hit {
   float t = 0.0f;
   float u = 0.0f, v = 0.0f;              // barycentrics of the triangle's second and third vertex
   std::uint32_t triangle = 0;            // index in its mesh
-  std::uint32_t mesh = 0;                // id in the Accel that holds the mesh
+  std::uint32_t mesh = 0;                // id in the Accel that holds the mesh; | kGridMesh
   std::uint32_t instance = kNoInstance;  // id in the outer Accel, kNoInstance for a mesh in it directly
+
+  bool is_grid() const { return (mesh & kGridMesh) != 0; }
 };
 
 }  // namespace msbvh

@@ -12,6 +12,7 @@
 #include <hwy/highway.h>
 
 #include "core/base/affine.h"
+#include "core/trace/grid_test-inl.h"
 #include "core/trace/node_test-inl.h"
 #include "core/trace/triangle_test-inl.h"
 
@@ -36,7 +37,7 @@ struct Query {
   Hit hit;
 };
 
-template <Movement kMovement, bool kInstanced, bool kAnyHit, bool kCount>
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, bool kCount>
 class Traversal {
  public:
   Traversal(const Bvh& bvh, const Ray& ray, std::uint32_t instance, Query& query, TraceCounts* counts)
@@ -109,6 +110,8 @@ class Traversal {
     for (const BlockHeader* block = &first;; block = next_block(block)) {
       if (kInstanced && block->kind == BlockKind::kInstance) {
         enter_instance(block->triangle[0]);
+      } else if (kGrids && block->kind == BlockKind::kGrid) {
+        test_grid(*block);
       } else {
         test_triangles(*block);
       }
@@ -129,11 +132,50 @@ class Traversal {
         query_.found = true;
         return;
       }
-      const Hit candidate{hit.t[i], hit.u[i], hit.v[i], block.triangle[i], block.mesh[i], instance_};
-      if (query_.found && !closer(candidate, query_.hit)) continue;
-      query_.found = true;
-      query_.hit = candidate;
-      query_.tfar = candidate.t;
+      take({hit.t[i], hit.u[i], hit.v[i], block.triangle[i], block.mesh[i], instance_});
+    }
+  }
+
+  HWY_INLINE void take(const Hit& candidate) {
+    if (query_.found && !closer(candidate, query_.hit)) return;
+    query_.found = true;
+    query_.hit = candidate;
+    query_.tfar = candidate.t;
+  }
+
+  // Not inlined: the loop over triangles' blocks keeps its registers.
+  HWY_NOINLINE void test_grid(const BlockHeader& block) {
+    if constexpr (kGrids) {
+      const GridTest<kMovement> grid(bvh_, block, setup_);
+      HWY_ALIGN float distance[kWidth];
+      std::uint32_t tiles = grid.tiles(query_.tfar, distance);
+      for (; tiles != 0; tiles &= tiles - 1) {
+        const auto tile = static_cast<std::uint32_t>(std::countr_zero(tiles));
+        if (!(distance[tile] <= query_.tfar)) continue;
+        test_tile(grid, tile);
+        if (kAnyHit && query_.found) return;
+      }
+    }
+  }
+  HWY_INLINE void test_tile(const GridTest<kMovement>& grid, std::uint32_t tile) {
+    if constexpr (kCount) {
+      ++counts_->blocks;
+      counts_->triangles += 2 * kTileLanes;
+    }
+    for (std::size_t pass = 0; pass < grid.passes(); ++pass) {
+      TileHit hit[2];
+      grid.test(tile, pass, query_.tfar, hit);
+      for (std::uint32_t half = 0; half < 2; ++half) {
+        for (std::uint32_t lanes = hit[half].lanes; lanes != 0; lanes &= lanes - 1) {
+          const auto i = static_cast<std::uint32_t>(std::countr_zero(lanes));
+          if (kAnyHit) {
+            query_.found = true;
+            return;
+          }
+          take({hit[half].t[i], hit[half].u[i], hit[half].v[i], grid.triangle_id(tile, pass, i, half),
+                grid.mesh() | kGridMesh, instance_});
+        }
+      }
     }
   }
 
@@ -162,7 +204,7 @@ class Traversal {
   }
   template <Movement kObject>
   void trace_object(const Instance& instance, const Ray& local, std::uint32_t id) {
-    Traversal<kObject, false, kAnyHit, kCount>(*instance.object, local, id, query_, counts_).run();
+    Traversal<kObject, false, kGrids, kAnyHit, kCount>(*instance.object, local, id, query_, counts_).run();
   }
 
   // Whether the object is there at the ray's time; the ray's time in the object's own time.
@@ -209,22 +251,22 @@ class Traversal {
   StackEntry* top_ = stack_;
 };
 
-template <Movement kMovement, bool kInstanced, bool kCount>
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kCount>
 bool intersect(const Bvh& bvh, const Ray& ray, Hit& hit, TraceCounts* counts) {
   if constexpr (kCount) ++counts->rays;
   if (bvh.empty) return false;
   Query query(ray.tfar);
-  Traversal<kMovement, kInstanced, false, kCount>(bvh, ray, kNoInstance, query, counts).run();
+  Traversal<kMovement, kInstanced, kGrids, false, kCount>(bvh, ray, kNoInstance, query, counts).run();
   if (query.found) hit = query.hit;
   return query.found;
 }
 
-template <Movement kMovement, bool kInstanced, bool kCount>
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kCount>
 bool occluded(const Bvh& bvh, const Ray& ray, TraceCounts* counts) {
   if constexpr (kCount) ++counts->rays;
   if (bvh.empty) return false;
   Query query(ray.tfar);
-  Traversal<kMovement, kInstanced, true, kCount>(bvh, ray, kNoInstance, query, counts).run();
+  Traversal<kMovement, kInstanced, kGrids, true, kCount>(bvh, ray, kNoInstance, query, counts).run();
   return query.found;
 }
 
