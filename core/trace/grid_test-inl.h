@@ -85,8 +85,9 @@ class GridTest {
     const std::uint32_t row = first_row(tile, pass), column = tile % 2 * kTileColumns;
     out[0].lanes = out[1].lanes = 0;
     if (row >= grid_.rows) return;
-    const TilePoint a = point(row, column), b = point(row, column + 1);
-    const TilePoint c = point(row + 1, column + 1), d = point(row + 1, column);
+    const Rows r = rows_of(row, column);
+    const TilePoint a = point(r.row[0], r.row[1]), b = point(r.row[0] + 1, r.row[1] + 1);
+    const TilePoint c = point(r.row[1] + 1, r.row[2] + 1), d = point(r.row[1], r.row[2]);
     const std::uint32_t lanes = valid_lanes(row, column);
     // The diagonal's function is not reused with its sign changed: distances are then those of the same
     // triangles in blocks of their own, bit by bit.
@@ -116,33 +117,53 @@ class GridTest {
     return kWide && row + 1 < grid_.rows ? one_row | one_row << kTileColumns : one_row;
   }
 
-  // Points (row, column) to column + 3, and of the next row. Lanes beyond the window hold points of other
-  // windows (or of the guard), which valid_lanes() leaves out; a row below the last is read as the last.
-  HWY_INLINE TileVec load(std::uint32_t row, std::uint32_t column, int axis) const {
-    const std::uint32_t next = std::min<std::uint32_t>(row + 1, grid_.rows);
-    const std::size_t plane = std::size_t(static_cast<std::uint32_t>(axis)) * grid_.plane_stride + column;
-    const float* here = first_ + plane + std::size_t(row) * grid_.row_stride;
-    [[maybe_unused]] const float* below = first_ + plane + std::size_t(next) * grid_.row_stride;
-    const auto control = [&](std::uint32_t i) {
-      const std::size_t skip = 3 * std::size_t(grid_.plane_stride) * i;
-      if constexpr (kWide) {
-        const hn::Half<TileTag> half;
-        return hn::Combine(TileTag(), hn::LoadU(half, below + skip), hn::LoadU(half, here + skip));
-      } else {
-        return hn::LoadU(TileTag(), here + skip);
-      }
-    };
-    return moving_ ? simd_bezier(control, degree_, weights_) : control(0);
+  // Rows of points of a tile, from its column on. A row below the last is read as the last.
+  struct Rows {
+    const float* row[kTileRows + 1];
+  };
+  HWY_INLINE Rows rows_of(std::uint32_t row, std::uint32_t column) const {
+    Rows out;
+    for (std::uint32_t i = 0; i <= kTileRows; ++i) {
+      const std::uint32_t r = std::min<std::uint32_t>(row + i, grid_.rows);
+      out.row[i] = first_ + std::size_t(r) * grid_.row_stride + column;
+    }
+    return out;
   }
 
-  HWY_INLINE TilePoint point(std::uint32_t row, std::uint32_t column) const {
+  // Four points of a row, and of the next. Lanes beyond the window hold points of other windows (or of the
+  // guard), which valid_lanes() leaves out.
+  static HWY_INLINE TileVec load(const float* here, [[maybe_unused]] const float* below) {
+    if constexpr (kWide) {
+      const hn::Half<TileTag> half;
+      return hn::Combine(TileTag(), hn::LoadU(half, below), hn::LoadU(half, here));
+    } else {
+      return hn::LoadU(TileTag(), here);
+    }
+  }
+
+  // An axis of quads' corners of one kind, at the ray's time and relative to its origin.
+  HWY_INLINE TileVec relative(const float* here, const float* below, int axis) const {
+    const std::size_t plane = std::size_t(static_cast<std::uint32_t>(axis)) * grid_.plane_stride;
+    here += plane;
+    below += plane;
+    TileVec x = load(here, below);
+    if (moving_) {
+      const std::size_t skip = 3 * std::size_t(grid_.plane_stride);
+      if (kMovement == Movement::kPolynomial) {
+        x = simd_bezier([&](std::uint32_t i) { return load(here + skip * i, below + skip * i); }, degree_,
+                        weights_);
+      } else {
+        x = simd_lerp<TileTag>(x, load(here + skip, below + skip), weights_);
+      }
+    }
+    return hn::Sub(x, hn::Set(TileTag(), ray_.org[axis]));
+  }
+
+  HWY_INLINE TilePoint point(const float* here, const float* below) const {
     const TileTag d;
-    const auto relative = [&](int axis) {
-      return hn::Sub(load(row, column, axis), hn::Set(d, ray_.org[axis]));
-    };
-    const TileVec z = relative(ray_.kz);
-    return {hn::NegMulAdd(hn::Set(d, ray_.shear_x), z, relative(ray_.kx)),
-            hn::NegMulAdd(hn::Set(d, ray_.shear_y), z, relative(ray_.ky)),
+    const TileVec z = relative(here, below, ray_.kz);
+    return {hn::NegMulAdd(hn::Set(d, ray_.shear_x), z, relative(here, below, ray_.kx)),
+            hn::NegMulAdd(hn::Set(d, ray_.shear_y), z, relative(here, below, ray_.ky)),
             hn::Mul(hn::Set(d, ray_.scale_z), z)};
   }
 
