@@ -1,7 +1,7 @@
 // Patches of grids as leaves against the same triangles in the tree: bytes a quad, build time and rays a
 // second, one line a key count. docs/design/subdivision.md has its figures.
 //
-//   msbvh_bench_grids [LEVEL [ROUNDS]]
+//   msbvh_bench_grids [LEVEL [ROUNDS [BUILDER]]]
 //
 // The surface: a displaced prism of 40 sides, 2 units across, turning by 1 radian; 2^LEVEL segments an edge.
 // Rays: 2^18 random ones at random times, and 2^18 from a pinhole, one thread, rounds interleaved, the same
@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <exception>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "bench/timing.h"
@@ -73,24 +74,27 @@ void run_rays(const char* name, const Accel& patches, const Accel& triangles, co
               kRays / theirs.median * 1e-6, ratio.median, ratio.low, ratio.high);
 }
 
-void run(std::uint32_t level, int rounds) {
+void run(std::uint32_t level, int rounds, const BuildSettings& settings) {
   std::puts(
-      "| keys | quads | bytes a quad: tree + points | of triangles | build s | of triangles | rays: M/s | of "
+      "| keys | quads | bytes a quad: tree + points | of triangles | dice s | build s | of triangles | rays: "
+      "M/s | of "
       "triangles | ratio | rays: M/s | of triangles | ratio |");
   for (const std::uint32_t segments : {0u, 1u, 8u, 32u}) {
     const SubdivisionMesh cage = moved(prism_cage(40), {segments, 1}, rotation({1, 2, 3}, 1.0));
+    const Stopwatch dicing;
     const GridMesh grids = dice(cage, {.level = level, .displacement = bumps(0.03, 0.2)});
+    const double dice_seconds = dicing.seconds();
     Accel patches, triangles;
     patches.add_grids(grids);
     triangles.add_mesh(triangles_of(grids));
-    patches.commit();
-    triangles.commit();
+    patches.commit(settings);
+    triangles.commit(settings);
     const BvhStatistics &p = patches.statistics(), &t = triangles.statistics();
     const double quads = grids.quad_count;
-    std::printf("| %u | %u | %.1f + %.1f | %.1f + %.1f | %.3f | %.3f |", segments + 1, grids.quad_count,
-                double(p.node_bytes + p.leaf_bytes) / quads, double(p.grid_bytes) / quads,
-                double(t.node_bytes + t.leaf_bytes) / quads, double(t.vertex_bytes) / quads, p.build_seconds,
-                t.build_seconds);
+    std::printf("| %u | %u | %.1f + %.1f | %.1f + %.1f | %.3f | %.3f | %.3f |", segments + 1,
+                grids.quad_count, double(p.node_bytes + p.leaf_bytes) / quads, double(p.grid_bytes) / quads,
+                double(t.node_bytes + t.leaf_bytes) / quads, double(t.vertex_bytes) / quads, dice_seconds,
+                p.build_seconds, t.build_seconds);
     run_rays("random", patches, triangles, random_rays(), rounds);
     run_rays("pinhole", patches, triangles, pinhole_rays(), rounds);
     std::puts("");
@@ -101,9 +105,10 @@ void run(std::uint32_t level, int rounds) {
 
 int main(int argc, char** argv) {
   try {
-    Arena(1).execute([&] {
-      run(argc > 1 ? static_cast<std::uint32_t>(std::atoi(argv[1])) : 5, argc > 2 ? std::atoi(argv[2]) : 5);
-    });
+    const auto level = static_cast<std::uint32_t>(argc > 1 ? std::atoi(argv[1]) : 5);
+    BuildSettings settings;
+    if (argc > 3 && std::string(argv[3]) == "mbvh") settings.builder = Builder::kMbvh;
+    Arena(1).execute([&] { run(level, argc > 2 ? std::atoi(argv[2]) : 5, settings); });
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "msbvh_bench_grids: error: %s\n", error.what());

@@ -25,11 +25,7 @@ CatmullClark::CatmullClark(const SubdivisionMesh& cage) : corners_(cage.vertex_c
   for (std::size_t i = 0; i < cage.corner_indices.size(); ++i)
     corners_[cage.corner_indices[i]] = cage.corner_sharpnesses[i];
   const std::vector<Ring> all = rings();
-  edge_faces_.clear();
-  for (int f = 0; f < static_cast<int>(faces_.size()); ++f) {
-    const auto& v = faces_[f].vertices;
-    for (std::size_t i = 0; i < v.size(); ++i) edge_faces_[edge(v[i], v[(i + 1) % v.size()])].push_back(f);
-  }
+  find_edges();
   for (std::size_t v = 0; v < points_.size(); ++v) {
     if (cage.boundary == BoundaryRule::kEdgeAndCorner && all[v].faces.size() == 1) corners_[v] = kInfinite;
   }
@@ -131,41 +127,50 @@ void CatmullClark::refine() {
   std::map<Edge, double> creases;
   for (const auto& [e, faces] : edge_faces_) {
     middle[e] = static_cast<int>(points.size());
-    for (const int end : {e.first, e.second}) {
-      const double s = less_sharp(sharpness(e.first, e.second));
-      if (s > 0.0) creases[edge(end, middle[e])] = s;
-    }
+    const double s = less_sharp(sharpness(e.first, e.second));
+    if (s > 0.0) creases[edge(e.first, middle[e])] = creases[edge(e.second, middle[e])] = s;
     points.push_back(edge_point(e));
   }
   std::vector<Face> faces;
   for (const Face& f : faces_) {
-    const int n = static_cast<int>(f.vertices.size()), c = static_cast<int>(points.size());
+    const int centre_id = static_cast<int>(points.size());
     points.push_back(centre(f));
-    const auto vertex = [&](int i) { return f.vertices[(i + n) % n]; };
-    for (int i = 0; i < n; ++i) {
-      Face child{
-          {vertex(i), middle[edge(vertex(i), vertex(i + 1))], c, middle[edge(vertex(i - 1), vertex(i))]},
-          f.base,
-          f.square,
-          {{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
-      if (f.st.empty()) child.square = static_cast<std::uint32_t>(i);
-      const auto mean = [&](int j) {
-        const auto &a = f.st[(i + n) % n], &b = f.st[(j + n) % n];
-        return std::array{0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])};
-      };
-      if (!f.st.empty()) child.st = {f.st[i], mean(i + 1), mean(i + 2), mean(i - 1)};
-      faces.push_back(child);
-    }
+    for (int i = 0; i < static_cast<int>(f.vertices.size()); ++i)
+      faces.push_back(child(f, i, centre_id, middle));
   }
   corners.resize(points.size(), 0.0);
   points_ = std::move(points);
   corners_ = std::move(corners);
   creases_ = std::move(creases);
   faces_ = std::move(faces);
+  find_edges();
+}
+
+CatmullClark::Face CatmullClark::child(const Face& f, int i, int centre, const std::map<Edge, int>& middle) {
+  const int n = static_cast<int>(f.vertices.size());
+  const auto vertex = [&](int k) { return f.vertices[(k + n) % n]; };
+  Face out{{vertex(i), middle.at(edge(vertex(i), vertex(i + 1))), centre,
+            middle.at(edge(vertex(i - 1), vertex(i)))},
+           f.base,
+           f.square,
+           {{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+  if (f.st.empty()) {  // a cage's face that is no quad: its children are squares of their own
+    out.square = static_cast<std::uint32_t>(i);
+    return out;
+  }
+  const auto mean = [&](int k) {
+    const auto &a = f.st[i], &b = f.st[(k + n) % n];
+    return std::array{0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])};
+  };
+  out.st = {f.st[i], mean(i + 1), mean(i + 2), mean(i - 1)};
+  return out;
+}
+
+void CatmullClark::find_edges() {
   edge_faces_.clear();
   for (int f = 0; f < static_cast<int>(faces_.size()); ++f) {
-    for (int i = 0; i < 4; ++i)
-      edge_faces_[edge(faces_[f].vertices[i], faces_[f].vertices[(i + 1) % 4])].push_back(f);
+    const auto& v = faces_[f].vertices;
+    for (std::size_t i = 0; i < v.size(); ++i) edge_faces_[edge(v[i], v[(i + 1) % v.size()])].push_back(f);
   }
 }
 

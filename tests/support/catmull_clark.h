@@ -43,6 +43,8 @@ class CatmullClark {
   static double less_sharp(double s) { return s >= kInfinite ? s : std::max(0.0, s - 1.0); }
   double sharpness(int a, int b) const;
   std::vector<Ring> rings() const;
+  void find_edges();
+  static Face child(const Face& f, int i, int centre, const std::map<Edge, int>& middle);
   Vec3d centre(const Face& f) const;
   int rule(int v, const Ring& ring, bool child) const;  // 0 smooth, 2 crease, 3 corner
   Vec3d vertex_by_rule(int v, const Ring& ring, int rule, bool child) const;
