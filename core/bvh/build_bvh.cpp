@@ -34,6 +34,7 @@ Movement movement_of(const TrackForm& form) {
 Movement movement_of(const Bvh& bvh) {
   Movement most = movement_of(bvh.root_form);
   for (const auto& mesh : bvh.meshes) most = std::max(most, movement_of(mesh->form()));
+  for (const auto& mesh : bvh.grids) most = std::max(most, movement_of(mesh->form()));
   for (const Instance& i : bvh.instances) {
     most = std::max({most, movement_of(i.form), i.object->movement});
     const bool clocked = i.clock != kNoClock || !i.object->clock.is_shutter();
@@ -55,12 +56,13 @@ Bvh build_bvh(BvhInput input, const BuildSettings& settings) {
   const Stopwatch total;
   Bvh bvh;
   bvh.meshes = std::move(input.meshes);
+  bvh.grids = std::move(input.grids);
   bvh.instances = std::move(input.instances);
   bvh.instance_controls = std::move(input.instance_controls);
   bvh.clocks = std::move(input.clocks);
   bvh.clock = std::move(input.clock);
   const std::vector<InstanceBounds> instance_bounds = bound_instances(bvh);
-  const Primitives primitives{bvh.meshes, instance_bounds};
+  const Primitives primitives{bvh.meshes, instance_bounds, bvh.grids};
 
   const Stopwatch topology_watch;
   Topology topology = build_topology(primitives, settings);
@@ -70,8 +72,15 @@ Bvh build_bvh(BvhInput input, const BuildSettings& settings) {
   bvh.statistics.bounds_seconds = bounds_watch.seconds();
 
   bvh.instanced = !bvh.instances.empty();
+  bvh.gridded = !bvh.grids.empty() ||
+                std::ranges::any_of(bvh.instances, [](const Instance& i) { return i.object->gridded; });
   bvh.movement = movement_of(bvh);
   for (const auto& mesh : bvh.meshes) bvh.statistics.triangles += mesh->triangles.size();
+  for (const auto& mesh : bvh.grids) {
+    bvh.statistics.patches += mesh->patches.size();
+    bvh.statistics.quads += mesh->quad_count;
+    bvh.statistics.grid_bytes += mesh->values.size() * sizeof(float);
+  }
   bvh.statistics.instances = bvh.instances.size();
   bvh.statistics.references = topology.reference_count;
   bvh.statistics.build_seconds = total.seconds();

@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/bvh/build_bvh.h"
+#include "core/bvh/verify_grids.h"
 #include "core/motion/bezier.h"
 
 namespace msbvh {
@@ -33,11 +34,12 @@ struct Slot {
 
 class Verifier {
  public:
-  explicit Verifier(const Bvh& bvh) : bvh_(bvh) {}
+  explicit Verifier(const Bvh& bvh) : bvh_(bvh), grids_(bvh) {}
 
   void run() {
     visit(bvh_.root, {bvh_.root_form, bvh_.root_bounds}, 1);
     for (const auto& [id, slots] : triangles_) check_triangle(std::get<0>(id), std::get<1>(id), slots);
+    grids_.finish();
     check_complete();
   }
 
@@ -111,6 +113,8 @@ class Verifier {
       if (static_cast<std::size_t>(end) > bvh_.arena.size()) fail(ref, "reaches beyond the arena");
       if (block->kind == BlockKind::kInstance) {
         check_instance(ref, block->owner, slot);
+      } else if (block->kind == BlockKind::kGrid) {
+        grids_.add(*block, slot.form, slot.controls);
       } else {
         check_block(ref, *block);
         for (int i = 0; i < block->count; ++i)
@@ -209,6 +213,7 @@ class Verifier {
   const Bvh& bvh_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Slot>> triangles_;
   std::size_t instance_leaves_ = 0;
+  GridVerifier grids_;
 };
 
 }  // namespace
