@@ -17,7 +17,8 @@ export PIP_NO_INPUT := 1
 BIN := .venv/bin
 BUILD := build/release
 STAMPS := build/stamps
-SYSTEM_PACKAGES := g++ cmake ninja-build python3 python3-venv python3-dev libtbb-dev libhwy-dev doctest-dev
+SYSTEM_PACKAGES := g++ cmake ninja-build python3 python3-venv python3-dev libtbb-dev libhwy-dev libosd-dev \
+  doctest-dev
 
 CXX_SOURCES := $(shell find CMakeLists.txt core delegate tests bench examples -name '*.h' -o -name '*.cpp' \
   -o -name CMakeLists.txt -o -name '*.cmake.in')

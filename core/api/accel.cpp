@@ -58,6 +58,13 @@ std::uint32_t Accel::add_mesh(std::shared_ptr<const TriangleMesh> mesh) {
   return static_cast<std::uint32_t>(data_->input.meshes.size() - 1);
 }
 
+std::uint32_t Accel::add_grids(GridMesh mesh) {
+  data_->require_open();
+  validate(mesh);
+  data_->input.grids.push_back(std::make_shared<const GridMesh>(std::move(mesh)));
+  return static_cast<std::uint32_t>(data_->input.grids.size() - 1);
+}
+
 std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, const TrackForm& form,
                                    std::span<const Affine3f> world_from_object, const Clock& clock) {
   data_->require_open();

@@ -19,6 +19,7 @@
 #include "core/build/settings.h"
 #include "core/bvh/bvh.h"
 #include "core/bvh/statistics.h"
+#include "core/geometry/grid_mesh.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/trace/ray.h"
 #include "core/trace/tracer.h"
@@ -37,6 +38,9 @@ class Accel {
   std::uint32_t add_mesh(TriangleMesh mesh);
   // Shares a mesh that has passed validate(), guard included, and does not look at it again.
   std::uint32_t add_mesh(std::shared_ptr<const TriangleMesh> mesh);
+  // Grids of points, two triangles a quad, as displaced subdivision patches become (core/geometry/dice.h).
+  // The tree refers to patches of them. Ids are counted apart; a hit has kGridMesh in Hit::mesh.
+  std::uint32_t add_grids(GridMesh mesh);
   // Instances of another, committed Accel that holds no instances itself (two levels). `world_from_object`
   // holds form.controls() maps for each instance, instance-major; `clock` says when they are there and what
   // time their tracks are read at. Returns the id of the first one.

@@ -15,12 +15,13 @@ namespace msbvh {
 // that the SAH peels one by one come here.
 inline constexpr std::uint32_t kMaxSahDepth = 56;
 
-// One instance, or so many triangles.
+// One instance, one patch, or so many triangles.
 template <typename Ref>
 bool may_be_leaf(std::span<const Ref> references, const BuildSettings& settings) {
   if (references.size() == 1) return true;
   if (references.size() > settings.max_leaf_triangles) return false;
-  return std::none_of(references.begin(), references.end(), [](const Ref& r) { return r.is_instance(); });
+  return std::none_of(references.begin(), references.end(),
+                      [](const Ref& r) { return r.is_instance() || r.is_grid(); });
 }
 
 // Not worth a look at its splits: half a block, which costs the same tests as a whole one.

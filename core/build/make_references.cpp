@@ -7,6 +7,7 @@ namespace msbvh {
 namespace {
 
 constexpr std::size_t kTrianglesPerTask = 16384;
+constexpr std::size_t kPatchesPerTask = 256;
 
 Box3f reference_box(const Primitives& primitives, const InstanceBounds& bounds) {
   if (primitives.swept) {
@@ -45,17 +46,50 @@ SetBounds add_mesh(const CentrePose& pose, std::uint32_t mesh, Reference* out) {
       [](SetBounds& sum, const SetBounds& part) { sum.grow(part); });
 }
 
+Box3f reference_box(const Primitives& primitives, const GridMesh& mesh, const GridPatch& patch) {
+  if (!mesh.form().moving()) return mesh.bounds(patch, 0);
+  Box3f box;
+  for (std::uint32_t c = 0; primitives.swept && c < mesh.form().controls(); ++c)
+    box.grow(mesh.bounds(patch, c));
+  if (primitives.swept) return box;
+  const float centre = primitives.slice.time(0.5f);
+  for (std::uint32_t r = 0; r <= patch.rows; ++r) {
+    for (std::uint32_t c = 0; c <= patch.columns; ++c)
+      box.grow(mesh.point(mesh.grids[patch.grid], patch.row + r, patch.column + c, centre));
+  }
+  return box;
+}
+
+SetBounds add_grids(const Primitives& primitives, std::uint32_t id, Reference* out) {
+  const GridMesh& mesh = *primitives.grids[id];
+  return reduce_in_chunks<SetBounds>(
+      mesh.patches.size(), kPatchesPerTask, [] { return SetBounds(); },
+      [&](SetBounds& sum, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+          const Box3f box = reference_box(primitives, mesh, mesh.patches[i]);
+          sum.grow(Box4(box));
+          out[i] = {box, id | Reference::kGridFlag, static_cast<std::uint32_t>(i)};
+        }
+      },
+      [](SetBounds& sum, const SetBounds& part) { sum.grow(part); });
+}
+
 }  // namespace
 
 AllReferences make_references(const CentrePose& pose) {
   const Primitives& primitives = pose.primitives();
   std::size_t capacity = primitives.instances.size();
   for (const auto& mesh : primitives.meshes) capacity += mesh->triangles.size();
+  for (const auto& mesh : primitives.grids) capacity += mesh->patches.size();
   AllReferences all;
   all.memory = std::make_shared<RawArray<Reference>>(capacity);
   for (std::uint32_t m = 0; m < primitives.meshes.size(); ++m) {
     all.bounds.grow(add_mesh(pose, m, all.memory->data() + all.count));
     all.count += primitives.meshes[m]->triangles.size();
+  }
+  for (std::uint32_t m = 0; m < primitives.grids.size(); ++m) {
+    all.bounds.grow(add_grids(primitives, m, all.memory->data() + all.count));
+    all.count += primitives.grids[m]->patches.size();
   }
   for (std::uint32_t i = 0; i < primitives.instances.size(); ++i) {
     const InstanceBounds& bounds = primitives.instances[i];

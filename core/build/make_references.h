@@ -18,7 +18,8 @@ struct AllReferences {
   SetBounds bounds;
 };
 
-// Order: meshes' triangles, then instances. Instances with an empty box (nothing in them) are left out.
+// Order: meshes' triangles, grids' patches, instances. Instances with an empty box (nothing in them) are left
+// out.
 AllReferences make_references(const CentrePose& pose);
 
 }  // namespace msbvh

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/build/clip.h"
+#include "core/build/grid_clip.h"
 
 namespace msbvh {
 namespace {
@@ -57,9 +58,16 @@ Box3f fragment_at(const TriangleMesh& mesh, const Triangle& triangle, std::uint3
   return {Vec3f(box.lo), Vec3f(box.hi)};
 }
 
+// A fragment's is that of the whole quads it lies in.
+GridPatch window_of(const Primitives& primitives, const Reference& r) {
+  return r.is_clipped() ? centre_patch(primitives, r).window(r.box)
+                        : primitives.grids[r.grid_mesh()]->patches[r.index];
+}
+
 bool any_moves(const Primitives& primitives) {
-  return std::any_of(primitives.meshes.begin(), primitives.meshes.end(),
-                     [](const auto& mesh) { return mesh->form().moving(); }) ||
+  const auto moves = [](const auto& mesh) { return mesh->form().moving(); };
+  return std::any_of(primitives.meshes.begin(), primitives.meshes.end(), moves) ||
+         std::any_of(primitives.grids.begin(), primitives.grids.end(), moves) ||
          std::any_of(primitives.instances.begin(), primitives.instances.end(),
                      [](const InstanceBounds& b) { return b.form.moving(); });
 }
@@ -69,6 +77,7 @@ bool any_moves(const Primitives& primitives) {
 MeanArea::MeanArea(const Primitives& primitives) {
   const auto add = [this](const TrackForm& form) { one_segment_ &= form.controls() <= 2; };
   for (const auto& mesh : primitives.meshes) add(mesh->form());
+  for (const auto& mesh : primitives.grids) add(mesh->form());
   for (const InstanceBounds& b : primitives.instances) add(b.form);
 }
 
@@ -81,8 +90,13 @@ MovingReference ShutterPose::at_ends(const Reference& r) const {
     const InstanceBounds& b = primitives.instances[r.index];
     return {r, b.controls.front(), b.controls.back()};
   }
+  if (!form_of(primitives, r).moving()) return {r, r.box, r.box};
+  if (r.is_grid()) {
+    const GridMesh& mesh = *primitives.grids[r.grid_mesh()];
+    const GridPatch window = window_of(primitives, r);
+    return {r, mesh.bounds(window, 0), mesh.bounds(window, mesh.form().controls() - 1)};
+  }
   const TriangleMesh& mesh = *primitives.meshes[r.mesh()];
-  if (!mesh.form().moving()) return {r, r.box, r.box};
   const Triangle& triangle = mesh.triangles[r.index];
   const std::uint32_t last = mesh.form().controls() - 1;
   if (r.is_clipped()) {

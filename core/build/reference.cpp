@@ -3,8 +3,9 @@
 namespace msbvh {
 
 TrackForm form_of(const Primitives& primitives, const Reference& reference) {
-  return reference.is_instance() ? primitives.instances[reference.index].form
-                                 : primitives.meshes[reference.mesh()]->form();
+  if (reference.is_instance()) return primitives.instances[reference.index].form;
+  if (reference.is_grid()) return primitives.grids[reference.grid_mesh()]->form();
+  return primitives.meshes[reference.mesh()]->form();
 }
 
 TrackForm node_form_of(const Primitives& primitives, const Reference& reference) {

@@ -1,4 +1,5 @@
-// What a tree is built over: references to triangles, to fragments of triangles, and to instances.
+// What a tree is built over: references to triangles, to patches of grids, to fragments of either, and to
+// instances.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "core/base/box.h"
+#include "core/geometry/grid_mesh.h"
 #include "core/geometry/triangle_mesh.h"
 
 namespace msbvh {
@@ -25,6 +27,7 @@ using RestPose = std::vector<Vec3f>;
 struct Primitives {
   std::span<const std::shared_ptr<const TriangleMesh>> meshes;
   std::span<const InstanceBounds> instances;
+  std::span<const std::shared_ptr<const GridMesh>> grids = {};
   // Refit: by mesh, the poses that fragments were cut from when the topology was built; empty for meshes
   // without fragments. Without any, fragments are cut from the meshes' own centre.
   std::span<const RestPose> rest = {};
@@ -32,21 +35,24 @@ struct Primitives {
   bool swept = false;    // boxes are those of the whole shutter, still (Builder::kSwept)
 };
 
-// A reference stands for a whole primitive or, after spatial splits, for a fragment of a triangle. The
-// fragment needs no storage of its own: it is the part of the triangle that lies in `box` at the shutter's
-// centre. (The box is the tight one of the fragment, and fragment = triangle ∩ (boxes of all splits above),
-// hence triangle ∩ box is the fragment again. A refit moves the fragment, but does not cut it anew: box and
-// centre stay those of the frame in which the topology was built.)
+// A reference stands for a whole primitive or, after spatial splits, for a fragment of a triangle or patch.
+// The fragment needs no storage of its own: it is the part of the primitive that lies in `box` at the
+// shutter's centre. (The box is the tight one of the fragment, and fragment = triangle ∩ (boxes of all splits
+// above), hence triangle ∩ box is the fragment again; a patch is the union of its triangles. A refit moves the
+// fragment, but does not cut it anew: box and centre stay those of the frame in which the topology was built.)
 struct Reference {
   Box3f box;                // at the shutter's centre, u = 0.5
-  std::uint32_t owner = 0;  // mesh id, kInstanceOwner for an instance; kClippedFlag marks a fragment
-  std::uint32_t index = 0;  // triangle in the mesh, or instance id
+  std::uint32_t owner = 0;  // mesh id, with kGridFlag for grids; kInstanceOwner for an instance
+  std::uint32_t index = 0;  // triangle or patch in the mesh, or instance id
 
-  static constexpr std::uint32_t kClippedFlag = 0x80000000u;
+  static constexpr std::uint32_t kClippedFlag = 0x80000000u;  // a fragment
+  static constexpr std::uint32_t kGridFlag = 0x40000000u;
   static constexpr std::uint32_t kInstanceOwner = 0x7fffffffu;
 
   std::uint32_t mesh() const { return owner & ~kClippedFlag; }
+  std::uint32_t grid_mesh() const { return owner & ~(kClippedFlag | kGridFlag); }
   bool is_instance() const { return owner == kInstanceOwner; }
+  bool is_grid() const { return (owner & kGridFlag) != 0 && !is_instance(); }
   bool is_clipped() const { return (owner & kClippedFlag) != 0; }
 };
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/build/clip.h"
+#include "core/build/grid_clip.h"
 #include "core/build/reduce.h"
 
 namespace msbvh {
@@ -119,6 +120,22 @@ void add_parts(const std::array<const Vec3f*, 3>& corners, const Box3f& box, int
   }
 }
 
+// The same of a patch: its quads' boxes, clipped to each bin. Wider than the triangles between the planes,
+// and what the paper takes for displaced patches.
+void add_parts(const CentrePatch& patch, const Box3f& box, const Planes& planes, SpatialBins& bins) {
+  for (std::uint32_t quad = 0; quad < patch.quads(); ++quad) {
+    const Box3f inside = intersect(patch.quad_box(quad), box);
+    if (inside.empty()) continue;
+    const int last = planes.bin(coordinate(inside.hi, planes.axis));
+    for (int bin = planes.bin(coordinate(inside.lo, planes.axis)); bin <= last; ++bin) {
+      Box3f part = inside;
+      part.lo[planes.axis] = std::max(part.lo[planes.axis], planes.plane(bin));
+      part.hi[planes.axis] = std::min(part.hi[planes.axis], planes.plane(bin + 1));
+      if (!part.empty()) bins.box[bin].grow(Box4(part));
+    }
+  }
+}
+
 void add(const CentrePose& pose, const Reference& r, const Planes& planes, SpatialBins& bins) {
   float lo = coordinate(r.box.lo, planes.axis), hi = coordinate(r.box.hi, planes.axis);
   if (r.is_instance()) lo = hi = lo * 0.5f + hi * 0.5f;
@@ -127,6 +144,8 @@ void add(const CentrePose& pose, const Reference& r, const Planes& planes, Spati
   ++bins.leave[last];
   if (first == last) {
     bins.box[first].grow(Box4(r.box));
+  } else if (r.is_grid()) {
+    add_parts(centre_patch(pose.primitives(), r), r.box, planes, bins);
   } else {
     add_parts(pose.corners(r), r.box, first, last, planes, bins);
   }
@@ -161,7 +180,9 @@ bool is_cut(const Reference& r, const SpatialSplit& split) {
 
 // False if all of it lies on one side, within the error of clipping.
 bool cut(const CentrePose& pose, const SpatialSplit& split, Reference& r, Reference& right) {
-  const CutBounds bounds = cut_bounds(pose.triangle(r), r.box, split.axis, split.plane);
+  const CutBounds bounds =
+      r.is_grid() ? cut_bounds(centre_patch(pose.primitives(), r), r.box, split.axis, split.plane)
+                  : cut_bounds(pose.triangle(r), r.box, split.axis, split.plane);
   if (bounds.below.empty() || bounds.above.empty()) return false;
   r.owner |= Reference::kClippedFlag;
   right = r;

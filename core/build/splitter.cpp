@@ -9,8 +9,9 @@ namespace msbvh {
 namespace {
 
 // What keeps the search for spatial splits from costing more than all the rest; figures in
-// docs/design/build.md. Sets that make two blocks as they are have nothing to gain ...
-constexpr std::size_t kMinSpatialReferences = 2 * kTrianglesPerBlock + 1;
+// docs/design/build.md. Sets that make two blocks as they are have nothing to gain (patches, which have a
+// leaf each, do) ...
+constexpr std::size_t kMinSpatialReferences = 2 * kTrianglesPerBlock + 1, kMinSpatialPatches = 2;
 // ... where so many searches in a row were in vain the next one would be, too; more, once one has paid, that
 // is, has won this much ...
 constexpr std::uint32_t kFirstPatience = 5, kPatience = 7;
@@ -46,6 +47,12 @@ Halves halve(std::span<const Reference> references) {
 }
 
 }  // namespace
+
+Splitter::Splitter(const CentrePose& pose, const BuildSettings& settings, float root_area)
+    : pose_(pose),
+      settings_(settings),
+      root_area_(root_area),
+      min_spatial_references_(pose.primitives().grids.empty() ? kMinSpatialReferences : kMinSpatialPatches) {}
 
 WorkSet Splitter::root(std::span<Reference> references, const SetBounds& bounds, std::size_t room) {
   return {references, bounds, room, 0, kFirstPatience};
@@ -104,7 +111,7 @@ void Splitter::divide(const WorkSet& set, const SplitChoice& choice, WorkSet& le
 // Only where the object split's children overlap noticeably.
 bool Splitter::wants_spatial_split(const WorkSet& set, const ObjectSplit& object, float area) const {
   if (settings_.builder != Builder::kMsbvh || set.room == 0) return false;
-  if (set.size() < kMinSpatialReferences || set.patience == 0) return false;
+  if (set.size() < min_spatial_references_ || set.patience == 0) return false;
   if (!std::isfinite(object.cost)) return true;
   const float overlap = half_area(intersect(object.left, object.right));
   return overlap > settings_.spatial_split_root_overlap * root_area_ &&

@@ -33,8 +33,7 @@ struct SplitChoice {
 
 class Splitter {
  public:
-  Splitter(const CentrePose& pose, const BuildSettings& settings, float root_area)
-      : pose_(pose), settings_(settings), root_area_(root_area) {}
+  Splitter(const CentrePose& pose, const BuildSettings& settings, float root_area);
 
   static WorkSet root(std::span<Reference> references, const SetBounds& bounds, std::size_t room);
   SplitChoice choose(const WorkSet& set) const;
@@ -52,6 +51,7 @@ class Splitter {
   const CentrePose& pose_;
   const BuildSettings& settings_;
   const float root_area_;
+  const std::size_t min_spatial_references_;
 };
 
 }  // namespace msbvh

@@ -36,6 +36,7 @@ Movement movement_of(const TrackForm& form) {
 Movement movement_of(const Bvh& bvh) {
   Movement most = movement_of(bvh.root_form);  // still where the tree is swept
   for (const auto& mesh : bvh.meshes) most = std::max(most, movement_of(mesh->form()));
+  for (const auto& mesh : bvh.grids) most = std::max(most, movement_of(mesh->form()));
   for (const Instance& i : bvh.instances) {
     most = std::max({most, movement_of(i.form), i.object->movement});
     const bool clocked = i.clock != kNoClock || !i.object->clock.is_shutter();
@@ -48,6 +49,7 @@ Movement movement_of(const Bvh& bvh) {
 Bvh opened(BvhInput input, const BuildSettings& settings) {
   Bvh bvh;
   bvh.meshes = std::move(input.meshes);
+  bvh.grids = std::move(input.grids);
   bvh.instances = std::move(input.instances);
   bvh.instance_controls = std::move(input.instance_controls);
   bvh.clocks = std::move(input.clocks);
@@ -57,14 +59,24 @@ Bvh opened(BvhInput input, const BuildSettings& settings) {
 }
 
 Primitives primitives_of(const Bvh& bvh, std::span<const InstanceBounds> instance_bounds) {
-  return {.meshes = bvh.meshes, .instances = instance_bounds, .swept = bvh.builder == Builder::kSwept};
+  return {.meshes = bvh.meshes,
+          .instances = instance_bounds,
+          .grids = bvh.grids,
+          .swept = bvh.builder == Builder::kSwept};
 }
 
 void finish(Bvh& bvh, std::span<const InstanceBounds> instance_bounds, std::uint64_t references) {
   bvh.max_level = std::max({bvh.max_level, bvh.slice_level, level_of(finest_segments(bvh, instance_bounds))});
   bvh.instanced = !bvh.instances.empty();
+  bvh.gridded = !bvh.grids.empty() ||
+                std::ranges::any_of(bvh.instances, [](const Instance& i) { return i.object->gridded; });
   bvh.movement = movement_of(bvh);
   for (const auto& mesh : bvh.meshes) bvh.statistics.triangles += mesh->triangles.size();
+  for (const auto& mesh : bvh.grids) {
+    bvh.statistics.patches += mesh->patches.size();
+    bvh.statistics.quads += mesh->quad_count;
+    bvh.statistics.grid_bytes += mesh->values.size() * sizeof(float);
+  }
   bvh.statistics.instances = bvh.instances.size();
   bvh.statistics.references = references;
 }

@@ -15,8 +15,9 @@ struct BvhInput {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;  // validated()
   std::vector<Instance> instances;
   std::vector<Affine3f> instance_controls;
-  std::vector<Clock> clocks;  // of instances, by their index
-  Clock clock;                // of the tree itself, where it is instanced
+  std::vector<Clock> clocks;                             // of instances, by their index
+  Clock clock;                                           // of the tree itself, where it is instanced
+  std::vector<std::shared_ptr<const GridMesh>> grids{};  // validated()
 };
 
 // What the tree says of an instance, for the builder and for verify().

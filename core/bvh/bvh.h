@@ -12,6 +12,7 @@
 #include "core/build/settings.h"
 #include "core/bvh/layout.h"
 #include "core/bvh/statistics.h"
+#include "core/geometry/grid_mesh.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/motion/clock.h"
 
@@ -41,8 +42,9 @@ struct SliceRoot {
 
 class Bvh {
  public:
-  // Kept alive: indexed blocks read the meshes' tracks.
+  // Kept alive: indexed blocks and grids' blocks read the meshes' tracks.
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+  std::vector<std::shared_ptr<const GridMesh>> grids;
   std::vector<Instance> instances;
   std::vector<Affine3f> instance_controls;
   std::vector<Clock> clocks;  // of instances
@@ -60,6 +62,7 @@ class Bvh {
   std::vector<Box3f> root_bounds;        // at the controls of the root
   Movement movement = Movement::kStill;  // the most of this tree and of what its instances show
   bool instanced = false;
+  bool gridded = false;         // grids in this tree or in what its instances show
   std::uint32_t max_level = 0;  // of nodes and blocks in this tree
   BvhStatistics statistics;
 
@@ -77,7 +80,7 @@ class Bvh {
   }
 };
 
-// The block that follows in the same leaf; block.last must be 0.
+// The block that follows in the same leaf; block.last must be 0, as it never is for a grid's.
 inline const BlockHeader* next_block(const BlockHeader* block) {
   return reinterpret_cast<const BlockHeader*>(reinterpret_cast<const std::byte*>(block) +
                                               block->units * kUnit);

@@ -20,6 +20,8 @@ namespace {
 // Subtrees of fewer bytes are written by one task, and planned by one from this depth on (8^3 tasks).
 constexpr std::size_t kParallelBytes = 1 << 18;
 constexpr std::uint32_t kParallelDepth = 3;
+// The cost of a patch: its tiles are 8 boxes, of which a ray that meets the patch enters one or two.
+constexpr double kPatchBlocks = 3.0;
 
 std::size_t rounded_up(std::size_t bytes, std::size_t unit) { return (bytes + unit - 1) / unit * unit; }
 
@@ -170,7 +172,11 @@ class Flattener {
     tally.node_bytes += node_bytes(p.form);
   }
 
+  bool is_patch(std::uint32_t node) const {
+    return is_leaf(node) && topology_.references[topology_.nodes[node].first].is_grid();
+  }
   double block_units(std::uint32_t leaf) const {
+    if (is_patch(leaf)) return kPatchBlocks;
     return (topology_.nodes[leaf].count + kBlockWidth - 1) / kBlockWidth;
   }
 
@@ -194,8 +200,7 @@ class Flattener {
       const LeafBlock block = first_block(primitives_, rest);
       p.bytes += block.bytes();
       rest = rest.subspan(block.references);
-      tally.indexed |=
-          !block.is_instance && triangle_block_kind(level_of(block.form.segments)) == BlockKind::kIndexed;
+      tally.indexed |= block.kind == BlockKind::kIndexed;
     }
     tally.segments = tally.motion_segments = p.form.segments;
     tally.leaves = 1;
@@ -231,12 +236,15 @@ class Flattener {
                         });
   }
 
-  // Leaves right behind the node, where the next cache line is; then the inner children, depth first.
+  // Leaves right behind the node, where the next cache line is, patches first, which are whole lines; then
+  // the inner children, depth first.
   void place(const WideChildren& children, std::size_t offset, std::size_t* offsets) {
-    for (std::uint32_t i = 0; i < children.count; ++i) {
-      if (!is_leaf(children.node[i])) continue;
-      offsets[i] = offset;
-      offset += plans_[children.node[i]].bytes;
+    for (const bool patches : {true, false}) {
+      for (std::uint32_t i = 0; i < children.count; ++i) {
+        if (!is_leaf(children.node[i]) || is_patch(children.node[i]) != patches) continue;
+        offsets[i] = offset;
+        offset += plans_[children.node[i]].bytes;
+      }
     }
     const std::size_t gap = rounded_up(offset, AlignedBuffer::kAlignment) - offset;
     std::memset(out_.arena.data() + offset, 0, gap);  // no byte of the arena is left to chance

@@ -8,6 +8,7 @@
 
 #include "core/build/box4.h"
 #include "core/build/clip.h"
+#include "core/build/grid_clip.h"
 #include "core/motion/bezier.h"
 
 namespace msbvh {
@@ -19,11 +20,7 @@ Box3d in_double(const Box3f& b) { return {Vec3d(b.lo), Vec3d(b.hi)}; }
 struct Point2 {
   __m128d xy, zz;
 
-  explicit Point2(const Vec3f& p) {
-    const __m128 v = load4(&p);  // the guard of TriangleMesh makes room
-    xy = _mm_cvtps_pd(v);
-    zz = _mm_cvtps_pd(_mm_movehl_ps(v, v));
-  }
+  explicit Point2(__m128 v) : xy(_mm_cvtps_pd(v)), zz(_mm_cvtps_pd(_mm_movehl_ps(v, v))) {}
   Point2(__m128d xy_, __m128d zz_) : xy(xy_), zz(zz_) {}
   Vec3d vec() const {
     double x[2];
@@ -38,22 +35,30 @@ Point2 operator+(const Point2& a, const Point2& b) {
 Point2 min(const Point2& a, const Point2& b) { return {_mm_min_pd(a.xy, b.xy), _mm_min_pd(a.zz, b.zz)}; }
 Point2 max(const Point2& a, const Point2& b) { return {_mm_max_pd(a.xy, b.xy), _mm_max_pd(a.zz, b.zz)}; }
 
+// Of a triangle at a control of its track.
 struct Corners {
-  const Vec3f* v[3];
+  __m128 v[3];
 
   Corners(const TriangleMesh& mesh, const Triangle& triangle, std::uint32_t control) {
     const Vec3f* p = mesh.control_positions(control);
-    for (int i = 0; i < 3; ++i) v[i] = p + triangle[i];
+    for (int i = 0; i < 3; ++i) v[i] = load4(p + triangle[i]);  // the guard of TriangleMesh makes room
+  }
+  Corners(const GridMesh& mesh, const GridTriangle& triangle, std::uint32_t control) {
+    const std::array<GridVertex, 3> at = vertices_of(triangle);
+    for (int i = 0; i < 3; ++i) {
+      const Vec3f p = mesh.control_point(mesh.grids[triangle.grid], at[i].row, at[i].column, control);
+      v[i] = _mm_setr_ps(p.x, p.y, p.z, 0.0f);
+    }
   }
   Box4 box() const {
     Box4 box;
-    for (const Vec3f* p : v) box.grow(load4(p));
+    for (const __m128& p : v) box.grow(p);
     return box;
   }
 };
 
 Box3d weighed_bounds(const Corners& corners, const BarycentricPolygon& polygon) {
-  const Point2 v[3] = {Point2(*corners.v[0]), Point2(*corners.v[1]), Point2(*corners.v[2])};
+  const Point2 v[3] = {Point2(corners.v[0]), Point2(corners.v[1]), Point2(corners.v[2])};
   const __m128d infinity = _mm_set1_pd(std::numeric_limits<double>::infinity());
   Point2 lo{infinity, infinity}, hi = lo * _mm_set1_pd(-1.0);
   for (int i = 0; i < polygon.count; ++i) {
@@ -65,14 +70,18 @@ Box3d weighed_bounds(const Corners& corners, const BarycentricPolygon& polygon) 
   return {lo.vec(), hi.vec()};
 }
 
-// Boxes of the fragment at the mesh's own controls: its corners are weights of the triangle's vertices.
-void fragment_track(std::span<Box3f> out, const Primitives& primitives, const Reference& reference) {
-  const TriangleMesh& mesh = *primitives.meshes[reference.mesh()];
-  const Triangle& triangle = mesh.triangles[reference.index];
-  const BarycentricPolygon polygon =
-      clip_to_box(centre_triangle<double>(primitives, reference), reference.box);
+// Boxes of a whole triangle at its track's own controls.
+template <typename Mesh, typename Triangle>
+void triangle_track(std::span<Box3f> out, const Mesh& mesh, const Triangle& triangle) {
+  for (std::uint32_t c = 0; c < out.size(); ++c) Corners(mesh, triangle, c).box().store(out[c]);
+}
+
+// Of a fragment: its corners are weights of the triangle's vertices.
+template <typename Mesh, typename Triangle>
+void fragment_track(std::span<Box3f> out, const Mesh& mesh, const Triangle& triangle,
+                    const BarycentricPolygon& polygon) {
   const auto last = static_cast<std::uint32_t>(out.size() - 1), degree = mesh.degree;
-  for (std::uint32_t c = 0; c <= last; ++c) Corners(mesh, triangle, c).box().store(out[c]);
+  triangle_track(out, mesh, triangle);
   if (polygon.count == 0) return;  // whole
   // The vertices in flight err by their own size, which may be larger at the segment's other controls. `out`
   // still holds the whole triangle behind `c`; `size` remembers what is in front.
@@ -87,10 +96,6 @@ void fragment_track(std::span<Box3f> out, const Primitives& primitives, const Re
     out[c] = padded(round_outwards(weighed_bounds(Corners(mesh, triangle, c), polygon)),
                     kFragmentPad * static_cast<float>(degree) * around);
   }
-}
-
-void triangle_track(std::span<Box3f> out, const TriangleMesh& mesh, const Triangle& triangle) {
-  for (std::uint32_t c = 0; c < out.size(); ++c) Corners(mesh, triangle, c).box().store(out[c]);
 }
 
 void grow(Box3f& box, const Box4& by) {
@@ -163,6 +168,21 @@ void grow_node(std::span<Box3f> out, const TrackForm& form, const Primitives& pr
   grow_track(out, form, track, track_form);
 }
 
+// Boxes at the controls of a track, empty at first.
+class TrackBoxes {
+ public:
+  explicit TrackBoxes(std::uint32_t count) : count_(count) {
+    if (count > kFew) many_.resize(count);
+  }
+  std::span<Box3f> span() { return {count_ > kFew ? many_.data() : few_, count_}; }
+
+ private:
+  static constexpr std::uint32_t kFew = 9;  // longer tracks take longer than an allocation
+  Box3f few_[kFew];
+  std::vector<Box3f> many_;
+  const std::uint32_t count_;
+};
+
 void grow_by_triangle(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
                       const Reference& reference) {
   const TriangleMesh& mesh = *primitives.meshes[reference.mesh()];
@@ -171,14 +191,41 @@ void grow_by_triangle(std::span<Box3f> out, const TrackForm& form, const Primiti
     for (std::uint32_t c = 0; c < out.size(); ++c) grow(out[c], Corners(mesh, triangle, c).box());
     return;
   }
-  constexpr std::uint32_t kFew = 9;  // longer tracks take longer than an allocation
-  Box3f few[kFew];
-  std::vector<Box3f> many;
-  const std::uint32_t controls = mesh.form().controls();
-  if (controls > kFew) many.resize(controls);
-  const std::span<Box3f> track(controls > kFew ? many.data() : few, controls);
-  reference.is_clipped() ? fragment_track(track, primitives, reference)
-                         : triangle_track(track, mesh, triangle);
+  TrackBoxes boxes(mesh.form().controls());
+  if (reference.is_clipped()) {
+    fragment_track(boxes.span(), mesh, triangle,
+                   clip_to_box(centre_triangle<double>(primitives, reference), reference.box));
+  } else {
+    triangle_track(boxes.span(), mesh, triangle);
+  }
+  const ControlRange range(primitives.slice, mesh.form());
+  grow_node(out, form, primitives, boxes.span().subspan(range.first, range.count), mesh.form());
+}
+
+// The parts of a patch inside the reference's box, all together.
+void grow_by_parts(std::span<Box3f> boxes, const Primitives& primitives, const Reference& reference) {
+  const GridMesh& mesh = *primitives.grids[reference.grid_mesh()];
+  TrackBoxes part(mesh.form().controls());
+  centre_patch(primitives, reference)
+      .visit(reference.box, [&](const GridTriangle& triangle, const BarycentricPolygon* polygon) {
+        if (polygon) {
+          fragment_track(part.span(), mesh, triangle, *polygon);
+        } else {
+          triangle_track(part.span(), mesh, triangle);
+        }
+        for (std::size_t c = 0; c < boxes.size(); ++c) grow(boxes[c], Box4(part.span()[c]));
+      });
+}
+
+void grow_by_patch(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
+                   const Reference& reference) {
+  const GridMesh& mesh = *primitives.grids[reference.grid_mesh()];
+  TrackBoxes boxes(mesh.form().controls());
+  const std::span<Box3f> track = boxes.span();
+  if (reference.is_clipped()) grow_by_parts(track, primitives, reference);
+  if (track[0].empty()) {  // no fragment, or nothing of it is left by rounding: more is always right
+    for (std::uint32_t c = 0; c < track.size(); ++c) track[c] = mesh.bounds(mesh.patches[reference.index], c);
+  }
   const ControlRange range(primitives.slice, mesh.form());
   grow_node(out, form, primitives, track.subspan(range.first, range.count), mesh.form());
 }
@@ -254,6 +301,7 @@ void halve_segments(std::span<const Box3f> fine, std::span<Box3f> coarse) {
 
 void grow_by_reference(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
                        const Reference& reference) {
+  if (reference.is_grid()) return grow_by_patch(out, form, primitives, reference);
   if (!reference.is_instance()) return grow_by_triangle(out, form, primitives, reference);
   const InstanceBounds& bounds = primitives.instances[reference.index];
   const ControlRange range(primitives.slice, bounds.form);

@@ -14,7 +14,8 @@
 //                for few segments
 //                indexed: 4 bytes a vertex, into the mesh's own tracks; for many segments
 //
-// The block of an instance is a header alone.
+// The block of an instance is a header alone; that of a window of a grid, alone in its leaf and on a cache
+// line, is described in core/bvh/grid_block.h.
 //
 // A ray reads two controls of a node (degree + 1 of a Bezier track), whatever their number. Every node and
 // block has as many controls as it needs, no more.
@@ -111,7 +112,7 @@ struct alignas(64) NodeHeader {
   NodeBounds* bounds() { return reinterpret_cast<NodeBounds*>(this + 1); }
 };
 
-enum class BlockKind : std::uint8_t { kGathered, kIndexed, kInstance };
+enum class BlockKind : std::uint8_t { kGathered, kIndexed, kInstance, kGrid };
 
 struct alignas(16) BlockHeader {
   BlockKind kind;
@@ -120,7 +121,7 @@ struct alignas(16) BlockHeader {
   std::uint8_t vertex_count;  // 3 to kBlockVertices
   std::uint8_t last;          // 1: no block follows in this leaf
   std::uint8_t unused[3];
-  std::uint32_t owner;  // mesh or instance id
+  std::uint32_t owner;  // mesh (of triangles or of grids) or instance id
   std::uint32_t units;  // of kUnit, header included: where the next block is
 
   TrackForm form() const { return form_code.form(); }

@@ -31,7 +31,7 @@ bool add_triangle(const TriangleMesh& mesh, std::uint32_t id, LeafBlock& block) 
 void write_vertices(const TriangleMesh& mesh, const LeafBlock& block, std::byte* at) {
   const std::uint32_t row = BlockHeader::padded_vertices(block.vertex_count);
   const auto vertex = [&](std::uint32_t i) { return block.vertices[std::min(i, block.vertex_count - 1)]; };
-  if (triangle_block_kind(level_of(block.form.segments)) == BlockKind::kIndexed) {
+  if (block.kind == BlockKind::kIndexed) {
     auto* indices = reinterpret_cast<std::uint32_t*>(at);
     for (std::uint32_t i = 0; i < row; ++i) indices[i] = vertex(i);
     return;
@@ -44,6 +44,23 @@ void write_vertices(const TriangleMesh& mesh, const LeafBlock& block, std::byte*
       for (int axis = 0; axis < 3; ++axis) out[axis * static_cast<int>(row) + static_cast<int>(i)] = p[axis];
     }
   }
+}
+
+void write_triangles(const TriangleMesh& mesh, const LeafBlock& block, const BlockHeader& header,
+                     std::byte* at) {
+  auto* ids = reinterpret_cast<std::uint32_t*>(at + sizeof(BlockHeader));
+  auto* corners = reinterpret_cast<std::uint8_t*>(ids + header.lanes());
+  for (std::uint32_t i = 0; i < header.lanes(); ++i) {
+    const std::uint32_t lane = i < block.count ? i : 0;
+    ids[i] = block.triangles[lane];
+    for (std::uint32_t v = 0; v < 3; ++v) corners[v * header.lanes() + i] = block.corners[v][lane];
+  }
+  write_vertices(mesh, block, at + BlockHeader::fixed_bytes(block.count));
+}
+
+BlockKind kind_of(const Reference& r, const TrackForm& form) {
+  if (r.is_instance()) return BlockKind::kInstance;
+  return r.is_grid() ? BlockKind::kGrid : triangle_block_kind(level_of(form.segments));
 }
 
 }  // namespace
@@ -60,15 +77,17 @@ void sort_leaf(const Primitives& primitives, std::span<Reference> leaf) {
 LeafBlock first_block(const Primitives& primitives, std::span<const Reference> leaf) {
   const Reference& first = leaf.front();
   LeafBlock block;
-  block.is_instance = first.is_instance();
-  block.owner = block.is_instance ? first.index : first.mesh();
+  block.first = first;
   block.form = form_of(primitives, first);
+  block.kind = kind_of(first, block.form);
+  block.owner = first.is_instance() ? first.index : first.is_grid() ? first.grid_mesh() : first.mesh();
   block.references = 1;
-  if (block.is_instance) return block;
+  if (!block.has_triangles()) return block;
   const TriangleMesh& mesh = *primitives.meshes[block.owner];
   add_triangle(mesh, first.index, block);
   for (const Reference& r : leaf.subspan(1)) {
-    if (r.is_instance() || r.mesh() != block.owner || !add_triangle(mesh, r.index, block)) break;
+    if (r.is_instance() || r.is_grid() || r.mesh() != block.owner || !add_triangle(mesh, r.index, block))
+      break;
     ++block.references;
   }
   return block;
@@ -77,22 +96,15 @@ LeafBlock first_block(const Primitives& primitives, std::span<const Reference> l
 void write_block(const Primitives& primitives, const LeafBlock& block, bool last, std::byte* at) {
   std::memset(at, 0, block.bytes());  // no byte is left to chance
   BlockHeader& header = *new (at) BlockHeader{};
-  header.kind = block.is_instance ? BlockKind::kInstance : triangle_block_kind(level_of(block.form.segments));
+  header.kind = block.kind;
   header.form_code = FormCode::of(block.form);
   header.count = static_cast<std::uint8_t>(block.count);
   header.vertex_count = static_cast<std::uint8_t>(block.vertex_count);
   header.last = last;
   header.owner = block.owner;
   header.units = static_cast<std::uint32_t>(block.bytes() / kUnit);
-  if (block.is_instance) return;
-  auto* ids = reinterpret_cast<std::uint32_t*>(at + sizeof(BlockHeader));
-  auto* corners = reinterpret_cast<std::uint8_t*>(ids + header.lanes());
-  for (std::uint32_t i = 0; i < header.lanes(); ++i) {
-    const std::uint32_t lane = i < block.count ? i : 0;
-    ids[i] = block.triangles[lane];
-    for (std::uint32_t v = 0; v < 3; ++v) corners[v * header.lanes() + i] = block.corners[v][lane];
-  }
-  write_vertices(*primitives.meshes[block.owner], block, at + BlockHeader::fixed_bytes(block.count));
+  if (block.kind == BlockKind::kGrid) write_grid_block(primitives, block.first, header);
+  if (block.has_triangles()) write_triangles(*primitives.meshes[block.owner], block, header, at);
 }
 
 }  // namespace msbvh

@@ -7,15 +7,17 @@
 #include <span>
 
 #include "core/build/reference.h"
+#include "core/bvh/grid_block.h"
 #include "core/bvh/layout.h"
 
 namespace msbvh {
 
-// What goes into one block: an instance, or up to kBlockWidth triangles of one mesh that have up to
-// kBlockVertices vertices between them.
+// What goes into one block: an instance, a patch or a fragment of one, or up to kBlockWidth triangles of one
+// mesh that have up to kBlockVertices vertices between them.
 struct LeafBlock {
+  BlockKind kind;
   std::uint32_t owner;  // mesh or instance id
-  bool is_instance;
+  Reference first;      // of those it takes
   TrackForm form;
   std::size_t references;  // how many of the leaf's it takes
   std::uint32_t count = 0, vertex_count = 0;
@@ -23,8 +25,10 @@ struct LeafBlock {
   std::array<std::array<std::uint8_t, kBlockWidth>, 3> corners;
   std::array<std::uint32_t, kBlockVertices> vertices;  // in the mesh
 
+  bool has_triangles() const { return kind == BlockKind::kGathered || kind == BlockKind::kIndexed; }
   std::size_t bytes() const {
-    return is_instance ? sizeof(BlockHeader) : triangle_block_bytes(form, count, vertex_count);
+    if (kind == BlockKind::kGrid) return grid_block_bytes(form);
+    return has_triangles() ? triangle_block_bytes(form, count, vertex_count) : sizeof(BlockHeader);
   }
 };
 

@@ -46,12 +46,14 @@ bool same_instances(const Bvh& a, const Bvh& b) {
 
 bool is_unchanged(const Bvh& previous, const Bvh& next, Builder builder) {
   return previous.builder == builder && previous.clock == next.clock && previous.clocks == next.clocks &&
-         same_instances(previous, next) && all_meshes(previous, next, same_mesh);
+         same_instances(previous, next) && previous.grids == next.grids &&
+         all_meshes(previous, next, same_mesh);
 }
 
 bool can_refit(const Bvh& previous, const KeptTopology& topology, const Bvh& next,
                std::span<const InstanceBounds> next_instances, Builder builder) {
   const auto there = [](const InstanceBounds& b) { return !b.controls.empty(); };
+  if (!next.grids.empty() || !previous.grids.empty()) return false;  // fragments of patches keep no pose
   return previous.builder == builder && std::ranges::equal(topology.there, next_instances, {}, {}, there) &&
          all_meshes(previous, next, same_triangles);
 }

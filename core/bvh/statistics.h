@@ -9,12 +9,16 @@ namespace msbvh {
 struct BvhStatistics {
   std::uint64_t triangles = 0;
   std::uint64_t instances = 0;
-  std::uint64_t references = 0;  // leaf entries; references / (triangles + instances) is the duplication
-  std::uint64_t nodes = 0;       // 8-wide
+  std::uint64_t patches = 0;  // of grids
+  std::uint64_t quads = 0;    // in them
+  std::uint64_t references =
+      0;                    // leaf entries; references / (triangles + patches + instances) is the duplication
+  std::uint64_t nodes = 0;  // 8-wide
   std::uint64_t leaves = 0;
   std::uint64_t node_bytes = 0;
   std::uint64_t leaf_bytes = 0;
   std::uint64_t vertex_bytes = 0;  // the vertex tracks that indexed leaves read
+  std::uint64_t grid_bytes = 0;    // the grids' points, all keys
   std::uint32_t max_segments = 0;
   std::uint32_t depth = 0;
   double sah_cost = 0.0;       // averaged over the shutter, in units of one node test
@@ -31,12 +35,15 @@ struct BvhStatistics {
   BvhStatistics& operator+=(const BvhStatistics& tree) {
     triangles += tree.triangles;
     instances += tree.instances;
+    patches += tree.patches;
+    quads += tree.quads;
     references += tree.references;
     nodes += tree.nodes;
     leaves += tree.leaves;
     node_bytes += tree.node_bytes;
     leaf_bytes += tree.leaf_bytes;
     vertex_bytes += tree.vertex_bytes;
+    grid_bytes += tree.grid_bytes;
     max_segments = std::max(max_segments, tree.max_segments);
     depth = std::max(depth, tree.depth);
     sah_cost += tree.sah_cost;

@@ -74,6 +74,7 @@ std::uint32_t finest_segments(const Bvh& bvh, std::span<const InstanceBounds> in
   for (const auto& mesh : bvh.meshes) {
     if (!mesh->triangles.empty()) finest = std::max(finest, mesh->segments);
   }
+  for (const auto& mesh : bvh.grids) finest = std::max(finest, mesh->form().segments);
   for (const InstanceBounds& bounds : instances) {
     if (!bounds.controls.empty()) finest = std::max(finest, bounds.form.segments);
   }
@@ -85,7 +86,7 @@ std::uint64_t build_time_split(Bvh& bvh, std::span<const InstanceBounds> instanc
   std::vector<Bvh> trees(slices);
   std::uint64_t references = 0;
   for (std::uint32_t i = 0; i < slices; ++i) {
-    const Primitives primitives{.meshes = bvh.meshes, .instances = instances, .slice = {i, slices}};
+    const Primitives primitives{.meshes = bvh.meshes, .instances = instances, .grids = bvh.grids, .slice = {i, slices}};
     Topology topology = build_topology(primitives, settings);
     flatten(primitives, topology, settings, trees[i]);
     references += topology.reference_count;

@@ -10,6 +10,8 @@
 
 #include "core/base/error.h"
 #include "core/bvh/build_bvh.h"
+#include "core/bvh/verify_grids.h"
+#include "core/bvh/verify_slot.h"
 #include "core/motion/bezier.h"
 
 namespace msbvh {
@@ -20,22 +22,9 @@ constexpr int kSamplesPerEdge = 12;  // barycentric grid on a triangle in severa
 // Instants within a segment at which Bezier tracks of different forms are compared.
 constexpr std::uint32_t kInstantsPerSegment = 8;
 
-// A track of boxes; in the time of its slice, where that is not the whole shutter.
-struct Slot {
-  TrackForm form;
-  std::vector<Box3f> controls;
-  TimeSlice slice = {};
-
-  Box3f at(float u) const {
-    const SegmentTime t =
-        slice.whole() || !form.moving() ? locate(u, form.segments) : SegmentTime{0, slice.share(u)};
-    return track_value(controls.data(), form, t.key, t.w);
-  }
-};
-
 class Verifier {
  public:
-  explicit Verifier(const Bvh& bvh) : bvh_(bvh) {}
+  explicit Verifier(const Bvh& bvh) : bvh_(bvh), grids_(bvh) {}
 
   void run() {
     const auto count = static_cast<std::uint32_t>(bvh_.slice_roots.size());
@@ -48,8 +37,10 @@ class Verifier {
     slice_ = slice;
     triangles_.clear();
     instance_leaves_ = 0;
+    grids_ = GridVerifier(bvh_, slice);
     visit(root, {bvh_.root_form, bvh_.root_bounds}, 1);
     for (const auto& [id, slots] : triangles_) check_triangle(std::get<0>(id), std::get<1>(id), slots);
+    grids_.finish();
     check_complete();
   }
 
@@ -122,6 +113,8 @@ class Verifier {
       if (static_cast<std::size_t>(end) > bvh_.arena.size()) fail(ref, "reaches beyond the arena");
       if (block->kind == BlockKind::kInstance) {
         check_instance(ref, block->owner, slot);
+      } else if (block->kind == BlockKind::kGrid) {
+        grids_.add(*block, slot);
       } else {
         check_block(ref, *block);
         for (int i = 0; i < block->count; ++i)
@@ -221,6 +214,7 @@ class Verifier {
   TimeSlice slice_;  // of the tree that is looked at
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Slot>> triangles_;
   std::size_t instance_leaves_ = 0;
+  GridVerifier grids_;
 };
 
 }  // namespace

@@ -11,39 +11,42 @@
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 
-template <bool kInstanced>
+// Kernels of a column of the table.
+template <bool kInstanced, bool kGrids>
 constexpr void fill_many(KernelTable& table) {
-  table.intersect_many[0][kInstanced] = intersect_many<Movement::kStill, kInstanced>;
-  table.intersect_many[1][kInstanced] = intersect_many<Movement::kLinear, kInstanced>;
-  table.intersect_many[2][kInstanced] = intersect_many<Movement::kPolynomial, kInstanced>;
-  table.occluded_many[0][kInstanced] = occluded_many<Movement::kStill, kInstanced>;
-  table.occluded_many[1][kInstanced] = occluded_many<Movement::kLinear, kInstanced>;
-  table.occluded_many[2][kInstanced] = occluded_many<Movement::kPolynomial, kInstanced>;
+  constexpr std::size_t kContent = kInstanced + kGrids;
+  table.intersect_many[0][kContent] = intersect_many<Movement::kStill, kInstanced, kGrids>;
+  table.intersect_many[1][kContent] = intersect_many<Movement::kLinear, kInstanced, kGrids>;
+  table.intersect_many[2][kContent] = intersect_many<Movement::kPolynomial, kInstanced, kGrids>;
+  table.occluded_many[0][kContent] = occluded_many<Movement::kStill, kInstanced, kGrids>;
+  table.occluded_many[1][kContent] = occluded_many<Movement::kLinear, kInstanced, kGrids>;
+  table.occluded_many[2][kContent] = occluded_many<Movement::kPolynomial, kInstanced, kGrids>;
 }
 
-template <bool kCount>
-constexpr void fill(IntersectKernel (&closest)[3][2], OccludedKernel (&any)[3][2]) {
-  closest[0][0] = intersect<Movement::kStill, false, kCount>;
-  closest[0][1] = intersect<Movement::kStill, true, kCount>;
-  closest[1][0] = intersect<Movement::kLinear, false, kCount>;
-  closest[1][1] = intersect<Movement::kLinear, true, kCount>;
-  closest[2][0] = intersect<Movement::kPolynomial, false, kCount>;
-  closest[2][1] = intersect<Movement::kPolynomial, true, kCount>;
-  any[0][0] = occluded<Movement::kStill, false, kCount>;
-  any[0][1] = occluded<Movement::kStill, true, kCount>;
-  any[1][0] = occluded<Movement::kLinear, false, kCount>;
-  any[1][1] = occluded<Movement::kLinear, true, kCount>;
-  any[2][0] = occluded<Movement::kPolynomial, false, kCount>;
-  any[2][1] = occluded<Movement::kPolynomial, true, kCount>;
+template <bool kInstanced, bool kGrids, bool kCount>
+constexpr void fill_one(IntersectKernel (&closest)[3][3], OccludedKernel (&any)[3][3]) {
+  constexpr std::size_t kContent = kInstanced + kGrids;
+  closest[0][kContent] = intersect<Movement::kStill, kInstanced, kGrids, kCount>;
+  closest[1][kContent] = intersect<Movement::kLinear, kInstanced, kGrids, kCount>;
+  closest[2][kContent] = intersect<Movement::kPolynomial, kInstanced, kGrids, kCount>;
+  any[0][kContent] = occluded<Movement::kStill, kInstanced, kGrids, kCount>;
+  any[1][kContent] = occluded<Movement::kLinear, kInstanced, kGrids, kCount>;
+  any[2][kContent] = occluded<Movement::kPolynomial, kInstanced, kGrids, kCount>;
+}
+
+template <bool kInstanced, bool kGrids>
+constexpr void fill(KernelTable& table) {
+  fill_many<kInstanced, kGrids>(table);
+  fill_one<kInstanced, kGrids, false>(table.intersect, table.occluded);
+  fill_one<kInstanced, kGrids, true>(table.intersect_counted, table.occluded_counted);
 }
 
 const KernelTable* kernel_table() {
   static const KernelTable kTable = [] {
     KernelTable table{};
-    fill_many<false>(table);
-    fill_many<true>(table);
-    fill<false>(table.intersect, table.occluded);
-    fill<true>(table.intersect_counted, table.occluded_counted);
+    fill<false, false>(table);
+    fill<true, false>(table);
+    fill<true, true>(table);
     return table;
   }();
   return &kTable;

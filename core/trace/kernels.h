@@ -12,16 +12,16 @@ using IntersectManyKernel = void (*)(const Bvh&, const Ray*, std::size_t, Hit*);
 using OccludedManyKernel = void (*)(const Bvh&, const Ray*, std::size_t, bool*);
 using OccludedKernel = bool (*)(const Bvh&, const Ray&, TraceCounts*);
 
-// First index: how the tree moves (Movement); second: whether there are instances. What a tree does not hold
-// costs no instruction: the still kernels know no time, the linear ones no curves, the flat ones no
-// transforms.
+// First index: how the tree moves (Movement); second: what it holds beside triangles (nothing, instances,
+// instances and grids). What a tree does not hold costs no instruction: the still kernels know no time, the
+// linear ones no curves, the flat ones no transforms, and only the last ones know grids.
 struct KernelTable {
-  IntersectKernel intersect[3][2];
-  IntersectManyKernel intersect_many[3][2];
-  OccludedManyKernel occluded_many[3][2];
-  OccludedKernel occluded[3][2];
-  IntersectKernel intersect_counted[3][2];
-  OccludedKernel occluded_counted[3][2];
+  IntersectKernel intersect[3][3];
+  IntersectManyKernel intersect_many[3][3];
+  OccludedManyKernel occluded_many[3][3];
+  OccludedKernel occluded[3][3];
+  IntersectKernel intersect_counted[3][3];
+  OccludedKernel occluded_counted[3][3];
 };
 
 // Null if the machine does not support the instruction set.

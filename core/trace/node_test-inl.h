@@ -142,21 +142,17 @@ class Slabs {
 };
 #endif
 
-// The keys of the children; `hits` gets a bit for each that is hit in [tnear, tfar].
+// The keys of 8 boxes; `hits` gets a bit for each that is hit in [tnear, tfar]. `first` is the first control
+// in force at the ray's time, w the time's weight there.
 template <Movement kMovement>
-HWY_INLINE ChildKeys test_node(const NodeHeader& node, FormCode form, const RaySetup<kMovement>& ray,
-                               float tfar, std::uint32_t& hits) {
+HWY_INLINE ChildKeys test_boxes(const NodeBounds* first, bool moves, std::uint32_t degree, float w,
+                                const RaySetup<kMovement>& ray, float tfar, std::uint32_t& hits) {
   const hn::CappedTag<float, kWidth> d;
   const ChildKeys::D di;
-  constexpr bool kMoving = kMovement != Movement::kStill;
-  const std::uint32_t level = kMoving ? form.level() : 0;
-  const SegmentTime at = ray.at_level[level];
-  const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
-  const auto* first = reinterpret_cast<const float*>(node.bounds() + at.key * degree);
-  // Among moving nodes a still one is one whose next control is itself, with weight 0: (1 - 0) x + 0 x is x,
+  // Among moving boxes a still one is one whose next control is itself, with weight 0: (1 - 0) x + 0 x is x,
   // and no branch has to guess which is which.
-  const std::size_t stride = level == 0 ? 0 : sizeof(NodeBounds) / sizeof(float);
-  const Slabs<kMovement> slabs(first, stride, degree, at.w, ray, tfar);
+  const std::size_t stride = moves ? sizeof(NodeBounds) / sizeof(float) : 0;
+  const Slabs<kMovement> slabs(reinterpret_cast<const float*>(first), stride, degree, w, ray, tfar);
   ChildKeys keys;
   hits = 0;
   for (std::size_t i = 0; i < ChildKeys::kVectors; ++i) {
@@ -170,6 +166,16 @@ HWY_INLINE ChildKeys test_node(const NodeHeader& node, FormCode form, const RayS
     hits |= static_cast<std::uint32_t>(bits[0]) << lane;
   }
   return keys;
+}
+
+// Of a node's children.
+template <Movement kMovement>
+HWY_INLINE ChildKeys test_node(const NodeHeader& node, FormCode form, const RaySetup<kMovement>& ray,
+                               float tfar, std::uint32_t& hits) {
+  const std::uint32_t level = kMovement != Movement::kStill ? form.level() : 0;
+  const SegmentTime at = ray.at_level[level];
+  const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
+  return test_boxes<kMovement>(node.bounds() + at.key * degree, level != 0, degree, at.w, ray, tfar, hits);
 }
 
 }  // namespace msbvh::HWY_NAMESPACE

@@ -108,6 +108,16 @@ Vec3d vertex_at(const TriangleMesh& mesh, std::uint32_t vertex, double u) {
   return bezier(control, mesh.degree, scaled - key);
 }
 
+Vec3d point_at(const GridMesh& mesh, const Grid& grid, const GridVertex& v, double u) {
+  if (mesh.segments == 0) return Vec3d(mesh.control_point(grid, v.row, v.column, 0));
+  const double scaled = u * mesh.segments;
+  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), mesh.segments - 1);
+  const auto control = [&](std::uint32_t i) {
+    return Vec3d(mesh.control_point(grid, v.row, v.column, key * mesh.degree + i));
+  };
+  return bezier(control, mesh.degree, scaled - key);
+}
+
 using Visitor = std::function<void(const Id&, const Verdict&)>;
 
 void visit_meshes(const Bvh& bvh, const RayD& ray, double u, std::uint32_t instance, const Visitor& visit) {
@@ -119,6 +129,18 @@ void visit_meshes(const Bvh& bvh, const RayD& ray, double u, std::uint32_t insta
           ray, {vertex_at(mesh, t[0], u), vertex_at(mesh, t[1], u), vertex_at(mesh, t[2], u)});
       const Verdict verdict = sheared.judge();
       if (verdict.possible) visit({instance, m, i}, verdict);
+    }
+  }
+  for (std::uint32_t m = 0; m < bvh.grids.size(); ++m) {
+    const GridMesh& mesh = *bvh.grids[m];
+    for (std::uint32_t i = 0; i < mesh.triangle_count(); ++i) {
+      const GridTriangle t = mesh.triangle(i);
+      const Grid& grid = mesh.grids[t.grid];
+      const auto v = vertices_of(t);
+      const ShearedTriangle sheared(
+          ray, {point_at(mesh, grid, v[0], u), point_at(mesh, grid, v[1], u), point_at(mesh, grid, v[2], u)});
+      const Verdict verdict = sheared.judge();
+      if (verdict.possible) visit({instance, m | kGridMesh, i}, verdict);
     }
   }
 }
@@ -163,6 +185,10 @@ void visit_all(const Bvh& bvh, const Ray& ray, const Visitor& visit) {
 std::string describe(const Id& id) {
   std::ostringstream s;
   if (id.instance != kNoInstance) s << "instance " << id.instance << " ";
+  if (id.mesh & kGridMesh) {
+    s << "grids " << (id.mesh & ~kGridMesh) << " triangle " << id.triangle;
+    return s.str();
+  }
   s << "mesh " << id.mesh << " triangle " << id.triangle;
   return s.str();
 }

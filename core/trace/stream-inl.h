@@ -26,7 +26,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 
-template <Movement kMovement, bool kInstanced, bool kAnyHit>
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit>
 class Stream {
  public:
   using Setup = RaySetup<kMovement>;
@@ -162,12 +162,21 @@ class Stream {
       if (enter_instance(slot, block->owner)) return true;
       return next(slot);
     }
+    if (kGrids && block->kind == BlockKind::kGrid) {  // alone, too
+      visit_grid(slot, *block);
+      return !(kAnyHit && slot.query.found) && next(slot);
+    }
     for (;; block = next_block(block)) {
       test_triangles<kMovement, kAnyHit>(*slot.bvh, *block, *slot.in, slot.instance, slot.query);
       if (kAnyHit && slot.query.found) return false;
       if (block->last) break;
     }
     return next(slot);
+  }
+
+  HWY_INLINE static void visit_grid(Slot& slot, const BlockHeader& block) {
+    if constexpr (kGrids)
+      test_grid<kMovement, kAnyHit>(*slot.bvh, block, *slot.in, slot.instance, slot.query);
   }
 
   // False: there is nothing to hit.
@@ -199,27 +208,27 @@ class Stream {
 };
 
 // Streams are large, a few kilobytes a ray: one of each kind a thread, made when first asked for.
-template <Movement kMovement, bool kInstanced, bool kAnyHit>
-Stream<kMovement, kInstanced, kAnyHit>& thread_stream() {
-  using S = Stream<kMovement, kInstanced, kAnyHit>;
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit>
+Stream<kMovement, kInstanced, kGrids, kAnyHit>& thread_stream() {
+  using S = Stream<kMovement, kInstanced, kGrids, kAnyHit>;
   static thread_local const std::unique_ptr<S> stream = std::make_unique<S>();
   return *stream;
 }
 
-template <Movement kMovement, bool kInstanced>
+template <Movement kMovement, bool kInstanced, bool kGrids>
 void intersect_many(const Bvh& bvh, const Ray* rays, std::size_t count, Hit* hits) {
   for (std::size_t i = 0; bvh.empty && i < count; ++i) hits[i] = Hit{};
   if (bvh.empty) return;
-  thread_stream<kMovement, kInstanced, false>().run(bvh, rays, count, [&](std::size_t i, const Query& query) {
-    hits[i] = query.found ? query.hit : Hit{};
-  });
+  thread_stream<kMovement, kInstanced, kGrids, false>().run(
+      bvh, rays, count,
+      [&](std::size_t i, const Query& query) { hits[i] = query.found ? query.hit : Hit{}; });
 }
 
-template <Movement kMovement, bool kInstanced>
+template <Movement kMovement, bool kInstanced, bool kGrids>
 void occluded_many(const Bvh& bvh, const Ray* rays, std::size_t count, bool* occluded) {
   for (std::size_t i = 0; bvh.empty && i < count; ++i) occluded[i] = false;
   if (bvh.empty) return;
-  thread_stream<kMovement, kInstanced, true>().run(
+  thread_stream<kMovement, kInstanced, kGrids, true>().run(
       bvh, rays, count, [&](std::size_t i, const Query& query) { occluded[i] = query.found; });
 }
 

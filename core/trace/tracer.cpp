@@ -34,13 +34,14 @@ Tracer::Tracer(const Bvh& bvh) : Tracer(bvh, supported_instruction_sets().back()
 Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
   const KernelTable* table = kernels_for(set);
   if (!table) throw Error(std::string("this processor does not support ") + instruction_set_name(set));
-  const auto movement = static_cast<std::size_t>(bvh.movement);
-  intersect_ = table->intersect[movement][bvh.instanced];
-  intersect_many_ = table->intersect_many[movement][bvh.instanced];
-  occluded_many_ = table->occluded_many[movement][bvh.instanced];
-  occluded_ = table->occluded[movement][bvh.instanced];
-  intersect_counted_ = table->intersect_counted[movement][bvh.instanced];
-  occluded_counted_ = table->occluded_counted[movement][bvh.instanced];
+  const auto movement = static_cast<std::size_t>(bvh.movement),
+             content = bvh.gridded ? std::size_t(2) : bvh.instanced;
+  intersect_ = table->intersect[movement][content];
+  intersect_many_ = table->intersect_many[movement][content];
+  occluded_many_ = table->occluded_many[movement][content];
+  occluded_ = table->occluded[movement][content];
+  intersect_counted_ = table->intersect_counted[movement][content];
+  occluded_counted_ = table->occluded_counted[movement][content];
 }
 
 bool Tracer::intersect_counted(const Ray& ray, Hit& hit, TraceCounts& counts) const {

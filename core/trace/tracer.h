@@ -21,7 +21,7 @@ const char* instruction_set_name(InstructionSet set);      // "sse4", "avx2", "a
 struct TraceCounts {
   std::uint64_t rays = 0;
   std::uint64_t nodes = 0;      // 8-wide nodes whose boxes were tested
-  std::uint64_t blocks = 0;     // leaf blocks of 4 triangles tested
+  std::uint64_t blocks = 0;     // leaf blocks of up to 8 triangles, and tiles of grids, tested
   std::uint64_t triangles = 0;  // triangles in them
   std::uint64_t instances = 0;  // instances entered
 };

@@ -16,7 +16,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 
-template <Movement kMovement, bool kInstanced, bool kAnyHit, bool kCount>
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, bool kCount>
 class Traversal {
  public:
   Traversal(const Bvh& bvh, const Ray& ray, std::uint32_t instance, Query& query, TraceCounts* counts)
@@ -85,6 +85,8 @@ class Traversal {
     for (const BlockHeader* block = &first;; block = next_block(block)) {
       if (kInstanced && block->kind == BlockKind::kInstance) {
         enter_instance(block->owner);
+      } else if (kGrids && block->kind == BlockKind::kGrid) {
+        visit_grid(*block);
       } else {
         if constexpr (kCount) {
           ++counts_->blocks;
@@ -93,6 +95,16 @@ class Traversal {
         test_triangles<kMovement, kAnyHit>(bvh_, *block, setup_, instance_, query_);
       }
       if ((kAnyHit && query_.found) || block->last) return;
+    }
+  }
+
+  HWY_INLINE void visit_grid(const BlockHeader& block) {
+    if constexpr (kGrids) {
+      const std::uint32_t tiles = test_grid<kMovement, kAnyHit>(bvh_, block, setup_, instance_, query_);
+      if constexpr (kCount) {
+        counts_->blocks += tiles;
+        counts_->triangles += 2 * kTileQuads * tiles;
+      }
     }
   }
 
@@ -114,7 +126,7 @@ class Traversal {
   }
   template <Movement kObject>
   void trace_object(const Instance& instance, const Ray& local, std::uint32_t id) {
-    Traversal<kObject, false, kAnyHit, kCount>(*instance.object, local, id, query_, counts_).run();
+    Traversal<kObject, false, kGrids, kAnyHit, kCount>(*instance.object, local, id, query_, counts_).run();
   }
 
   const Bvh& bvh_;
@@ -127,22 +139,22 @@ class Traversal {
   Frame* top_ = stack_;
 };
 
-template <Movement kMovement, bool kInstanced, bool kCount>
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kCount>
 bool intersect(const Bvh& bvh, const Ray& ray, Hit& hit, TraceCounts* counts) {
   if constexpr (kCount) ++counts->rays;
   if (bvh.empty) return false;
   Query query(ray.tfar);
-  Traversal<kMovement, kInstanced, false, kCount>(bvh, ray, kNoInstance, query, counts).run();
+  Traversal<kMovement, kInstanced, kGrids, false, kCount>(bvh, ray, kNoInstance, query, counts).run();
   if (query.found) hit = query.hit;
   return query.found;
 }
 
-template <Movement kMovement, bool kInstanced, bool kCount>
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kCount>
 bool occluded(const Bvh& bvh, const Ray& ray, TraceCounts* counts) {
   if constexpr (kCount) ++counts->rays;
   if (bvh.empty) return false;
   Query query(ray.tfar);
-  Traversal<kMovement, kInstanced, true, kCount>(bvh, ray, kNoInstance, query, counts).run();
+  Traversal<kMovement, kInstanced, kGrids, true, kCount>(bvh, ray, kNoInstance, query, counts).run();
   return query.found;
 }
 

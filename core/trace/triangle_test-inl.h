@@ -231,14 +231,10 @@ struct BlockHit {
   HWY_ALIGN float t[kBlockWidth], u[kBlockWidth], v[kBlockWidth];
 };
 
-// The triangles from `first` on, as many as fit a vector.
-HWY_INLINE std::uint32_t test_triangles(const VertexPool& pool, const BlockHeader& block, std::uint32_t first,
-                                        float tnear, float tfar, BlockHit& out) {
+// As many triangles as fit a vector, by their corners. What is found goes into `out` from `first` on.
+HWY_INLINE std::uint32_t test_corners(const Sheared<V8>& a, const Sheared<V8>& b, const Sheared<V8>& c,
+                                      float tnear, float tfar, std::uint32_t first, BlockHit& out) {
   const D8 d;
-  const Sheared<V8> a = pool.pick(block.corners(0) + first);
-  const Sheared<V8> b = pool.pick(block.corners(1) + first);
-  const Sheared<V8> c = pool.pick(block.corners(2) + first);
-
   const V8 weight_a = difference_of_products(c.x, b.y, c.y, b.x);
   const V8 weight_b = difference_of_products(a.x, c.y, a.y, c.x);
   const V8 weight_c = difference_of_products(b.x, a.y, b.y, a.x);
@@ -259,6 +255,15 @@ HWY_INLINE std::uint32_t test_triangles(const VertexPool& pool, const BlockHeade
   hn::Store(hn::Mul(weight_b, reciprocal), d, out.u + first);
   hn::Store(hn::Mul(weight_c, reciprocal), d, out.v + first);
   return static_cast<std::uint32_t>(bits[0]) << first;
+}
+
+// The triangles from `first` on, as many as fit a vector.
+HWY_INLINE std::uint32_t test_triangles(const VertexPool& pool, const BlockHeader& block, std::uint32_t first,
+                                        float tnear, float tfar, BlockHit& out) {
+  const Sheared<V8> a = pool.pick(block.corners(0) + first);
+  const Sheared<V8> b = pool.pick(block.corners(1) + first);
+  const Sheared<V8> c = pool.pick(block.corners(2) + first);
+  return test_corners(a, b, c, tnear, tfar, first, out);
 }
 
 template <Movement kMovement>

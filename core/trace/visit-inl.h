@@ -12,6 +12,7 @@
 #include <hwy/highway.h>
 
 #include "core/base/affine.h"
+#include "core/trace/grid_test-inl.h"
 #include "core/trace/node_test-inl.h"
 #include "core/trace/triangle_test-inl.h"
 
@@ -58,6 +59,13 @@ HWY_INLINE bool closer(const Hit& a, const Hit& b) {
   return a.mesh != b.mesh ? a.mesh < b.mesh : a.triangle < b.triangle;
 }
 
+HWY_INLINE void take(const Hit& candidate, Query& query) {
+  if (query.found && !closer(candidate, query.hit)) return;
+  query.found = true;
+  query.hit = candidate;
+  query.tfar = candidate.t;
+}
+
 template <Movement kMovement, bool kAnyHit>
 HWY_INLINE void test_triangles(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& setup,
                                std::uint32_t instance, Query& query) {
@@ -69,12 +77,48 @@ HWY_INLINE void test_triangles(const Bvh& bvh, const BlockHeader& block, const R
   }
   for (std::uint32_t lanes = hit.lanes; lanes != 0; lanes &= lanes - 1) {
     const int i = std::countr_zero(lanes);
-    const Hit candidate{hit.t[i], hit.u[i], hit.v[i], block.triangles()[i], block.owner, instance};
-    if (query.found && !closer(candidate, query.hit)) continue;
-    query.found = true;
-    query.hit = candidate;
-    query.tfar = candidate.t;
+    take({hit.t[i], hit.u[i], hit.v[i], block.triangles()[i], block.owner, instance}, query);
   }
+}
+
+template <Movement kMovement, bool kAnyHit>
+HWY_INLINE void test_tile(const GridTest<kMovement>& grid, std::uint32_t tile, std::uint32_t mesh,
+                          std::uint32_t instance, Query& query) {
+  for (std::uint32_t pass = 0; pass < GridTest<kMovement>::kPasses; ++pass) {
+    BlockHit hit[2];
+    grid.test(tile, pass, query.tfar, hit);
+    if (kAnyHit) {
+      query.found |= (hit[0].lanes | hit[1].lanes) != 0;
+      continue;
+    }
+    for (std::uint32_t half = 0; half < 2; ++half) {
+      const BlockHit& h = hit[half];
+      for (std::uint32_t lanes = h.lanes; lanes != 0; lanes &= lanes - 1) {
+        const auto i = static_cast<std::uint32_t>(std::countr_zero(lanes));
+        take({h.t[i], h.u[i], h.v[i], grid.triangle_id(tile, pass, i, half), mesh, instance}, query);
+      }
+    }
+  }
+}
+
+// The tiles of a grid that the ray enters, in their own order: to find the nearest of the one or two that
+// there are costs more than it saves. Returns how many were tested. Not inlined: the loop over triangles'
+// blocks keeps its registers.
+template <Movement kMovement, bool kAnyHit>
+HWY_NOINLINE std::uint32_t test_grid(const Bvh& bvh, const BlockHeader& block,
+                                     const RaySetup<kMovement>& setup, std::uint32_t instance, Query& query) {
+  const GridTest<kMovement> grid(bvh, block, setup);
+  alignas(64) ChildKey keys[kWidth];
+  std::uint32_t tiles, tested = 0;
+  grid.tiles(query.tfar, tiles).store(keys);
+  for (; tiles != 0; tiles &= tiles - 1) {
+    const auto tile = static_cast<std::uint32_t>(std::countr_zero(tiles));
+    if (distance_of(keys[tile]) > query.tfar) continue;
+    test_tile<kMovement, kAnyHit>(grid, tile, block.owner | kGridMesh, instance, query);
+    ++tested;
+    if (kAnyHit && query.found) break;
+  }
+  return tested;
 }
 
 // The ray in an instance's own space and time: matrix elements interpolated in single precision, inverted and

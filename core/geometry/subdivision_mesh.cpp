@@ -1,0 +1,91 @@
+#include "core/geometry/subdivision_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/base/error.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace msbvh {
+namespace {
+
+[[noreturn]] void fail(const SubdivisionMesh& mesh, const std::string& what) {
+  throw Error((mesh.name.empty() ? std::string("mesh") : mesh.name) + ": " + what);
+}
+
+std::string text(std::uint64_t n) { return std::to_string(n); }
+
+void require_size(const SubdivisionMesh& mesh, const char* array, std::size_t found, std::size_t expected) {
+  if (found != expected)
+    fail(mesh, std::string(array) + ": found " + text(found) + "; expected " + text(expected));
+}
+
+void require_below(const SubdivisionMesh& mesh, const char* array, const std::vector<std::uint32_t>& indices,
+                   std::size_t limit) {
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    if (indices[i] < limit) continue;
+    fail(mesh, std::string(array) + ": element " + text(i) + " is " + text(indices[i]) +
+                   "; expected less than " + text(limit));
+  }
+}
+
+std::size_t sum(const std::vector<std::uint32_t>& counts) {
+  return std::accumulate(counts.begin(), counts.end(), std::size_t(0));
+}
+
+void check_positions(const SubdivisionMesh& mesh) {
+  if (!is_valid_form(mesh.form())) {
+    fail(mesh, "segments, degree: found " + text(mesh.segments) + ", " + text(mesh.degree) +
+                   "; expected 0 or a power of two up to " + text(kMaxSegments) + ", and 1 to " +
+                   text(kMaxDegree));
+  }
+  require_size(mesh, "positions", mesh.positions.size(), mesh.position_count());
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    const Vec3f p = abs(mesh.positions[i]);
+    const bool fits = p.x <= kMaxCoordinate && p.y <= kMaxCoordinate && p.z <= kMaxCoordinate;  // not NaN
+    if (!fits)
+      fail(mesh, "positions: vertex " + text(i % mesh.vertex_count) +
+                     " has a coordinate that is not a finite number of at most 2^60 in size");
+  }
+}
+
+void check_faces(const SubdivisionMesh& mesh) {
+  for (std::size_t f = 0; f < mesh.face_vertex_counts.size(); ++f) {
+    const std::uint32_t n = mesh.face_vertex_counts[f];
+    const bool wrong = n < 3 || (n != 3 && mesh.scheme == SubdivisionScheme::kLoop);
+    if (wrong)
+      fail(mesh, "faceVertexCounts: face " + text(f) + " has " + text(n) + " vertices; expected " +
+                     (mesh.scheme == SubdivisionScheme::kLoop ? "3 (loop)" : "3 or more"));
+  }
+  require_size(mesh, "faceVertexIndices", mesh.face_vertex_indices.size(), sum(mesh.face_vertex_counts));
+  require_below(mesh, "faceVertexIndices", mesh.face_vertex_indices, mesh.vertex_count);
+  require_below(mesh, "holeIndices", mesh.holes, mesh.face_vertex_counts.size());
+}
+
+void check_features(const SubdivisionMesh& mesh) {
+  for (const std::uint32_t n : mesh.crease_lengths) {
+    if (n < 2) fail(mesh, "creaseLengths: found a crease of " + text(n) + " vertices; expected 2 or more");
+  }
+  require_size(mesh, "creaseIndices", mesh.crease_indices.size(), sum(mesh.crease_lengths));
+  require_below(mesh, "creaseIndices", mesh.crease_indices, mesh.vertex_count);
+  const std::size_t edges = mesh.crease_indices.size() - mesh.crease_lengths.size();
+  if (mesh.crease_sharpnesses.size() != edges)
+    require_size(mesh, "creaseSharpnesses", mesh.crease_sharpnesses.size(), mesh.crease_lengths.size());
+  require_below(mesh, "cornerIndices", mesh.corner_indices, mesh.vertex_count);
+  require_size(mesh, "cornerSharpnesses", mesh.corner_sharpnesses.size(), mesh.corner_indices.size());
+  const auto positive = [](float s) { return s >= 0.0f; };
+  if (!std::ranges::all_of(mesh.crease_sharpnesses, positive) ||
+      !std::ranges::all_of(mesh.corner_sharpnesses, positive))
+    fail(mesh, "creaseSharpnesses, cornerSharpnesses: found a negative one; expected 0 or more");
+}
+
+}  // namespace
+
+void validate(const SubdivisionMesh& mesh) {
+  check_positions(mesh);
+  check_faces(mesh);
+  check_features(mesh);
+}
+
+}  // namespace msbvh

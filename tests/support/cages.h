@@ -1,0 +1,27 @@
+// Cages of subdivision surfaces for tests, about 2 units across, still until moved().
+#pragma once
+
+#include <cstdint>
+
+#include "core/geometry/dice.h"
+#include "core/geometry/subdivision_mesh.h"
+#include "tests/support/procedural.h"
+
+namespace msbvh::procedural {
+
+SubdivisionMesh cube_cage();                               // closed, vertices of valence 3
+SubdivisionMesh sheet_cage(int side, std::uint64_t seed);  // open, side^2 quads, uneven
+SubdivisionMesh prism_cage(int sides);                     // closed: two `sides`-gons and quads; 3: triangles
+SubdivisionMesh octahedron_cage();                         // closed, triangles, for Loop as well
+
+SubdivisionMesh moved(SubdivisionMesh centre_pose, const TrackForm& form, const Motion& motion,
+                      const Vec3d& offset = {});
+
+// Bumps that depend on the place in space at each key, so that shared points agree.
+std::function<double(const SurfacePoint&)> bumps(double amplitude, double wave_length,
+                                                 const Vec3d& origin = {});
+
+// The grids' triangles as a mesh of triangles: triangle i is triangle i of the grids.
+TriangleMesh triangles_of(const GridMesh& grids);
+
+}  // namespace msbvh::procedural
