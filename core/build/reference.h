@@ -38,8 +38,9 @@ struct Primitives {
 // A reference stands for a whole primitive or, after spatial splits, for a fragment of a triangle or patch.
 // The fragment needs no storage of its own: it is the part of the primitive that lies in `box` at the
 // shutter's centre. (The box is the tight one of the fragment, and fragment = triangle ∩ (boxes of all splits
-// above), hence triangle ∩ box is the fragment again; a patch is the union of its triangles. A refit moves the
-// fragment, but does not cut it anew: box and centre stay those of the frame in which the topology was built.)
+// above), hence triangle ∩ box is the fragment again; a patch is the union of its triangles. A refit moves
+// the fragment, but does not cut it anew: box and centre stay those of the frame in which the topology was
+// built.)
 struct Reference {
   Box3f box;                // at the shutter's centre, u = 0.5
   std::uint32_t owner = 0;  // mesh id, with kGridFlag for grids; kInstanceOwner for an instance

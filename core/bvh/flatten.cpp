@@ -278,7 +278,7 @@ class Flattener {
     s.sah_cost = 1.0 + (root_area > 0.0 ? t.cost / root_area : 0.0);
     if (!t.indexed) return;
     for (const auto& mesh : primitives_.meshes) {
-      if (triangle_block_kind(level_of(mesh->segments)) == BlockKind::kIndexed)
+      if (triangle_block_kind(primitives_, mesh->form()) == BlockKind::kIndexed)
         s.vertex_bytes += mesh->positions.size() * sizeof(Vec3f);
     }
   }

@@ -58,12 +58,17 @@ void write_triangles(const TriangleMesh& mesh, const LeafBlock& block, const Blo
   write_vertices(mesh, block, at + BlockHeader::fixed_bytes(block.count));
 }
 
-BlockKind kind_of(const Reference& r, const TrackForm& form) {
+BlockKind kind_of(const Primitives& primitives, const Reference& r, const TrackForm& form) {
   if (r.is_instance()) return BlockKind::kInstance;
-  return r.is_grid() ? BlockKind::kGrid : triangle_block_kind(level_of(form.segments));
+  return r.is_grid() ? BlockKind::kGrid : triangle_block_kind(primitives, form);
 }
 
 }  // namespace
+
+BlockKind triangle_block_kind(const Primitives& primitives, const TrackForm& form) {
+  const bool shared = form.moving() && !primitives.slice.whole();
+  return level_of(form.segments) <= kMaxGatheredLevel && !shared ? BlockKind::kGathered : BlockKind::kIndexed;
+}
 
 void sort_leaf(const Primitives& primitives, std::span<Reference> leaf) {
   const auto order = [&](const Reference& r) {
@@ -79,7 +84,7 @@ LeafBlock first_block(const Primitives& primitives, std::span<const Reference> l
   LeafBlock block;
   block.first = first;
   block.form = form_of(primitives, first);
-  block.kind = kind_of(first, block.form);
+  block.kind = kind_of(primitives, first, block.form);
   block.owner = first.is_instance() ? first.index : first.is_grid() ? first.grid_mesh() : first.mesh();
   block.references = 1;
   if (!block.has_triangles()) return block;

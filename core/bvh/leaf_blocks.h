@@ -28,9 +28,13 @@ struct LeafBlock {
   bool has_triangles() const { return kind == BlockKind::kGathered || kind == BlockKind::kIndexed; }
   std::size_t bytes() const {
     if (kind == BlockKind::kGrid) return grid_block_bytes(form);
-    return has_triangles() ? triangle_block_bytes(form, count, vertex_count) : sizeof(BlockHeader);
+    return has_triangles() ? triangle_block_bytes(kind, form, count, vertex_count) : sizeof(BlockHeader);
   }
 };
+
+// How the blocks of triangles that move like this hold their vertices. Trees for slices of the shutter share
+// the meshes' tracks: gathered, each would have a copy.
+BlockKind triangle_block_kind(const Primitives& primitives, const TrackForm& form);
 
 // Brings a leaf's references into the order in which first_block() takes them.
 void sort_leaf(const Primitives& primitives, std::span<Reference> leaf);

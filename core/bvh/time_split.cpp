@@ -86,7 +86,8 @@ std::uint64_t build_time_split(Bvh& bvh, std::span<const InstanceBounds> instanc
   std::vector<Bvh> trees(slices);
   std::uint64_t references = 0;
   for (std::uint32_t i = 0; i < slices; ++i) {
-    const Primitives primitives{.meshes = bvh.meshes, .instances = instances, .grids = bvh.grids, .slice = {i, slices}};
+    const Primitives primitives{
+        .meshes = bvh.meshes, .instances = instances, .grids = bvh.grids, .slice = {i, slices}};
     Topology topology = build_topology(primitives, settings);
     flatten(primitives, topology, settings, trees[i]);
     references += topology.reference_count;

@@ -139,7 +139,7 @@ class Stream {
       }
       Frame& frame = slot.top[-1];
       if constexpr (kAnyHit) {
-        slot.at = child_of(*frame.node, static_cast<std::uint32_t>(std::countr_zero(frame.left)));
+        slot.at = child_of(*frame.node, static_cast<std::uint32_t>(std::countr_zero(frame.left)) % kWidth);
         frame.left &= frame.left - 1;
         slot.top -= frame.left == 0;
         return true;

@@ -47,7 +47,7 @@ class Traversal {
     if (hits == 0) return false;
     const std::uint32_t others = hits & (hits - 1);
     if (kAnyHit || others == 0) {
-      at = child_of(node, static_cast<std::uint32_t>(std::countr_zero(hits)));
+      at = child_of(node, static_cast<std::uint32_t>(std::countr_zero(hits)) % kWidth);
     } else {
       at = child_of(node, ChildKeys::slot(keys.take_nearest(top_->keys)));
     }
@@ -64,7 +64,7 @@ class Traversal {
     while (top_ != stack_) {
       Frame& frame = top_[-1];
       if constexpr (kAnyHit) {
-        at = child_of(*frame.node, static_cast<std::uint32_t>(std::countr_zero(frame.left)));
+        at = child_of(*frame.node, static_cast<std::uint32_t>(std::countr_zero(frame.left)) % kWidth);
         frame.left &= frame.left - 1;
         top_ -= frame.left == 0;
         return true;
