@@ -28,7 +28,8 @@ constexpr double kTraceSeconds = 3.0;
 std::vector<BuilderName> chosen_builders(const std::vector<std::string>& names) {
   std::vector<BuilderName> chosen;
   for (const BuilderName& known : kBuilders) {
-    if (names.empty() || std::ranges::count(names, known.name) > 0) chosen.push_back(known);
+    if (names.empty() ? !known.comparison : std::ranges::count(names, known.name) > 0)
+      chosen.push_back(known);
   }
   if (chosen.empty())
     throw Error("bench: found no builder of the names given; expected some of those of --builder");

@@ -25,6 +25,7 @@ void require_valid(const Clock& clock) {
 struct Accel::Data {
   BvhInput input;  // until commit
   std::shared_ptr<const Bvh> bvh;
+  std::unique_ptr<KeptTopology> topology;  // for commit_from()
   std::optional<Tracer> tracer;
 
   void require_open() const {
@@ -33,6 +34,12 @@ struct Accel::Data {
   const Bvh& committed() const {
     if (!bvh) throw Error("accelerator: used before commit()");
     return *bvh;
+  }
+  void close(BuiltBvh built) {
+    bvh = std::make_shared<const Bvh>(std::move(built.bvh));
+    topology = std::move(built.topology);
+    input = {};
+    tracer.emplace(*bvh);
   }
 };
 
@@ -94,9 +101,12 @@ void Accel::set_clock(const Clock& clock) {
 
 void Accel::commit(const BuildSettings& settings) {
   data_->require_open();
-  data_->bvh = std::make_shared<const Bvh>(build_bvh(data_->input, settings));
-  data_->input = {};
-  data_->tracer.emplace(*data_->bvh);
+  data_->close(build_bvh(data_->input, settings));
+}
+
+void Accel::commit_from(Accel& previous, const BuildSettings& settings) {
+  data_->require_open();
+  data_->close(next_bvh(data_->input, settings, previous.bvh(), previous.data_->topology));
 }
 
 bool Accel::intersect(const Ray& ray, Hit& hit) const { return data_->tracer->intersect(ray, hit); }

@@ -52,6 +52,13 @@ class Accel {
   // Builds. Once; the Accel does not change afterwards. Uses the threads of the calling TBB arena.
   // Throws Cancelled if settings.cancelled says so, and leaves the Accel uncommitted.
   void commit(const BuildSettings& settings = {});
+  // The same for the next frame of what `previous` holds, which may spare the build: settings.refit says what
+  // is taken over, statistics() what was. Unchanged geometry keeps its tree, which is then shared. Where
+  // meshes have the same triangles as before, and instances are as many, the topology that `previous` has (it
+  // was committed with keep_topology) is evaluated at the new keys. It is handed on: `previous` traces as
+  // before, but a second commit_from() it finds none. Hits equal those of commit(), but for which of two
+  // triangles at the same distance rounding puts first.
+  void commit_from(Accel& previous, const BuildSettings& settings = {});
 
   // Rays at any time, from any thread, after commit(). See Tracer for a chosen instruction set and for
   // counting.

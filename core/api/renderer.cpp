@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "core/api/accel.h"
 #include "core/api/background.h"
+#include "core/api/scene_trees.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
@@ -36,51 +36,6 @@ void check(const RenderSettings& settings) {
   expect_range("max_bounces", settings.max_bounces, 0, kMaxBounces);
 }
 
-// Trees read the scene's own positions, and keep the scene alive for it. It has passed validate().
-void share_meshes(const std::shared_ptr<const Scene>& scene, const std::vector<std::uint32_t>& meshes,
-                  Accel& accel) {
-  for (const std::uint32_t mesh : meshes) {
-    accel.add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->meshes[mesh].shape));
-  }
-}
-
-// The builder asks only now and then, which for thousands of small trees is never.
-void stop_if_cancelled(const BuildSettings& settings) {
-  if (settings.cancelled && settings.cancelled()) throw Cancelled();
-}
-
-// One tree a prototype that has instances, null for the others.
-std::vector<std::shared_ptr<const Accel>> build_prototypes(const std::shared_ptr<const Scene>& scene,
-                                                           const BuildSettings& settings) {
-  std::vector<std::shared_ptr<Accel>> accels(scene->prototypes.size());
-  for (const InstanceSet& set : scene->instances) {
-    if (instance_count(set) > 0 && !accels[set.prototype]) accels[set.prototype] = std::make_shared<Accel>();
-  }
-  parallel_for(accels.size(), [&](std::size_t i) {
-    if (!accels[i]) return;
-    stop_if_cancelled(settings);
-    share_meshes(scene, scene->prototypes[i].meshes, *accels[i]);
-    accels[i]->set_clock(scene->prototypes[i].clock);
-    accels[i]->commit(settings);
-  });
-  return {accels.begin(), accels.end()};
-}
-
-// Meshes and instances in the order that SceneIndex counts on.
-Accel build_world(const std::shared_ptr<const Scene>& scene,
-                  const std::vector<std::shared_ptr<const Accel>>& prototypes,
-                  const BuildSettings& settings) {
-  stop_if_cancelled(settings);
-  Accel world;
-  share_meshes(scene, scene->world_meshes, world);
-  for (const InstanceSet& set : scene->instances) {
-    if (instance_count(set) == 0) continue;
-    world.add_instances(prototypes[set.prototype], set.form(), set.world_from_prototype, set.clock);
-  }
-  world.commit(settings);
-  return world;
-}
-
 constexpr std::chrono::milliseconds kProgressInterval{100};
 
 }  // namespace
@@ -90,29 +45,19 @@ struct Renderer::Data {
   RenderSettings settings;
   EffectPlan plan;
   RenderStatistics statistics;
-  std::vector<std::shared_ptr<const Accel>> prototypes;
-  std::optional<Accel> world;
+  std::optional<SceneTrees> trees;
   std::optional<FrameContext> frame;
 
-  void build();
+  void build(SceneTrees* previous);
   void render_tiles(float* rgba, std::atomic<std::size_t>& finished_tiles,
                     const std::atomic<bool>& cancelled);
 };
 
-void Renderer::Data::build() {
+void Renderer::Data::build(SceneTrees* previous) {
   const Stopwatch watch;
-  Arena(settings.threads).execute([&] {
-    prototypes = build_prototypes(scene, settings.build);
-    world = build_world(scene, prototypes, settings.build);
-  });
+  Arena(settings.threads).execute([&] { trees.emplace(scene, settings.build, previous); });
   statistics.build_seconds = watch.seconds();
-  for (const std::shared_ptr<const Accel>& prototype : prototypes) {
-    if (!prototype) continue;
-    statistics.accel += prototype->statistics();
-    ++statistics.trees;
-  }
-  statistics.accel += world->statistics();
-  ++statistics.trees;
+  trees->add_to(statistics.accel, statistics.trees);
 }
 
 void Renderer::Data::render_tiles(float* rgba, std::atomic<std::size_t>& finished_tiles,
@@ -143,9 +88,10 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   data->scene = std::move(scene);
   data->settings = settings;
   data->plan = plan_effects(*data->scene, {.max_bounces = settings.max_bounces});
-  data->build();
+  data->build(data_ && data_->trees ? &*data_->trees : nullptr);
   data->frame.emplace(FrameContext{SceneIndex(*data->scene), LightSet(*data->scene),
-                                   Tracer(data->world->bvh()), settings.max_bounces, settings.show_domes});
+                                   Tracer(data->trees->world().bvh()), settings.max_bounces,
+                                   settings.show_domes});
   data_ = std::move(data);
 }
 
@@ -177,13 +123,7 @@ Renderer::Data& Renderer::committed() const {
   return *data_;
 }
 
-void Renderer::verify() const {
-  const Data& data = committed();
-  for (const std::shared_ptr<const Accel>& prototype : data.prototypes) {
-    if (prototype) prototype->verify();
-  }
-  data.world->verify();
-}
+void Renderer::verify() const { committed().trees->verify(); }
 
 const EffectPlan& Renderer::plan() const { return committed().plan; }
 const RenderStatistics& Renderer::statistics() const { return committed().statistics; }

@@ -47,7 +47,9 @@ class Renderer {
   Renderer();
   ~Renderer();
 
-  // Validates, plans and builds. Throws Error; Cancelled if settings.build.cancelled says so.
+  // Validates, plans and builds. Throws Error; Cancelled if settings.build.cancelled says so. A second commit
+  // is the next frame: settings.build.refit says what its trees take over from the last one's. Until it
+  // returns, both frames' scenes and trees are held; where it throws, the last frame stays.
   void commit(std::shared_ptr<const Scene> scene, const RenderSettings& settings);
   // All the others throw Error before commit(). Cancelled: within a tile of the progress function's false.
   Image render(const ProgressFunction& progress = {});

@@ -18,13 +18,12 @@ AlignedBuffer::AlignedBuffer(std::size_t bytes) : size_(bytes) {
   if (bytes == 0) return;
   const std::size_t alignment = bytes >= kHugePage ? kHugePage : kAlignment;
   const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
-  data_.reset(static_cast<std::byte*>(std::aligned_alloc(alignment, rounded)));
-  if (!data_) throw std::bad_alloc();
+  auto* bytes_of_its_own = static_cast<std::byte*>(std::aligned_alloc(alignment, rounded));
+  if (!bytes_of_its_own) throw std::bad_alloc();
+  data_.reset(bytes_of_its_own, [](std::byte* p) { std::free(p); });
 #ifdef MADV_HUGEPAGE
   if (alignment == kHugePage) madvise(data_.get(), rounded, MADV_HUGEPAGE);
 #endif
 }
-
-void AlignedBuffer::Free::operator()(std::byte* p) const { std::free(p); }
 
 }  // namespace msbvh

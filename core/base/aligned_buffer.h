@@ -1,5 +1,6 @@
 // Uninitialised bytes on a cache-line boundary, on huge pages where the system has them: random rays touch
-// the whole tree, and the misses of the address translation cost as much as those of the cache.
+// the whole tree, and the misses of the address translation cost as much as those of the cache. Copies share
+// the bytes, which are written before the first copy is made.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +20,7 @@ class AlignedBuffer {
   std::size_t size() const { return size_; }
 
  private:
-  struct Free {
-    void operator()(std::byte* p) const;
-  };
-  std::unique_ptr<std::byte[], Free> data_;
+  std::shared_ptr<std::byte[]> data_;
   std::size_t size_ = 0;
 };
 

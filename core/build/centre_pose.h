@@ -1,4 +1,5 @@
-// Where the vertices are at the shutter's centre, evaluated once a vertex rather than once a corner.
+// Where the vertices are at the shutter's centre, or at that of the primitives' slice of it, evaluated once a
+// vertex rather than once a corner.
 #pragma once
 
 #include <array>
@@ -12,7 +13,7 @@ class CentrePose {
  public:
   explicit CentrePose(const Primitives& primitives);
 
-  // Equal to TriangleMesh::position(v, 0.5), and followed by the guard of TriangleMesh: 16 bytes can be
+  // Equal to TriangleMesh::position() at that time, and followed by the guard of TriangleMesh: 16 bytes can be
   // loaded.
   const Vec3f* positions(std::uint32_t mesh) const { return positions_[mesh]; }
   std::array<const Vec3f*, 3> corners(const Reference& r) const {

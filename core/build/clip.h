@@ -22,8 +22,10 @@ struct BarycentricPolygon {
 
 // The part of the triangle inside `box`. The box is grown by the error of this computation (kClipError below)
 // first, so that fragments on both sides of a split overlap by a hair rather than part by one, at every time,
-// also where the triangle is next to degenerate at the centre and large at other times. Empty (count 0) if
-// nothing is inside.
+// also where the triangle is next to degenerate at the centre and large at other times, or in the frames that
+// a refit moves it to: what parts and overlaps are barycentric coordinates, which no pose changes. (Across an
+// extent D the error moves a cut by error / D of the edge, and the hair is wider by the same factor. Where D
+// is within the hair, no cut is left.) Empty (count 0) if nothing is inside.
 BarycentricPolygon clip_to_box(const std::array<Vec3d, 3>& triangle, const Box3f& box);
 
 // Relative to the triangle's largest coordinate. A plane's distance is a sum of three products in double

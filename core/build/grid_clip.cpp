@@ -39,12 +39,11 @@ Box3f part_bounds(const CentrePatch& patch, const Box3f& box) {
 
 }  // namespace
 
-CentrePatch::CentrePatch(const GridMesh& mesh, const GridPatch& patch) : patch_(patch) {
-  constexpr float kCentre = 0.5f;
+CentrePatch::CentrePatch(const GridMesh& mesh, const GridPatch& patch, float centre) : patch_(patch) {
   const Grid& grid = mesh.grids[patch.grid];
   for (std::uint32_t r = 0; r <= patch.rows; ++r) {
     for (std::uint32_t c = 0; c <= patch.columns; ++c)
-      points_[r * (kPatchQuads + 1) + c] = mesh.point(grid, patch.row + r, patch.column + c, kCentre);
+      points_[r * (kPatchQuads + 1) + c] = mesh.point(grid, patch.row + r, patch.column + c, centre);
   }
 }
 
@@ -92,8 +91,9 @@ GridPatch CentrePatch::window(const Box3f& box) const {
 }
 
 CentrePatch centre_patch(const Primitives& primitives, const Reference& reference) {
-  const GridMesh& mesh = *primitives.grids[reference.grid_mesh()];
-  return {mesh, mesh.patches[reference.index]};
+  const std::uint32_t id = reference.grid_mesh();
+  const GridMesh& mesh = primitives.rest_grids.empty() ? *primitives.grids[id] : *primitives.rest_grids[id];
+  return {mesh, mesh.patches[reference.index], primitives.slice.time(0.5f)};
 }
 
 CutBounds cut_bounds(const CentrePatch& patch, const Box3f& box, int axis, float plane) {

@@ -6,17 +6,31 @@
 namespace msbvh {
 namespace {
 
-constexpr float kCentre = 0.5f;
 constexpr std::size_t kTrianglesPerTask = 16384;
 constexpr std::size_t kPatchesPerTask = 256;
 
-Box3f centre_box(const InstanceBounds& bounds) {
-  const SegmentTime at = locate(kCentre, bounds.form.segments);
+Box3f reference_box(const Primitives& primitives, const InstanceBounds& bounds) {
+  if (primitives.swept) {
+    Box3f box;
+    for (const Box3f& b : bounds.controls) box.grow(b);
+    return box;
+  }
+  const SegmentTime at = locate(primitives.slice.time(0.5f), bounds.form.segments);
   return track_value(bounds.controls.data(), bounds.form, at.key, at.w);
 }
 
+Box4 swept_box(const TriangleMesh& mesh, const Triangle& triangle) {
+  Box4 box;
+  for (std::uint32_t c = 0; c < mesh.form().controls(); ++c) {
+    for (const std::uint32_t v : triangle) box.grow(load4(mesh.control_positions(c) + v));
+  }
+  return box;
+}
+
 SetBounds add_mesh(const CentrePose& pose, std::uint32_t mesh, Reference* out) {
-  const std::vector<Triangle>& triangles = pose.primitives().meshes[mesh]->triangles;
+  const TriangleMesh& shape = *pose.primitives().meshes[mesh];
+  const std::vector<Triangle>& triangles = shape.triangles;
+  const bool swept = pose.primitives().swept;
   const Vec3f* positions = pose.positions(mesh);
   return reduce_in_chunks<SetBounds>(
       triangles.size(), kTrianglesPerTask, [] { return SetBounds(); },
@@ -24,6 +38,7 @@ SetBounds add_mesh(const CentrePose& pose, std::uint32_t mesh, Reference* out) {
         for (std::size_t i = begin; i < end; ++i) {
           Box4 box;
           for (const std::uint32_t v : triangles[i]) box.grow(load4(positions + v));
+          if (swept) box = swept_box(shape, triangles[i]);
           sum.grow(box);
           out[i] = {box.box(), mesh, static_cast<std::uint32_t>(i)};
         }
@@ -31,22 +46,27 @@ SetBounds add_mesh(const CentrePose& pose, std::uint32_t mesh, Reference* out) {
       [](SetBounds& sum, const SetBounds& part) { sum.grow(part); });
 }
 
-Box3f centre_box(const GridMesh& mesh, const GridPatch& patch) {
-  if (!mesh.form().moving()) return mesh.bounds(patch, 0);
+Box3f reference_box(const Primitives& primitives, const GridMesh& mesh, const GridPatch& patch) {
   Box3f box;
+  if (primitives.swept || !mesh.form().moving()) {
+    for (std::uint32_t c = 0; c < mesh.form().controls(); ++c) box.grow(mesh.bounds(patch, c));
+    return box;
+  }
+  const float centre = primitives.slice.time(0.5f);
   for (std::uint32_t r = 0; r <= patch.rows; ++r) {
     for (std::uint32_t c = 0; c <= patch.columns; ++c)
-      box.grow(mesh.point(mesh.grids[patch.grid], patch.row + r, patch.column + c, kCentre));
+      box.grow(mesh.point(mesh.grids[patch.grid], patch.row + r, patch.column + c, centre));
   }
   return box;
 }
 
-SetBounds add_grids(const GridMesh& mesh, std::uint32_t id, Reference* out) {
+SetBounds add_grids(const Primitives& primitives, std::uint32_t id, Reference* out) {
+  const GridMesh& mesh = *primitives.grids[id];
   return reduce_in_chunks<SetBounds>(
       mesh.patches.size(), kPatchesPerTask, [] { return SetBounds(); },
       [&](SetBounds& sum, std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-          const Box3f box = centre_box(mesh, mesh.patches[i]);
+          const Box3f box = reference_box(primitives, mesh, mesh.patches[i]);
           sum.grow(Box4(box));
           out[i] = {box, id | Reference::kGridFlag, static_cast<std::uint32_t>(i)};
         }
@@ -68,13 +88,13 @@ AllReferences make_references(const CentrePose& pose) {
     all.count += primitives.meshes[m]->triangles.size();
   }
   for (std::uint32_t m = 0; m < primitives.grids.size(); ++m) {
-    all.bounds.grow(add_grids(*primitives.grids[m], m, all.memory->data() + all.count));
+    all.bounds.grow(add_grids(primitives, m, all.memory->data() + all.count));
     all.count += primitives.grids[m]->patches.size();
   }
   for (std::uint32_t i = 0; i < primitives.instances.size(); ++i) {
     const InstanceBounds& bounds = primitives.instances[i];
     if (bounds.controls.empty()) continue;
-    const Box3f box = centre_box(bounds);
+    const Box3f box = reference_box(primitives, bounds);
     all.bounds.grow(Box4(box));
     (*all.memory)[all.count++] = {box, Reference::kInstanceOwner, i};
   }

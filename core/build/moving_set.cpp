@@ -1,6 +1,7 @@
 #include "core/build/moving_set.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/build/clip.h"
 #include "core/build/grid_clip.h"
@@ -10,8 +11,33 @@ namespace {
 
 // So many references tell how a set moves ...
 constexpr std::size_t kSample = 64;
-// ... which is incoherent from this share of its area on (docs/design/build.md).
+// ... which is incoherent where its area grows by this share from the centre to the shutter's mean, and where
+// the octants of its box hold this share of the spread of its drifts. Of a motion that is linear in space,
+// what turns or stretches as a whole, they hold a quarter: it grows, too, but sorting by position is enough
+// for it.
 constexpr float kIncoherentGrowth = 1.2f;
+constexpr float kUnexplained = 0.5f;
+
+// Sum of squared deviations from the mean.
+class Spread {
+ public:
+  void add(__m128 x) {
+    sum_ = _mm_add_ps(sum_, x);
+    squares_ = _mm_add_ps(squares_, _mm_mul_ps(x, x));
+    ++count_;
+  }
+  float squares() const {
+    if (count_ == 0) return 0.0f;
+    const __m128 mean = _mm_div_ps(sum_, _mm_set1_ps(static_cast<float>(count_)));
+    alignas(16) float s[4];
+    _mm_store_ps(s, _mm_sub_ps(squares_, _mm_mul_ps(sum_, mean)));
+    return s[0] + s[1] + s[2];
+  }
+
+ private:
+  __m128 sum_ = _mm_setzero_ps(), squares_ = _mm_setzero_ps();
+  int count_ = 0;
+};
 
 Box3f box_at(const TriangleMesh& mesh, const Triangle& triangle, std::uint32_t control) {
   const Vec3f* p = mesh.control_positions(control);
@@ -82,10 +108,25 @@ MovingReference ShutterPose::at_ends(const Reference& r) const {
 }
 
 bool ShutterPose::incoherent(std::span<const Reference> references) const {
-  ShutterBox box;
+  std::array<ShutterBox, 2 * kSample> sample;
+  std::size_t count = 0;
+  MovingBounds bounds;
   const std::size_t stride = std::max<std::size_t>(1, references.size() / kSample);
-  for (std::size_t i = 0; i < references.size(); i += stride) box.grow(ShutterBox(at_ends(references[i])));
-  return mean_area_(box) > kIncoherentGrowth * half_area(box.centre);
+  for (std::size_t i = 0; i < references.size(); i += stride) {
+    sample[count] = ShutterBox(at_ends(references[i]));
+    bounds.grow(sample[count++]);
+  }
+  if (mean_area_(bounds.box) <= kIncoherentGrowth * half_area(bounds.box.centre)) return false;
+  const __m128 middle = _mm_mul_ps(bounds.positions.sum(), _mm_set1_ps(0.5f));
+  Spread all;
+  std::array<Spread, 8> octants;
+  for (std::size_t i = 0; i < count; ++i) {
+    all.add(sample[i].drift());
+    octants[_mm_movemask_ps(_mm_cmplt_ps(sample[i].position(), middle)) & 7].add(sample[i].drift());
+  }
+  float within = 0.0f;
+  for (const Spread& octant : octants) within += octant.squares();
+  return within > kUnexplained * all.squares();
 }
 
 }  // namespace msbvh

@@ -84,7 +84,7 @@ class ShutterPose {
   bool moving() const { return moving_; }
   const MeanArea& mean_area() const { return mean_area_; }
   MovingReference at_ends(const Reference& reference) const;
-  // Whether the set's mean area is much larger than its area at the centre, by a sample.
+  // Whether the set grows much on its way, and neighbours in it move apart; by a sample.
   bool incoherent(std::span<const Reference> references) const;
 
  private:

@@ -8,4 +8,10 @@ TrackForm form_of(const Primitives& primitives, const Reference& reference) {
   return primitives.meshes[reference.mesh()]->form();
 }
 
+TrackForm node_form_of(const Primitives& primitives, const Reference& reference) {
+  const TrackForm form = form_of(primitives, reference);
+  if (primitives.swept || !form.moving()) return {};
+  return primitives.slice.whole() ? form : TrackForm{1, form.degree};
+}
+
 }  // namespace msbvh

@@ -20,17 +20,28 @@ struct InstanceBounds {
   std::vector<Box3f> controls;  // form.controls(); empty: nothing to hit
 };
 
+// Where a mesh's vertices were at the shutter's centre.
+using RestPose = std::vector<Vec3f>;
+
 // The geometry of one tree. Borrowed; ids are indices.
 struct Primitives {
   std::span<const std::shared_ptr<const TriangleMesh>> meshes;
   std::span<const InstanceBounds> instances;
   std::span<const std::shared_ptr<const GridMesh>> grids = {};
+  // Refit: by mesh, the poses that fragments were cut from when the topology was built; empty for meshes
+  // without fragments. Without any, fragments are cut from the meshes' own centre.
+  std::span<const RestPose> rest = {};
+  std::span<const std::shared_ptr<const GridMesh>> rest_grids = {};  // the same of grids: still, or null
+  TimeSlice slice = {};  // the part of the shutter that the tree is for; "centre" means that part's
+  bool swept = false;    // boxes are those of the whole shutter, still (Builder::kSwept)
 };
 
 // A reference stands for a whole primitive or, after spatial splits, for a fragment of a triangle or patch.
 // The fragment needs no storage of its own: it is the part of the primitive that lies in `box` at the
 // shutter's centre. (The box is the tight one of the fragment, and fragment = triangle ∩ (boxes of all splits
-// above), hence triangle ∩ box is the fragment again; a patch is the union of its triangles.)
+// above), hence triangle ∩ box is the fragment again; a patch is the union of its triangles. A refit moves
+// the fragment, but does not cut it anew: box and centre stay those of the frame in which the topology was
+// built.)
 struct Reference {
   Box3f box;                // at the shutter's centre, u = 0.5
   std::uint32_t owner = 0;  // mesh id, with kGridFlag for grids; kInstanceOwner for an instance
@@ -49,15 +60,23 @@ struct Reference {
 
 // How what the reference stands for moves.
 TrackForm form_of(const Primitives& primitives, const Reference& reference);
+// How the nodes above it bound it: in the same form, still where primitives are swept, and in the time of the
+// slice where there is one.
+TrackForm node_form_of(const Primitives& primitives, const Reference& reference);
 
-// The triangle at the shutter's centre; in double for clipping (each float is exact in it).
+// The triangle at the shutter's centre, of the frame that fragments were cut in; in double for clipping (each
+// float is exact in it).
 template <typename T>
 std::array<Vec3<T>, 3> centre_triangle(const Primitives& primitives, const Reference& reference) {
-  constexpr float kCentre = 0.5f;
+  const float centre = primitives.slice.time(0.5f);
   const TriangleMesh& mesh = *primitives.meshes[reference.mesh()];
   const Triangle& t = mesh.triangles[reference.index];
-  return {Vec3<T>(mesh.position(t[0], kCentre)), Vec3<T>(mesh.position(t[1], kCentre)),
-          Vec3<T>(mesh.position(t[2], kCentre))};
+  if (!primitives.rest.empty()) {
+    const RestPose& rest = primitives.rest[reference.mesh()];
+    return {Vec3<T>(rest[t[0]]), Vec3<T>(rest[t[1]]), Vec3<T>(rest[t[2]])};
+  }
+  return {Vec3<T>(mesh.position(t[0], centre)), Vec3<T>(mesh.position(t[1], centre)),
+          Vec3<T>(mesh.position(t[2], centre))};
 }
 
 }  // namespace msbvh

@@ -8,7 +8,10 @@ namespace msbvh {
 
 enum class Builder : std::uint8_t {
   kMsbvh,  // object and spatial splits at the shutter's centre
-  kMbvh    // the same builder with spatial splits off: the interpolated BVH, the paper's baseline
+  kMbvh,   // the same builder with spatial splits off: the interpolated BVH, the paper's baseline
+  // For comparison, both without spatial splits:
+  kSwept,     // still boxes around all that a primitive does during the shutter: few bytes, slow rays
+  kTimeSplit  // a tree for each segment of the finest track: bytes and build grow with the segments
 };
 
 // When the SAH looks at boxes.
@@ -22,8 +25,28 @@ enum class SahTime : std::uint8_t {
 struct BuilderName {
   Builder builder;
   const char* name;
+  bool comparison = false;  // measured where asked for
 };
-inline constexpr BuilderName kBuilders[] = {{Builder::kMsbvh, "msbvh"}, {Builder::kMbvh, "mbvh"}};
+inline constexpr BuilderName kBuilders[] = {{Builder::kMsbvh, "msbvh"},
+                                            {Builder::kMbvh, "mbvh"},
+                                            {Builder::kSwept, "swept", true},
+                                            {Builder::kTimeSplit, "timesplit", true}};
+
+// What the tree of a frame takes over from that of the frame before it.
+enum class Refit : std::uint8_t {
+  kNever,  // nothing
+  // Geometry that did not change keeps its tree; where only positions did, the topology is evaluated at the
+  // new keys, and rebuilt once the tree has become dear.
+  kAuto,
+  kAlways  // the same, however dear
+};
+
+struct RefitName {
+  Refit refit;
+  const char* name;
+};
+inline constexpr RefitName kRefits[] = {
+    {Refit::kAuto, "auto"}, {Refit::kAlways, "always"}, {Refit::kNever, "never"}};
 
 struct BuildSettings {
   Builder builder = Builder::kMsbvh;
@@ -41,6 +64,13 @@ struct BuildSettings {
   // split, of which a node holds 7, overlapping ones many.
   float block_cost = 2.0f;
   float split_cost = 0.5f;
+  Refit refit = Refit::kAuto;  // of Accel::commit_from() and of a Renderer's second commit()
+  // kAuto rebuilds where the shutter-averaged SAH cost has grown by more than this factor since the topology
+  // was built. Lower: more builds; higher: slower rays (docs/design/refit.md).
+  float refit_drift = 1.2f;
+  // Whether a later frame may refit this tree. Costs about 100 bytes a reference, and 12 a vertex of meshes
+  // that spatial splits have cut.
+  bool keep_topology = false;
   // Asked now and then during the build, from any thread; true stops it.
   std::function<bool()> cancelled;
 };

@@ -41,6 +41,8 @@ class Splitter {
   // set.space_for() of them.
   void divide(const WorkSet& set, const SplitChoice& choice, WorkSet& left, WorkSet& right) const;
 
+  const Primitives& primitives() const { return pose_.primitives(); }
+
  private:
   bool wants_spatial_split(const WorkSet& set, const ObjectSplit& object, float area) const;
   // Whether a sample of the set would rather be cut.

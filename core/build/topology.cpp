@@ -29,6 +29,8 @@ class TopologyBuilder {
       : splitter_(splitter),
         shutter_(shutter),
         settings_(settings),
+        over_shutter_(settings.sah_time == SahTime::kShutter && !splitter.primitives().swept &&
+                      splitter.primitives().slice.whole()),
         slots_{out},
         subtree_references_(std::max<std::size_t>(kSubtreeReferences, settings.max_leaf_triangles)) {}
 
@@ -74,7 +76,7 @@ class TopologyBuilder {
   }
 
   bool is_incoherent(const WorkSet& set) const {
-    return settings_.sah_time == SahTime::kShutter && shutter_.moving() && set.size() >= kMovingReferences &&
+    return over_shutter_ && shutter_.moving() && set.size() >= kMovingReferences &&
            shutter_.incoherent(set.references);
   }
 
@@ -85,6 +87,7 @@ class TopologyBuilder {
   const Splitter& splitter_;
   const ShutterPose& shutter_;
   const BuildSettings& settings_;
+  const bool over_shutter_;  // not for swept boxes, which do not move, nor for a slice
   TopologySlots slots_;
   const std::size_t subtree_references_;
 };

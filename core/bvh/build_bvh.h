@@ -1,9 +1,10 @@
-// Builds a tree: bounds of instances, topology, flattening.
+// Builds a tree: bounds of instances, topology, flattening. Or makes it from that of the frame before.
 #pragma once
 
 #include <memory>
 #include <vector>
 
+#include "core/build/kept_topology.h"
 #include "core/build/settings.h"
 #include "core/bvh/bvh.h"
 
@@ -22,7 +23,17 @@ struct BvhInput {
 // What the tree says of an instance, for the builder and for verify().
 InstanceBounds instance_bounds_of(const Bvh& bvh, const Instance& instance);
 
+struct BuiltBvh {
+  Bvh bvh;
+  std::unique_ptr<KeptTopology> topology;  // null unless settings.keep_topology
+};
+
 // Throws Cancelled when settings.cancelled says so; Error if the tree outgrows its 32-bit positions.
-Bvh build_bvh(BvhInput input, const BuildSettings& settings);
+BuiltBvh build_bvh(BvhInput input, const BuildSettings& settings);
+
+// The tree of the frame after `previous`, as settings.refit says: kept, refitted or built. `topology` is what
+// the build of `previous` has left, null for nothing; it is moved on, unless something is thrown.
+BuiltBvh next_bvh(BvhInput input, const BuildSettings& settings, const Bvh& previous,
+                  std::unique_ptr<KeptTopology>& topology);
 
 }  // namespace msbvh

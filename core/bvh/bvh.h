@@ -1,4 +1,5 @@
-// A built tree: what traversal reads, immutable.
+// A built tree: what traversal reads, immutable. Copies share the arena: all that it knows of meshes are
+// their ids, so that a copy may go on with meshes and objects that hold the same.
 #pragma once
 
 #include <memory>
@@ -8,6 +9,7 @@
 #include "core/base/aligned_buffer.h"
 #include "core/base/box.h"
 #include "core/build/reference.h"
+#include "core/build/settings.h"
 #include "core/bvh/layout.h"
 #include "core/bvh/statistics.h"
 #include "core/geometry/grid_mesh.h"
@@ -33,6 +35,11 @@ struct Instance {
   std::uint64_t first_control = 0;  // in Bvh::instance_controls
 };
 
+struct SliceRoot {
+  ChildRef ref;
+  FormCode form;
+};
+
 class Bvh {
  public:
   // Kept alive: indexed blocks and grids' blocks read the meshes' tracks.
@@ -42,9 +49,11 @@ class Bvh {
   std::vector<Affine3f> instance_controls;
   std::vector<Clock> clocks;  // of instances
   Clock clock;                // of this tree as an object that is instanced
+  Builder builder = Builder::kMsbvh;
 
   AlignedBuffer arena;
   ChildRef root = ChildRef::leaf(0);
+  std::vector<SliceRoot> slice_roots;  // Builder::kTimeSplit: of a tree for each slice of the shutter
   bool empty = true;  // nothing to hit; the arena is empty
   TrackForm root_form;
   FormCode root_form_code = FormCode::of({});

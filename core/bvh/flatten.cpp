@@ -71,7 +71,7 @@ class Flattener {
     std::memset(out_.arena.data() + bytes, 0, kArenaGuard);
     emit(0, 0);
     out_.root = ref_of(0, 0);
-    out_.root_form_code = FormCode::of(plans_[0].form);
+    out_.root_form_code = code_of(plans_[0].form);
     out_.root_form = root.form;
     out_.root_bounds = std::move(root.controls);
     out_.max_level = level_of(tally.segments);
@@ -143,7 +143,15 @@ class Flattener {
     slots = in_fewest_segments(std::move(slots));
     keep(node, children, slots, tally);
     tally.depth = std::max(tally.depth, depth);
-    return union_of(slots, std::min(2 * tally.motion_segments, kMaxSegments));
+    return union_of(slots, finest(tally));
+  }
+
+  // A node may have twice the segments of what moves in it. In the time of a slice there is but one.
+  std::uint32_t finest(const Tally& tally) const {
+    return primitives_.slice.whole() ? std::min(2 * tally.motion_segments, kMaxSegments) : 1;
+  }
+  FormCode code_of(const TrackForm& form) const {
+    return primitives_.slice.whole() || !form.moving() ? FormCode::of(form) : FormCode::of_slice(form.degree);
   }
 
   void keep(std::uint32_t node, const WideChildren& children, const SlotTracks& slots, Tally& tally) {
@@ -187,9 +195,9 @@ class Flattener {
     const std::span<Reference> refs = leaf_references(node);
     sort_leaf(primitives_, refs);
     Plan& p = plans_[node];
+    for (const Reference& r : refs) p.form = common_form(p.form, node_form_of(primitives_, r));
     for (std::span<const Reference> rest = refs; !rest.empty();) {
       const LeafBlock block = first_block(primitives_, rest);
-      p.form = common_form(p.form, block.form);
       p.bytes += block.bytes();
       rest = rest.subspan(block.references);
       tally.indexed |= block.kind == BlockKind::kIndexed;
@@ -212,7 +220,7 @@ class Flattener {
     const WideChildren children(topology_, node);
     Plan& p = plans_[node];
     NodeHeader& header = *new (out_.arena.data() + offset) NodeHeader{};
-    header.form_code = FormCode::of(p.form);
+    header.form_code = code_of(p.form);
     header.child_count = static_cast<std::uint8_t>(children.count);
     std::memcpy(header.bounds(), p.bounds.get(), p.form.controls() * sizeof(NodeBounds));
     p.bounds.reset();
@@ -220,7 +228,7 @@ class Flattener {
     place(children, offset + node_bytes(p.form), offsets);
     for (std::uint32_t i = 0; i < children.count; ++i) {
       header.child[i] = ref_of(children.node[i], offsets[i]);
-      header.child_form[i] = FormCode::of(plans_[children.node[i]].form);
+      header.child_form[i] = code_of(plans_[children.node[i]].form);
     }
     parallel_for_ranges(children.count, p.bytes > kParallelBytes ? 1 : kWidth,
                         [&](std::size_t begin, std::size_t end) {

@@ -1,5 +1,6 @@
 #include "core/bvh/key_bounds.h"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <vector>
@@ -117,11 +118,52 @@ class TrackBoxes {
   const std::uint32_t count_;
 };
 
+// The controls of a track that a tree sees: all of them, or those of the segment that its slice lies in.
+struct ControlRange {
+  std::uint32_t first, count;
+
+  ControlRange(const TimeSlice& slice, const TrackForm& form) : first(0), count(form.controls()) {
+    if (slice.whole() || !form.moving()) return;
+    first = slice.index / (slice.count / form.segments) * form.degree;
+    count = form.degree + 1;
+  }
+};
+
+// The slice is a segment of the finest track, so that most tracks are only copied.
+void grow_by_slice(std::span<Box3f> out, const TrackForm& form, const TimeSlice& slice,
+                   std::span<const Box3f> segment, const TrackForm& track_form) {
+  if (!track_form.moving()) return grow_track(out, form, segment, track_form);
+  const std::uint32_t ratio = slice.count / track_form.segments, degree = track_form.degree;
+  if (ratio == 1) return grow_track(out, form, segment, {1, degree});
+  const TrackForm fine{ratio, form.degree};
+  std::vector<Box3f> parts(fine.controls());
+  grow_track(parts, fine, segment, {1, degree});
+  const auto first = parts.begin() + static_cast<std::ptrdiff_t>(slice.index % ratio * form.degree);
+  for (std::uint32_t i = 0; i <= form.degree; ++i) out[i].grow(first[i]);
+}
+
+// A box around all controls, which interpolation leaves by its rounding at most.
+void grow_by_all(Box3f& out, std::span<const Box3f> track, const TrackForm& form) {
+  Box3f all;
+  for (const Box3f& box : track) all.grow(box);
+  const float pad =
+      form.moving() ? kRekeyPad * static_cast<float>(form.degree) * largest_coordinate(all) : 0.0f;
+  out.grow(padded(all, pad));
+}
+
+// As the tree of `primitives` keeps it, see node_form_of(); `track` has the controls of a ControlRange.
+void grow_node(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
+               std::span<const Box3f> track, const TrackForm& track_form) {
+  if (primitives.swept) return grow_by_all(out[0], track, track_form);
+  if (!primitives.slice.whole()) return grow_by_slice(out, form, primitives.slice, track, track_form);
+  grow_track(out, form, track, track_form);
+}
+
 void grow_by_triangle(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
                       const Reference& reference) {
   const TriangleMesh& mesh = *primitives.meshes[reference.mesh()];
   const Triangle& triangle = mesh.triangles[reference.index];
-  if (mesh.form() == form && !reference.is_clipped()) {
+  if (mesh.form() == form && !reference.is_clipped() && primitives.slice.whole()) {
     for (std::uint32_t c = 0; c < out.size(); ++c) grow(out[c], Corners(mesh, triangle, c).box());
     return;
   }
@@ -132,7 +174,8 @@ void grow_by_triangle(std::span<Box3f> out, const TrackForm& form, const Primiti
   } else {
     triangle_track(boxes.span(), mesh, triangle);
   }
-  grow_track(out, form, boxes.span(), mesh.form());
+  const auto [first, count] = ControlRange(primitives.slice, mesh.form());
+  grow_node(out, form, primitives, boxes.span().subspan(first, count), mesh.form());
 }
 
 // The parts of a patch inside the reference's box, all together.
@@ -159,7 +202,8 @@ void grow_by_patch(std::span<Box3f> out, const TrackForm& form, const Primitives
   if (track[0].empty()) {  // no fragment, or nothing of it is left by rounding: more is always right
     for (std::uint32_t c = 0; c < track.size(); ++c) track[c] = mesh.bounds(mesh.patches[reference.index], c);
   }
-  grow_track(out, form, track, mesh.form());
+  const auto [first, count] = ControlRange(primitives.slice, mesh.form());
+  grow_node(out, form, primitives, track.subspan(first, count), mesh.form());
 }
 
 // The part of one source segment that a segment of the finer form covers, in that form.
@@ -214,7 +258,8 @@ void grow_by_reference(std::span<Box3f> out, const TrackForm& form, const Primit
   if (reference.is_grid()) return grow_by_patch(out, form, primitives, reference);
   if (!reference.is_instance()) return grow_by_triangle(out, form, primitives, reference);
   const InstanceBounds& bounds = primitives.instances[reference.index];
-  grow_track(out, form, bounds.controls, bounds.form);
+  const auto [first, count] = ControlRange(primitives.slice, bounds.form);
+  grow_node(out, form, primitives, std::span(bounds.controls).subspan(first, count), bounds.form);
 }
 
 double mean_half_area(std::span<const Box3f> controls, const TrackForm& form) {

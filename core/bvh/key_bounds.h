@@ -31,7 +31,8 @@ void grow_track(std::span<Box3f> out, const TrackForm& form, std::span<const Box
                 const TrackForm& track_form);
 
 // Grows `out` by the boxes of what the reference stands for, at every control: a whole triangle's vertices, a
-// fragment's moved corners, an instance's bounds.
+// fragment's moved corners, an instance's bounds. Where primitives are swept or sliced, `form` is one that
+// node_form_of() speaks of, and out is grown by the union of all boxes, or by what lies in the slice.
 void grow_by_reference(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
                        const Reference& reference);
 

@@ -46,8 +46,10 @@ struct ChildRef {
   constexpr std::size_t offset() const { return std::size_t(bits & ~kLeafFlag) * kUnit; }
 };
 
-// Key counts as an index into a ray's table of segment times: 0 still, 1 + k for 2^k segments.
-inline constexpr std::uint32_t kLevels = 9;
+// Key counts as an index into a ray's table of segment times: 0 still, 1 + k for 2^k segments, and one
+// segment that spans the slice of the shutter that a node's tree is for (Builder::kTimeSplit).
+inline constexpr std::uint32_t kLevels = 10;
+inline constexpr std::uint32_t kSliceLevel = kLevels - 1;
 constexpr std::uint32_t level_of(std::uint32_t segments) {
   std::uint32_t level = 0;
   while (segments != 0) {
@@ -56,7 +58,9 @@ constexpr std::uint32_t level_of(std::uint32_t segments) {
   }
   return level;
 }
-constexpr std::uint32_t segments_of_level(std::uint32_t level) { return level == 0 ? 0 : 1u << (level - 1); }
+constexpr std::uint32_t segments_of_level(std::uint32_t level) {
+  return level == 0 ? 0 : level == kSliceLevel ? 1 : 1u << (level - 1);
+}
 
 // A track's form in a byte.
 struct FormCode {
@@ -64,6 +68,9 @@ struct FormCode {
 
   static constexpr FormCode of(const TrackForm& form) {
     return {static_cast<std::uint8_t>(level_of(form.segments) | form.degree << 4)};
+  }
+  static constexpr FormCode of_slice(std::uint32_t degree) {
+    return {static_cast<std::uint8_t>(kSliceLevel | degree << 4)};
   }
   constexpr std::uint32_t level() const { return bits & 15u; }
   constexpr std::uint32_t degree() const { return bits >> 4; }

@@ -25,6 +25,11 @@ struct BvhStatistics {
   double build_seconds = 0.0;  // topology, bounds and flattening
   double topology_seconds = 0.0;
   double bounds_seconds = 0.0;
+  double refit_seconds = 0.0;  // of build_seconds, on refits, also on those that were given up
+  // How the tree came about: one of these is 1.
+  std::uint64_t built = 0;
+  std::uint64_t refitted = 0;  // the topology of an earlier frame at this frame's keys
+  std::uint64_t kept = 0;      // the last frame's, as it was
 
   // Sums over trees; depth and segments are the largest of any.
   BvhStatistics& operator+=(const BvhStatistics& tree) {
@@ -45,6 +50,10 @@ struct BvhStatistics {
     build_seconds += tree.build_seconds;
     topology_seconds += tree.topology_seconds;
     bounds_seconds += tree.bounds_seconds;
+    refit_seconds += tree.refit_seconds;
+    built += tree.built;
+    refitted += tree.refitted;
+    kept += tree.kept;
     return *this;
   }
 };

@@ -11,7 +11,6 @@
 #include "core/base/error.h"
 #include "core/bvh/build_bvh.h"
 #include "core/bvh/verify_grids.h"
-#include "core/motion/bezier.h"
 
 namespace msbvh {
 namespace {
@@ -21,29 +20,28 @@ constexpr int kSamplesPerEdge = 12;  // barycentric grid on a triangle in severa
 // Instants within a segment at which Bezier tracks of different forms are compared.
 constexpr std::uint32_t kInstantsPerSegment = 8;
 
-// A track of boxes.
-struct Slot {
-  TrackForm form;
-  std::vector<Box3f> controls;
-
-  Box3f at(float u) const {
-    const SegmentTime t = locate(u, form.segments);
-    return track_value(controls.data(), form, t.key, t.w);
-  }
-};
-
 class Verifier {
  public:
   explicit Verifier(const Bvh& bvh) : bvh_(bvh), grids_(bvh) {}
 
   void run() {
-    visit(bvh_.root, {bvh_.root_form, bvh_.root_bounds}, 1);
+    const auto count = static_cast<std::uint32_t>(bvh_.slice_roots.size());
+    if (count == 0) run_slice(bvh_.root, {});
+    for (std::uint32_t i = 0; i < count; ++i) run_slice(bvh_.slice_roots[i].ref, {i, count});
+  }
+
+ private:
+  void run_slice(ChildRef root, const TimeSlice& slice) {
+    slice_ = slice;
+    triangles_.clear();
+    instance_leaves_ = 0;
+    grids_.begin(slice);
+    visit(root, {bvh_.root_form, bvh_.root_bounds}, 1);
     for (const auto& [id, slots] : triangles_) check_triangle(std::get<0>(id), std::get<1>(id), slots);
     grids_.finish();
     check_complete();
   }
 
- private:
   [[noreturn]] void fail(ChildRef ref, const std::string& what) const {
     std::ostringstream s;
     s << "accelerator: " << (ref.is_leaf() ? "leaf" : "node") << " at byte " << ref.offset() << ": " << what;
@@ -73,8 +71,8 @@ class Verifier {
     }
   }
 
-  static Slot slot_of(const NodeHeader& node, std::uint32_t i) {
-    Slot slot{node.form(), {}};
+  Slot slot_of(const NodeHeader& node, std::uint32_t i) const {
+    Slot slot{node.form(), {}, node.form_code.level() == kSliceLevel ? slice_ : TimeSlice{}};
     for (std::uint32_t c = 0; c < slot.form.controls(); ++c) {
       slot.controls.push_back(node.bounds()[c].box(i));
     }
@@ -90,7 +88,7 @@ class Verifier {
   // Control by control, where both have the same form: interpolation is monotone. Else at the keys of the
   // finer one, and within segments that are curved.
   void check_contains(ChildRef ref, const Slot& outer, const Slot& inner) const {
-    if (outer.form == inner.form) {
+    if (outer.form == inner.form && outer.slice == inner.slice) {
       for (std::uint32_t c = 0; c < outer.form.controls(); ++c) {
         if (!outer.controls[c].contains(inner.controls[c]))
           fail(ref, "a child leaves its parent at control " + std::to_string(c));
@@ -100,7 +98,7 @@ class Verifier {
     const TrackForm form = common_form(outer.form, inner.form);
     const std::uint32_t steps = form.segments * (form.degree == 1 ? 1 : kInstantsPerSegment);
     for (std::uint32_t k = 0; k <= steps; ++k) {
-      const float u = steps == 0 ? 0.0f : static_cast<float>(k) / static_cast<float>(steps);
+      const float u = slice_.time(steps == 0 ? 0.0f : static_cast<float>(k) / static_cast<float>(steps));
       if (!outer.at(u).contains(inner.at(u)))
         fail(ref, "a child leaves its parent at u = " + std::to_string(u));
     }
@@ -114,7 +112,7 @@ class Verifier {
       if (block->kind == BlockKind::kInstance) {
         check_instance(ref, block->owner, slot);
       } else if (block->kind == BlockKind::kGrid) {
-        grids_.add(*block, slot.form, slot.controls);
+        grids_.add(*block, slot);
       } else {
         check_block(ref, *block);
         for (int i = 0; i < block->count; ++i)
@@ -171,7 +169,7 @@ class Verifier {
     const std::uint32_t steps = form.segments * (form.degree == 1 ? 2 : kInstantsPerSegment);
     const int samples = slots.size() == 1 ? 1 : kSamplesPerEdge;
     for (std::uint32_t k = 0; k <= steps; ++k) {
-      const float u = steps == 0 ? 0.0f : static_cast<float>(k) / static_cast<float>(steps);
+      const float u = slice_.time(steps == 0 ? 0.0f : static_cast<float>(k) / static_cast<float>(steps));
       const Triangle& v = mesh.triangles[t];
       const Vec3d p[3] = {Vec3d(mesh.position(v[0], u)), Vec3d(mesh.position(v[1], u)),
                           Vec3d(mesh.position(v[2], u))};
@@ -211,6 +209,7 @@ class Verifier {
   }
 
   const Bvh& bvh_;
+  TimeSlice slice_;  // of the tree that is looked at
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Slot>> triangles_;
   std::size_t instance_leaves_ = 0;
   GridVerifier grids_;

@@ -5,7 +5,6 @@
 
 #include "core/base/error.h"
 #include "core/bvh/grid_block.h"
-#include "core/motion/bezier.h"
 
 namespace msbvh {
 namespace {
@@ -22,7 +21,12 @@ bool holds(const GridPatch& window, const GridTriangle& t) {
 
 }  // namespace
 
-void GridVerifier::add(const BlockHeader& block, const TrackForm& form, const std::vector<Box3f>& controls) {
+void GridVerifier::begin(const TimeSlice& slice) {
+  slice_ = slice;
+  leaves_.clear();
+}
+
+void GridVerifier::add(const BlockHeader& block, const Slot& slot) {
   const GridBlock& b = grid_of(block);
   if ((reinterpret_cast<const std::byte*>(&block) - bvh_.arena.data()) % AlignedBuffer::kAlignment != 0)
     fail("its block does not start on a cache line");
@@ -36,7 +40,7 @@ void GridVerifier::add(const BlockHeader& block, const TrackForm& form, const st
   if (!holds(patch, {window.grid, window.row, window.column, 0}) || !holds(patch, last))
     fail("a window leaves its patch");
   check_tiles(mesh, block, window);
-  leaves_[{block.owner, b.patch}].push_back({window, form, controls});
+  leaves_[{block.owner, b.patch}].push_back({window, slot});
 }
 
 void GridVerifier::check_tiles(const GridMesh& mesh, const BlockHeader& block,
@@ -68,11 +72,11 @@ void GridVerifier::check_triangle(const GridMesh& mesh, std::uint32_t id,
                                   const std::vector<Leaf>& leaves) const {
   const GridTriangle t = mesh.triangle(id);
   TrackForm form = mesh.form();
-  for (const Leaf& leaf : leaves) form = common_form(form, leaf.form);
+  for (const Leaf& leaf : leaves) form = common_form(form, leaf.slot.form);
   const std::uint32_t steps = form.segments * (form.degree == 1 ? 2 : kInstantsPerSegment);
   const int samples = leaves.size() == 1 ? 1 : kSamplesPerEdge;
   for (std::uint32_t k = 0; k <= steps; ++k) {
-    const float u = steps == 0 ? 0.0f : static_cast<float>(k) / static_cast<float>(steps);
+    const float u = slice_.time(steps == 0 ? 0.0f : static_cast<float>(k) / static_cast<float>(steps));
     Vec3d v[3];
     for (int i = 0; i < 3; ++i)
       v[i] = Vec3d(mesh.point(mesh.grids[t.grid], vertices_of(t)[i].row, vertices_of(t)[i].column, u));
@@ -84,8 +88,7 @@ void GridVerifier::check_triangle(const GridMesh& mesh, std::uint32_t id,
         // must not carry the sample out.
         const Vec3d p = max(lo, min(hi, v[0] * (1.0 - b1 - b2) + v[1] * b1 + v[2] * b2));
         const bool inside = std::ranges::any_of(leaves, [&](const Leaf& leaf) {
-          const SegmentTime at = locate(u, leaf.form.segments);
-          const Box3f box = track_value(leaf.controls.data(), leaf.form, at.key, at.w);
+          const Box3f box = leaf.slot.at(u);
           return holds(leaf.window, t) && Box3d{Vec3d(box.lo), Vec3d(box.hi)}.contains(p);
         });
         if (!inside)

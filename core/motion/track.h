@@ -43,6 +43,18 @@ constexpr TrackForm common_form(const TrackForm& a, const TrackForm& b) {
   return {a.segments > b.segments ? a.segments : b.segments, a.degree > b.degree ? a.degree : b.degree};
 }
 
+// The part [index, index + 1) / count of the shutter, closed where it is the last; count is a power of two.
+struct TimeSlice {
+  std::uint32_t index = 0;
+  std::uint32_t count = 1;
+
+  constexpr bool whole() const { return count == 1; }
+  constexpr bool operator==(const TimeSlice&) const = default;
+  // The shutter's time at the share w in [0, 1] of the slice, and back. Exact where w has few digits.
+  constexpr float time(float w) const { return (static_cast<float>(index) + w) / static_cast<float>(count); }
+  constexpr float share(float u) const { return u * static_cast<float>(count) - static_cast<float>(index); }
+};
+
 // Where a time lies in a track: between keys `key` and `key + 1` with weight w in [0, 1] on the second one.
 // For a still track: key 0, w = 0; key + 1 must then not be read. The segment's first control is
 // key * degree.

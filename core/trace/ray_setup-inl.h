@@ -41,17 +41,20 @@ class LevelTimes {
       hn::Store(key, di, key_ + i);
       hn::Store(hn::Sub(scaled, hn::ConvertTo(d, key)), d, weight_ + i);
     }
-    if (max_level < 8) return;
-    const SegmentTime last = locate(u, segments_of_level(8));
-    key_[8] = static_cast<std::int32_t>(last.key);
-    weight_[8] = last.w;
+    if (max_level >= 8) {
+      const SegmentTime last = locate(u, segments_of_level(8));
+      key_[8] = static_cast<std::int32_t>(last.key);
+      weight_[8] = last.w;
+    }
+    key_[kSliceLevel] = 0;
+    weight_[kSliceLevel] = weight_[max_level];
   }
   SegmentTime operator[](std::uint32_t level) const {
     return {static_cast<std::uint32_t>(key_[level]), weight_[level]};
   }
 
  private:
-  static_assert(kLevels == 9);
+  static_assert(kLevels == 10);
   HWY_ALIGN std::int32_t key_[16];
   HWY_ALIGN float weight_[16];
 };

@@ -112,7 +112,7 @@ class Stream {
     slot.in = &slot.setup[setup];
     slot.base = slot.top;
     slot.instance = instance;
-    slot.at = {bvh.root, bvh.root_form_code};
+    slot.at = root_of<kMovement>(bvh, *slot.in);
   }
 
   HWY_INLINE static void step_node(Slot& slot) {

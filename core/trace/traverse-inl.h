@@ -28,7 +28,7 @@ class Traversal {
         counts_(counts) {}
 
   void run() {
-    Place at{bvh_.root, bvh_.root_form_code};
+    Place at = root_of<kMovement>(bvh_, setup_);
     for (;;) {
       while (!at.ref.is_leaf()) {
         if (!descend(at) && !pop(at)) return;

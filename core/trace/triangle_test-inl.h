@@ -105,9 +105,20 @@ class BlockVertices {
     const Weights<DPool> w(d, at_.w);
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
       const float* first = vertices + axis * row;
-      const auto control = [&](std::uint32_t c) { return hn::LoadU(d, first + c * stride); };
+      const auto control = [&](std::uint32_t c) { return load_row(first + c * stride, row); };
       p[axis] = kMoving ? simd_bezier(control, degree_, w) : control(0);
     }
+  }
+
+  // What follows a row may be anything. Read as floats, ids are denormal numbers, which take long to
+  // multiply.
+  HWY_INLINE static VPool load_row(const float* p, [[maybe_unused]] std::uint32_t row) {
+    const DPool d;
+#if HWY_TARGET == HWY_AVX3
+    return hn::MaskedLoad(hn::FirstN(d, row), d, p);
+#else
+    return hn::LoadU(d, p);
+#endif
   }
 
   // A vertex's three coordinates at once, then rows to columns, four vertices by four.

@@ -36,6 +36,14 @@ HWY_INLINE Place child_of(const NodeHeader& node, std::uint32_t slot) {
   return {node.child[slot], node.child_form[slot]};
 }
 
+// Where a ray's way begins.
+template <Movement kMovement>
+HWY_INLINE Place root_of(const Bvh& bvh, const RaySetup<kMovement>& setup) {
+  if (kMovement == Movement::kStill || bvh.slice_roots.empty()) return {bvh.root, bvh.root_form_code};
+  const SliceRoot& root = bvh.slice_roots[setup.at_level[bvh.max_level].key];
+  return {root.ref, root.form};
+}
+
 // The children of a node that are still to be visited.
 struct alignas(64) Frame {
   ChildKey keys[kWidth];

@@ -100,12 +100,13 @@ def test_default_time_does_not_move(msbvh: Run, tmp_path: Path, scene: Path) -> 
 def test_threads_and_builder_do_not_change_the_picture(
     msbvh: Run, tmp_path: Path, scene: Path, threads: int
 ) -> None:
-    for name, builder in (("a", "msbvh"), ("b", "mbvh")):
+    for name, builder in (("a", "msbvh"), ("b", "mbvh"), ("c", "swept"), ("d", "timesplit")):
         done = msbvh(
             "record", scene, f"{name}.exr", "--threads", threads, "--builder", builder, "--seed", 5, *SMALL
         )
         assert done.returncode == 0, done.stderr
-    assert np.array_equal(pixels_of(tmp_path / "a.exr"), pixels_of(tmp_path / "b.exr"))
+    for name in "bcd":
+        assert np.array_equal(pixels_of(tmp_path / "a.exr"), pixels_of(tmp_path / f"{name}.exr"))
 
 
 def test_domes_light_but_are_seen_only_on_demand(msbvh: Run, tmp_path: Path, scene: Path) -> None:

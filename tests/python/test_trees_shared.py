@@ -13,7 +13,7 @@ SCENES = shared_scenes(*MOTION_GROUPS, "skinned", "subdiv")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("builder", ["msbvh", "mbvh"])
+@pytest.mark.parametrize("builder", _core.builders())
 @pytest.mark.parametrize("shared", SCENES or [None], ids=str)
 def test_invariants(shared: SharedScene | None, builder: str) -> None:
     if shared is None:

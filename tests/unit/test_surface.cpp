@@ -35,7 +35,7 @@ SurfacePoint surface(const Scene& scene, const Hit& hit, const Ray& ray) {
 
 const Ray kDown{.org = {0, 0, 1}, .dir = {0, 0, -1}};
 const Ray kUp{.org = {0, 0, -1}, .dir = {0, 0, 1}};
-const Hit kHit{.u = 0.25f, .v = 0.5f};
+const Hit kHit{.u = 0.25f, .v = 0.5f, .triangle = 0};
 
 TEST_CASE("position and geometric normal, on the ray's side") {
   const Scene scene = triangle_scene();
@@ -166,7 +166,7 @@ TEST_CASE("spawned rays start beyond the surface, at coordinates of 1e4") {
     Ray ray;
     ray.dir = small_vector();
     ray.time = time;
-    const SurfacePoint point = surface(scene, {.u = u, .v = v, .instance = instanced ? 0 : kNoInstance}, ray);
+    const SurfacePoint point = surface(scene, {.u = u, .v = v, .triangle = 0, .instance = instanced ? 0 : kNoInstance}, ray);
 
     const double w = time;
     Vec3d corner[3];

@@ -33,6 +33,15 @@ Builder builder_from(const std::string& name) {
   throw nb::value_error(("builder: found \"" + name + "\"; expected " + known).c_str());
 }
 
+Refit refit_from(const std::string& name) {
+  std::string known;
+  for (const RefitName& refit : kRefits) {
+    if (name == refit.name) return refit.refit;
+    known += (known.empty() ? "" : " or ") + std::string(refit.name);
+  }
+  throw nb::value_error(("refit: found \"" + name + "\"; expected " + known).c_str());
+}
+
 // What `call`, or the handler of a signal that has arrived, raised; null if nothing. Needs the GIL.
 template <typename Call>
 std::exception_ptr exception_of(const Call& call) {
@@ -122,6 +131,10 @@ nb::dict accel_statistics(const BvhStatistics& s) {
   result["build_seconds"] = s.build_seconds;
   result["topology_seconds"] = s.topology_seconds;
   result["bounds_seconds"] = s.bounds_seconds;
+  result["refit_seconds"] = s.refit_seconds;
+  result["built"] = s.built;
+  result["refitted"] = s.refitted;
+  result["kept"] = s.kept;
   return result;
 }
 
@@ -137,14 +150,21 @@ nb::dict statistics(const Renderer& renderer) {
   return result;
 }
 
-void init(Renderer* self, const SceneHandle& scene, std::uint32_t width, std::uint32_t height,
-          std::uint32_t spp, std::uint32_t seed, std::uint32_t max_bounces, std::uint32_t threads,
-          bool show_domes, const std::string& builder) {
+void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width, std::uint32_t height,
+                  std::uint32_t spp, std::uint32_t seed, std::uint32_t max_bounces, std::uint32_t threads,
+                  bool show_domes, const std::string& builder, const std::string& refit, bool keep_topology) {
   RenderSettings settings{width, height, spp, seed, max_bounces, threads, show_domes, {}};
   settings.build.builder = builder_from(builder);
+  settings.build.refit = refit_from(refit);
+  settings.build.keep_topology = keep_topology;
+  commit(self, scene.scene, std::move(settings));
+}
+
+template <typename... Settings>
+void init(Renderer* self, const SceneHandle& scene, Settings... settings) {
   new (self) Renderer();
   try {
-    commit(*self, scene.scene, std::move(settings));
+    commit_scene(*self, scene, settings...);
   } catch (...) {
     self->~Renderer();
     throw;
@@ -155,12 +175,20 @@ void init(Renderer* self, const SceneHandle& scene, std::uint32_t width, std::ui
 
 void bind_renderer(nb::module_& m) {
   const RenderSettings defaults;
-  nb::class_<Renderer>(m, "Renderer")
-      .def("__init__", &init, nb::arg("scene"), nb::kw_only(), nb::arg("width"), nb::arg("height"),
-           nb::arg("spp") = defaults.spp, nb::arg("seed") = defaults.seed,
-           nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
-           nb::arg("show_domes") = defaults.show_domes, nb::arg("builder") = "msbvh")
-      .def("render", &render, nb::arg("progress") = nb::none())
+  const auto def_with_settings = [&defaults](nb::class_<Renderer>& renderer, const char* name,
+                                             const auto& function) {
+    renderer.def(name, function, nb::arg("scene"), nb::kw_only(), nb::arg("width"), nb::arg("height"),
+                 nb::arg("spp") = defaults.spp, nb::arg("seed") = defaults.seed,
+                 nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
+                 nb::arg("show_domes") = defaults.show_domes, nb::arg("builder") = "msbvh",
+                 nb::arg("refit") = "auto", nb::arg("keep_topology") = defaults.build.keep_topology);
+  };
+  nb::class_<Renderer> renderer(m, "Renderer");
+  def_with_settings(renderer, "__init__",
+                    &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t,
+                          std::uint32_t, bool, const std::string&, const std::string&, bool>);
+  def_with_settings(renderer, "commit", &commit_scene);
+  renderer.def("render", &render, nb::arg("progress") = nb::none())
       .def("verify", &Renderer::verify, nb::call_guard<nb::gil_scoped_release>())
       .def_prop_ro("plan", &plan)
       .def_prop_ro("statistics", &statistics);

@@ -9,7 +9,7 @@ Times are ``time01``: 0 is the shutter's opening, 1 its closing. Matrices follow
 """
 
 from collections.abc import Callable, Sequence
-from typing import Literal, TypeAlias, TypedDict, Unpack
+from typing import Literal, Required, TypeAlias, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -272,6 +272,13 @@ class AccelStatistics(TypedDict):
     build_seconds: float
     topology_seconds: float
     bounds_seconds: float
+    refit_seconds: float
+    """Of build_seconds, on refits, also on those that were given up."""
+    built: int
+    refitted: int
+    """Trees that have an earlier frame's topology at this frame's keys."""
+    kept: int
+    """Trees of the last frame, as they were."""
 
 class RenderStatistics(TypedDict):
     build_seconds: float
@@ -282,23 +289,32 @@ class RenderStatistics(TypedDict):
     accel: AccelStatistics
     """Sums over all trees; depth and max_segments are the largest of any."""
 
+class RenderSettings(TypedDict, total=False):
+    """What Renderer takes beside the scene; see core/api/renderer.h and core/build/settings.h."""
+
+    width: Required[int]
+    height: Required[int]
+    spp: int
+    seed: int
+    max_bounces: int
+    threads: int
+    """0: all."""
+    show_domes: bool
+    builder: Literal["msbvh", "mbvh", "swept", "timesplit"]
+    refit: Literal["auto", "always", "never"]
+    keep_topology: bool
+    """So that the next commit() can refit."""
+
 class Renderer:
-    def __init__(
-        self,
-        scene: Scene,
-        *,
-        width: int,
-        height: int,
-        spp: int = 64,
-        seed: int = 0,
-        max_bounces: int = 2,
-        threads: int = 0,
-        show_domes: bool = True,
-        builder: Literal["msbvh", "mbvh"] = "msbvh",
-    ) -> None:
-        """Validates, plans and builds, without the GIL; a signal's exception stops it. ``threads`` 0: all.
+    def __init__(self, scene: Scene, **settings: Unpack[RenderSettings]) -> None:
+        """Validates, plans and builds, without the GIL; a signal's exception stops it.
 
         Raises Error for a scene or settings that are wrong.
+        """
+    def commit(self, scene: Scene, **settings: Unpack[RenderSettings]) -> None:
+        """The next frame, whose trees come from the last one's as ``refit`` says; else as the constructor.
+
+        Not while render() runs on another thread. Where it raises, the last frame stays.
         """
     def render(self, progress: Callable[[float], object] | None = None) -> F32:
         """[height, width, 4]: top row first, linear, premultiplied; alpha is coverage.
@@ -389,7 +405,7 @@ def bench_run(
     robust: Sequence[bool],
     peer: str,
 ) -> list[str]:
-    """Rows as JSON. ``builders`` empty: all; ``threads`` 0: all; ``peer``: path of its library, empty for none;
+    """Rows as JSON. ``builders`` empty: msbvh and mbvh; ``threads`` 0: all; ``peer``: path of its library, empty for none;
     ``robust``: the peer's modes; ``oracle_tests``: triangles that the oracle tests a builder and kind of ray.
 
     Without the GIL; a signal's exception ends it between two measurements.

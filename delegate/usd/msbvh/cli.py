@@ -45,7 +45,7 @@ DONE, WRONG, USAGE, DEGRADED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes: done; the scene or the settings are wrong; usage; rendered, but --strict and something was
 missing or degraded; interrupted."""
 
-RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "builder")
+RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "builder", "refit")
 """Options that are fields of RenderSettings."""
 RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")
 

@@ -291,10 +291,20 @@ RENDER: Sequence[Decorator] = (
     click.option("--threads", type=click.IntRange(0, 4096), default=0, show_default=True, help="0: all."),
     click.option(
         "--builder",
-        type=click.Choice(("msbvh", "mbvh")),
+        type=click.Choice(tuple(_core.builders())),
         default="msbvh",
         show_default=True,
-        help="mbvh: without spatial splits, the paper's baseline.",
+        help="For comparison: mbvh has no spatial splits (the paper's baseline), swept has still boxes (slow rays),"
+        " timesplit a tree for each motion segment (bytes and build grow with them).",
+    ),
+    click.option(
+        "--refit",
+        type=click.Choice(("auto", "always", "never")),
+        default="auto",
+        show_default=True,
+        help="Over frames: auto keeps the trees of what stands still and refits those of what moves, until rays"
+        " have become dearer by a fifth; always: however dear. Both hold the last frame beside the next. never:"
+        " builds each anew, for the quickest rays and the least memory. The picture is the same.",
     ),
     click.option("--renderer", "-r", metavar="NAME", help="Accepted for usdrecord's sake; this is msbvh."),
     click.option("--disableGpu", is_flag=True, expose_value=False, help="Accepted; there is no GPU in use."),
@@ -324,9 +334,7 @@ CONFORM: Sequence[Decorator] = (
         help="Samples a pixel that msbvh takes and the allowed error is for. Fewer: quicker, and blinder.",
     ),
     click.option("--json", "as_json", is_flag=True, help="For scripts."),
-    click.option(
-        "--out", type=click.Path(path_type=Path), metavar="DIR", help="Keep the images and the logs there."
-    ),
+    click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Keeps images and logs."),
     click.option(
         "--command",
         default="",
@@ -368,7 +376,7 @@ BENCH: Sequence[Decorator] = (
         "builders",
         multiple=True,
         type=click.Choice(tuple(_core.builders())),
-        help="Only this one; may be repeated. Default: all of them.",
+        help="Only this one; may be repeated. Default: msbvh and mbvh.",
     ),
     click.option(
         "--threads",
@@ -387,8 +395,6 @@ BENCH: Sequence[Decorator] = (
         type=click.IntRange(64, 100_000_000),
         help="About so many in every procedural scene. Default: each one's own, 10 thousand to 2 million.",
     ),
-    click.option(
-        "--out", type=click.Path(path_type=Path, file_okay=False), metavar="DIR", help="Write bench.json there."
-    ),
+    click.option("--out", type=click.Path(path_type=Path, file_okay=False), metavar="DIR", help="For bench.json."),
 )
 """What is measured, against whom, and how often."""

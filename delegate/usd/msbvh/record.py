@@ -35,6 +35,8 @@ class RenderSettings:
     show_domes: bool = False
     """Whether dome lights are seen behind the scene (usdrecord's --enableDomeLightVisibility)."""
     builder: str = "msbvh"
+    refit: str = "auto"
+    """What a frame's trees take over from those of the frame before: core/build/settings.h."""
 
 
 @dataclass(frozen=True)
@@ -95,13 +97,42 @@ def record(
     stage = open_stage(scene, diagnostics, settings.mask)
     read_seconds = time.perf_counter() - start
     report(diagnostics, reporter)
-    for frame, files in _frame_jobs(jobs, stage):
-        run.frames.append(_record_frame(stage, frame, files, settings, reporter))
+    frame_jobs = _frame_jobs(jobs, stage)
+    trees = Trees(settings.render, len(frame_jobs))
+    for frame, files in frame_jobs:
+        run.frames.append(_record_frame(stage, frame, files, settings, trees, reporter))
     run.frames[0].seconds["read"] = read_seconds
     run.warnings = list(reporter.warnings)
     if settings.stats is not None:
         run.write(settings.stats)
     return run
+
+
+class Trees:
+    """Renderers of a run's frames; trees go from one to the next as settings.refit says."""
+
+    def __init__(self, settings: RenderSettings, frames: int) -> None:
+        self._settings = settings
+        self._frames_left = frames
+        self._renderer: _core.Renderer | None = None
+
+    def renderer(self, result: ReadResult) -> _core.Renderer:
+        """Of the next frame. Frees the scene and the trees of the last one, and holds none where none follows."""
+        self._frames_left -= 1
+        reuse = self._settings.refit != "never"
+        settings = {
+            **asdict(self._settings),
+            "width": result.camera.width,
+            "height": result.camera.height,
+            "keep_topology": reuse and self._frames_left > 0,
+        }
+        if self._renderer is None:
+            renderer = _core.Renderer(result.scene, **settings)
+        else:
+            renderer = self._renderer
+            renderer.commit(result.scene, **settings)
+        self._renderer = renderer if settings["keep_topology"] else None
+        return renderer
 
 
 def _frame_jobs(jobs: Sequence[FrameJob] | Sequence[str], stage: Usd.Stage) -> Sequence[FrameJob]:
@@ -111,7 +142,12 @@ def _frame_jobs(jobs: Sequence[FrameJob] | Sequence[str], stage: Usd.Stage) -> S
 
 
 def _record_frame(
-    stage: Usd.Stage, frame: float | None, files: Sequence[str], settings: RecordSettings, reporter: Reporter
+    stage: Usd.Stage,
+    frame: float | None,
+    files: Sequence[str],
+    settings: RecordSettings,
+    trees: Trees,
+    reporter: Reporter,
 ) -> FrameStats:
     stats = FrameStats(frame, list(files))
     with stats.timed("sample"), reading_progress(frame) as progress:
@@ -122,9 +158,7 @@ def _record_frame(
     stats.scene = dict(result.scene.statistics())
     stats.tracks = [{name: getattr(track, name) for name in TRACK_FIELDS} for track in result.tracks]
     with stats.timed("build"):
-        renderer = _core.Renderer(
-            result.scene, width=camera.width, height=camera.height, **asdict(settings.render)
-        )
+        renderer = trees.renderer(result)
     stats.plan = plan_entries(renderer)
     with stats.timed("trace"), Progress(f"msbvh: {frame_label(frame)}") as progress:
         pixels = renderer.render(progress)

@@ -32,7 +32,8 @@ class FrameStats:
     scene: dict[str, Any] = field(default_factory=dict)
     """Meshes, triangles, keys, instances, lights: of the scene as it was rendered."""
     render: dict[str, Any] = field(default_factory=dict)
-    """The renderer's: rays, trees, and of the trees nodes, references and bytes."""
+    """The renderer's: rays, trees, and of the trees nodes, references and bytes, how many were built,
+    refitted and kept from the frame before, and the seconds that it took."""
     plan: list[dict[str, str]] = field(default_factory=list)
     """The effects that the frame calls for: effect, prim, why."""
     tracks: list[dict[str, Any]] = field(default_factory=list)

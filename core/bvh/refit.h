@@ -1,0 +1,25 @@
+// What the tree of one frame can be for the next one.
+//
+// Kept: nothing that it was built from has changed, bit by bit. Refitted: the topology (which references
+// share a node) is evaluated at the new frame's keys, bottom-up. That is always right: boxes come from the
+// new keys alone, and fragments are material, cut in the pose of the frame in which the topology was built
+// and moved from there, whatever the pose of the new frame. How dear rays become is the SAH cost's to say.
+#pragma once
+
+#include "core/build/kept_topology.h"
+#include "core/bvh/bvh.h"
+
+namespace msbvh {
+
+// `next` has its meshes, instances and clocks, and no tree yet.
+bool is_unchanged(const Bvh& previous, const Bvh& next, Builder builder);
+
+// Whether the topology of `previous` is one of `next`: as many meshes with the same triangles, grids with the
+// same patches, as many instances, and the same of them visible. Forms, key counts and clocks may differ.
+bool can_refit(const Bvh& previous, const KeptTopology& topology, const Bvh& next,
+               std::span<const InstanceBounds> next_instances, Builder builder);
+
+// The tree of `previous` over the meshes and objects of `next`, which is_unchanged().
+Bvh kept_tree(const Bvh& previous, Bvh next);
+
+}  // namespace msbvh

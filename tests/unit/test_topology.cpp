@@ -1,0 +1,161 @@
+// The binary topology: what its leaves hold, its budget, degenerate sets, determinism, cancelling.
+#include <algorithm>
+#include <atomic>
+#include <doctest/doctest.h>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+#include "core/build/topology.h"
+#include "tests/support/procedural.h"
+
+using namespace msbvh;
+using namespace msbvh::procedural;
+
+namespace {
+
+TriangleMesh flat(std::uint32_t vertices, std::vector<Vec3f> positions, std::vector<Triangle> triangles) {
+  TriangleMesh mesh;
+  mesh.name = "flat";
+  mesh.vertex_count = vertices;
+  mesh.positions = std::move(positions);
+  mesh.triangles = std::move(triangles);
+  return mesh;
+}
+
+TriangleMesh copies(std::size_t count, std::vector<Vec3f> corners) {
+  return flat(3, std::move(corners), std::vector<Triangle>(count, Triangle{0, 1, 2}));
+}
+
+struct Built {
+  std::shared_ptr<const TriangleMesh> mesh;
+  Topology topology;
+};
+
+Built built(TriangleMesh mesh, const BuildSettings& settings = {}) {
+  Built b{std::make_shared<const TriangleMesh>(validated(std::move(mesh))), {}};
+  b.topology = build_topology({{&b.mesh, 1}, {}}, settings);
+  return b;
+}
+
+std::uint64_t budget(std::size_t triangles) {
+  return triangles + static_cast<std::uint64_t>(BuildSettings{}.spatial_split_budget * float(triangles));
+}
+
+// Every triangle is in a leaf, leaves are no larger than allowed, parents contain children and leaves their
+// references, the budget holds.
+void check(const Built& b, std::size_t max_leaf = BuildSettings{}.max_leaf_triangles) {
+  const Topology& t = b.topology;
+  std::vector<bool> seen(b.mesh->triangles.size());
+  std::uint64_t references = 0, faults = 0;
+  std::vector<std::uint32_t> stack{0};
+  const auto inside = [&](const float* lo, const float* hi, const BinaryNode& node) {
+    for (int axis = 0; axis < 3; ++axis) faults += lo[axis] < node.lo[axis] || hi[axis] > node.hi[axis];
+  };
+  while (!stack.empty()) {
+    const BinaryNode& node = t.nodes[stack.back()];
+    stack.pop_back();
+    faults += node.is_leaf() && node.count > max_leaf;
+    for (std::uint32_t i = 0; i < node.count; ++i) {
+      const Reference& r = t.references[node.first + i];
+      seen[r.index] = true;
+      inside(&r.box.lo.x, &r.box.hi.x, node);
+    }
+    references += node.count;
+    if (node.is_leaf()) continue;
+    for (const std::uint32_t child : {node.first, node.first + 1}) {
+      REQUIRE(child < t.node_count);
+      inside(t.nodes[child].lo, t.nodes[child].hi, node);
+      stack.push_back(child);
+    }
+  }
+  CHECK(faults == 0);
+  CHECK(std::count(seen.begin(), seen.end(), false) == 0);
+  CHECK(references == t.reference_count);
+  CHECK(references <= budget(seen.size()));
+}
+
+// What a tree is, whatever its nodes are numbered: boxes, sizes and triangles in depth-first order.
+std::vector<std::tuple<float, std::uint32_t, std::uint64_t>> signature(const Topology& t) {
+  std::vector<std::tuple<float, std::uint32_t, std::uint64_t>> out;
+  std::vector<std::uint32_t> stack{0};
+  while (!stack.empty()) {
+    const BinaryNode& node = t.nodes[stack.back()];
+    stack.pop_back();
+    std::uint64_t ids = 0;
+    for (std::uint32_t i = 0; i < node.count; ++i) ids += t.references[node.first + i].index;
+    out.emplace_back(node.area, node.count, ids);
+    if (!node.is_leaf()) stack.insert(stack.end(), {node.first, node.first + 1});
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("topology: nothing, and one triangle") {
+  CHECK(built(copies(0, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})).topology.node_count == 0);
+  const Built one = built(copies(1, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
+  CHECK(one.topology.nodes[0].count == 1);
+  check(one);
+}
+
+TEST_CASE("topology: degenerate sets end, within the budget") {
+  check(built(copies(50'000, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})));            // identical
+  check(built(copies(50'000, {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}})));            // without area
+  check(built(copies(50'000, {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}})));            // points
+  check(built(copies(50'000, {{0, 0, 0}, {1e-42f, 0, 0}, {0, 1e-42f, 0}})));  // denormal
+  check(built(grid(120)));                                                    // in one plane
+  check(built(moved(copies(50'000, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}), 1, translation({5, 0, 0}))));
+}
+
+TEST_CASE("topology: a million triangles in one place") {
+  check(built(copies(1'000'000, {{-1, 0, -1}, {1, 0, -1}, {0, 0, 1}})));
+}
+
+TEST_CASE("topology: sets that are cut, and sets that part") {
+  check(built(sticks(3000, 3)));
+  check(built(debris(20'000, 1, 2.0f, 4)));
+  check(built(debris(5'000, 8, 2.0f, 4)));
+  BuildSettings centre;
+  centre.sah_time = SahTime::kCentre;
+  check(built(debris(20'000, 1, 2.0f, 4), centre));
+  BuildSettings large;
+  large.max_leaf_triangles = 3000;
+  check(built(soup(10'000, 0.1f, 4), large), 3000);
+}
+
+TEST_CASE("topology: no budget, a small one, none of it exceeded") {
+  for (const float share : {0.0f, 0.01f, 0.3f}) {
+    BuildSettings settings;
+    settings.spatial_split_budget = share;
+    const Built b = built(sticks(3000, 5), settings);
+    check(b);
+    const auto triangles = b.mesh->triangles.size();
+    CHECK(b.topology.reference_count <=
+          triangles + static_cast<std::uint64_t>(share * static_cast<float>(triangles)));
+  }
+}
+
+TEST_CASE("topology: the same on any number of threads") {
+  const auto on = [](unsigned threads, const TriangleMesh& mesh) {
+    Built b;
+    Arena(threads).execute([&] { b = built(mesh); });
+    return signature(b.topology);
+  };
+  for (const TriangleMesh& mesh : {sticks(20'000, 3), debris(100'000, 1, 1.0f, 4), soup(100'000, 0.02f, 5)})
+    CHECK(on(1, mesh) == on(2, mesh));
+}
+
+TEST_CASE("topology: cancelled at any time, it throws and the next build is whole") {
+  for (const TriangleMesh& mesh : {sticks(8'000, 3), debris(50'000, 1, 1.0f, 4)}) {
+    for (const int after : {0, 1, 3}) {
+      std::atomic<int> asked = 0;
+      BuildSettings settings;
+      settings.cancelled = [&] { return asked++ >= after; };
+      CHECK_THROWS_AS(built(mesh, settings), Cancelled);
+    }
+    check(built(mesh));
+  }
+}
