@@ -1,6 +1,7 @@
 #include "core/build/topology.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <memory>
 #include <string>
@@ -15,7 +16,7 @@ namespace msbvh {
 namespace {
 
 // Smaller sets are one thread's.
-constexpr std::size_t kSubtreeReferences = 1024;
+constexpr std::size_t kSubtreeReferences = 128;
 // Smaller ones are not asked how they move: that takes as long as to build them.
 constexpr std::size_t kMovingReferences = 64;
 constexpr std::size_t kCancelReferences = 4096;
@@ -38,13 +39,16 @@ class TopologyBuilder {
     build(0, std::move(memory), root);
     slots_.topology.node_count = slots_.next_node;
     slots_.topology.reference_count = slots_.leaf_references;
+    slots_.topology.incoherent_references = incoherent_references_;
   }
 
  private:
   // `memory` is where the set lies, shared with its sibling.
   void build(std::uint32_t node, Memory memory, WorkSet set) {
-    if (is_incoherent(set))
+    if (is_incoherent(set)) {
+      incoherent_references_ += set.size();
       return MovingBuilder(shutter_, settings_, slots_).run(node, set.references, set.depth);
+    }
     if (set.size() <= subtree_references_) return SubtreeBuilder(splitter_, slots_).run(node, set);
     check_cancelled(set);
     write_node(slots_.topology.nodes[node], set.bounds.box, half_area(set.bounds.box));
@@ -89,6 +93,7 @@ class TopologyBuilder {
   const BuildSettings& settings_;
   const bool over_shutter_;  // not for swept boxes, which do not move, nor for a slice
   TopologySlots slots_;
+  std::atomic<std::uint64_t> incoherent_references_{0};
   const std::size_t subtree_references_;
 };
 

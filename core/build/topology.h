@@ -23,10 +23,11 @@ struct BinaryNode {
 };
 
 struct Topology {
-  RawArray<BinaryNode> nodes;         // node 0 is the root
-  std::uint32_t node_count = 0;       // up to the last one in use; 0: nothing in the tree
-  RawArray<Reference> references;     // leaves own ranges of it; what lies between is unused
-  std::uint64_t reference_count = 0;  // in leaves
+  RawArray<BinaryNode> nodes;               // node 0 is the root
+  std::uint32_t node_count = 0;             // up to the last one in use; 0: nothing in the tree
+  RawArray<Reference> references;           // leaves own ranges of it; what lies between is unused
+  std::uint64_t reference_count = 0;        // in leaves
+  std::uint64_t incoherent_references = 0;  // of them in subtrees whose motion is incoherent
 
   const BinaryNode& root() const { return nodes[0]; }
 };

@@ -66,7 +66,7 @@ Primitives primitives_of(const Bvh& bvh, std::span<const InstanceBounds> instanc
 }
 
 void finish(Bvh& bvh, std::span<const InstanceBounds> instance_bounds, std::uint64_t references) {
-  bvh.max_level = std::max(bvh.max_level, level_of(finest_segments(bvh, instance_bounds)));
+  bvh.max_level = std::max({bvh.max_level, bvh.slice_level, level_of(finest_segments(bvh, instance_bounds))});
   bvh.instanced = !bvh.instances.empty();
   bvh.gridded = !bvh.grids.empty() ||
                 std::ranges::any_of(bvh.instances, [](const Instance& i) { return i.object->gridded; });
@@ -81,16 +81,45 @@ void finish(Bvh& bvh, std::span<const InstanceBounds> instance_bounds, std::uint
   bvh.statistics.references = references;
 }
 
+bool has_curves(const Bvh& bvh, std::span<const InstanceBounds> instance_bounds) {
+  const auto curved = [](const auto& mesh) { return mesh->degree > 1; };
+  return std::ranges::any_of(bvh.meshes, curved) || std::ranges::any_of(bvh.grids, curved) ||
+         std::ranges::any_of(instance_bounds, [](const InstanceBounds& b) { return b.form.degree > 1; });
+}
+
+// How many slices the settings ask for, whatever moves how.
+std::uint32_t time_slices(const Bvh& bvh, std::span<const InstanceBounds> instance_bounds,
+                          const BuildSettings& settings) {
+  const std::uint32_t finest = finest_segments(bvh, instance_bounds);
+  if (bvh.builder == Builder::kTimeSplit) return finest;
+  if (finest == 0 || settings.time_slices == 0 || bvh.builder == Builder::kSwept) return 1;
+  return has_curves(bvh, instance_bounds) ? std::max(settings.time_slices, finest) : settings.time_slices;
+}
+
+// Where a good part of what the topology holds moves incoherently, trees for parts of the shutter have fewer
+// nodes a ray.
+bool wants_slices(const Bvh& bvh, std::span<const InstanceBounds> instance_bounds, const Topology& topology,
+                  const BuildSettings& settings) {
+  return settings.time_slices == 0 && bvh.builder == Builder::kMsbvh &&
+         4 * topology.incoherent_references > topology.reference_count &&
+         finest_segments(bvh, instance_bounds) >= kIncoherentSlices && !has_curves(bvh, instance_bounds);
+}
+
+BuiltBvh sliced(Bvh bvh, std::span<const InstanceBounds> instance_bounds, std::uint32_t slices,
+                const BuildSettings& settings) {
+  finish(bvh, instance_bounds, build_time_split(bvh, instance_bounds, slices, settings));
+  bvh.statistics.built = 1;
+  return {std::move(bvh), nullptr};
+}
+
 BuiltBvh built(Bvh bvh, std::span<const InstanceBounds> instance_bounds, const BuildSettings& settings) {
-  const std::uint32_t segments = finest_segments(bvh, instance_bounds);
-  if (bvh.builder == Builder::kTimeSplit && segments > 1) {
-    finish(bvh, instance_bounds, build_time_split(bvh, instance_bounds, segments, settings));
-    bvh.statistics.built = 1;
-    return {std::move(bvh), nullptr};
-  }
+  const std::uint32_t slices = time_slices(bvh, instance_bounds, settings);
+  if (slices > 1) return sliced(std::move(bvh), instance_bounds, slices, settings);
   const Primitives primitives = primitives_of(bvh, instance_bounds);
   const Stopwatch topology_watch;
   Topology topology = build_topology(primitives, settings);
+  if (wants_slices(bvh, instance_bounds, topology, settings))
+    return sliced(std::move(bvh), instance_bounds, kIncoherentSlices, settings);
   bvh.statistics.topology_seconds = topology_watch.seconds();
   const Stopwatch bounds_watch;
   flatten(primitives, topology, settings, bvh);

@@ -53,7 +53,9 @@ class Bvh {
 
   AlignedBuffer arena;
   ChildRef root = ChildRef::leaf(0);
-  std::vector<SliceRoot> slice_roots;  // Builder::kTimeSplit: of a tree for each slice of the shutter
+  // Of a tree for each of equal slices of the shutter, and the level of so many segments; else none.
+  std::vector<SliceRoot> slice_roots;
+  std::uint32_t slice_level = 0;
   bool empty = true;  // nothing to hit; the arena is empty
   TrackForm root_form;
   FormCode root_form_code = FormCode::of({});

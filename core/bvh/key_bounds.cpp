@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "core/build/box4.h"
@@ -103,41 +104,49 @@ void grow(Box3f& box, const Box4& by) {
   grown.store(box);
 }
 
-// Boxes at the controls of a track, empty at first.
-class TrackBoxes {
- public:
-  explicit TrackBoxes(std::uint32_t count) : count_(count) {
-    if (count > kFew) many_.resize(count);
-  }
-  std::span<Box3f> span() { return {count_ > kFew ? many_.data() : few_, count_}; }
+// How far `inner` reaches out of `outer`, side by side; never negative.
+struct Excess {
+  Vec3f lo{0, 0, 0}, hi{0, 0, 0};
 
- private:
-  static constexpr std::uint32_t kFew = 9;  // longer tracks take longer than an allocation
-  Box3f few_[kFew];
-  std::vector<Box3f> many_;
-  const std::uint32_t count_;
+  void grow(const Box3f& inner, const Box3f& outer) {
+    lo = max(lo, outer.lo - inner.lo);
+    hi = max(hi, inner.hi - outer.hi);
+  }
+  void grow(const Excess& e) {
+    lo = max(lo, e.lo);
+    hi = max(hi, e.hi);
+  }
 };
 
-// The controls of a track that a tree sees: all of them, or those of the segment that its slice lies in.
+// The controls of a track that a tree sees: all of them, or those of the segments that its slice lies in, or
+// that lie in its slice.
 struct ControlRange {
   std::uint32_t first, count;
 
   ControlRange(const TimeSlice& slice, const TrackForm& form) : first(0), count(form.controls()) {
     if (slice.whole() || !form.moving()) return;
-    first = slice.index / (slice.count / form.segments) * form.degree;
-    count = form.degree + 1;
+    const std::uint32_t segments = std::max(1u, form.segments / slice.count);
+    first = slice.index * form.segments / slice.count * form.degree;
+    count = segments * form.degree + 1;
   }
 };
 
-// The slice is a segment of the finest track, so that most tracks are only copied.
+// Slice and segments nest. Segments that lie in the slice become one.
 void grow_by_slice(std::span<Box3f> out, const TrackForm& form, const TimeSlice& slice,
-                   std::span<const Box3f> segment, const TrackForm& track_form) {
-  if (!track_form.moving()) return grow_track(out, form, segment, track_form);
-  const std::uint32_t ratio = slice.count / track_form.segments, degree = track_form.degree;
-  if (ratio == 1) return grow_track(out, form, segment, {1, degree});
+                   std::span<const Box3f> track, const TrackForm& track_form) {
+  if (!track_form.moving()) return grow_track(out, form, track, track_form);
+  const std::uint32_t degree = track_form.degree;
+  std::vector<Box3f> whole(track.begin(), track.end());
+  for (std::uint32_t segments = track_form.segments / slice.count; segments > 1; segments /= 2) {
+    std::vector<Box3f> half(segments / 2 + 1);
+    halve_segments(whole, half);
+    whole = std::move(half);
+  }
+  const std::uint32_t ratio = std::max(1u, slice.count / track_form.segments);
+  if (ratio == 1) return grow_track(out, form, whole, {1, degree});
   const TrackForm fine{ratio, form.degree};
   std::vector<Box3f> parts(fine.controls());
-  grow_track(parts, fine, segment, {1, degree});
+  grow_track(parts, fine, whole, {1, degree});
   const auto first = parts.begin() + static_cast<std::ptrdiff_t>(slice.index % ratio * form.degree);
   for (std::uint32_t i = 0; i <= form.degree; ++i) out[i].grow(first[i]);
 }
@@ -159,6 +168,21 @@ void grow_node(std::span<Box3f> out, const TrackForm& form, const Primitives& pr
   grow_track(out, form, track, track_form);
 }
 
+// Boxes at the controls of a track, empty at first.
+class TrackBoxes {
+ public:
+  explicit TrackBoxes(std::uint32_t count) : count_(count) {
+    if (count > kFew) many_.resize(count);
+  }
+  std::span<Box3f> span() { return {count_ > kFew ? many_.data() : few_, count_}; }
+
+ private:
+  static constexpr std::uint32_t kFew = 9;  // longer tracks take longer than an allocation
+  Box3f few_[kFew];
+  std::vector<Box3f> many_;
+  const std::uint32_t count_;
+};
+
 void grow_by_triangle(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
                       const Reference& reference) {
   const TriangleMesh& mesh = *primitives.meshes[reference.mesh()];
@@ -174,8 +198,8 @@ void grow_by_triangle(std::span<Box3f> out, const TrackForm& form, const Primiti
   } else {
     triangle_track(boxes.span(), mesh, triangle);
   }
-  const auto [first, count] = ControlRange(primitives.slice, mesh.form());
-  grow_node(out, form, primitives, boxes.span().subspan(first, count), mesh.form());
+  const ControlRange range(primitives.slice, mesh.form());
+  grow_node(out, form, primitives, boxes.span().subspan(range.first, range.count), mesh.form());
 }
 
 // The parts of a patch inside the reference's box, all together.
@@ -202,8 +226,8 @@ void grow_by_patch(std::span<Box3f> out, const TrackForm& form, const Primitives
   if (track[0].empty()) {  // no fragment, or nothing of it is left by rounding: more is always right
     for (std::uint32_t c = 0; c < track.size(); ++c) track[c] = mesh.bounds(mesh.patches[reference.index], c);
   }
-  const auto [first, count] = ControlRange(primitives.slice, mesh.form());
-  grow_node(out, form, primitives, track.subspan(first, count), mesh.form());
+  const ControlRange range(primitives.slice, mesh.form());
+  grow_node(out, form, primitives, track.subspan(range.first, range.count), mesh.form());
 }
 
 // The part of one source segment that a segment of the finer form covers, in that form.
@@ -253,13 +277,35 @@ void grow_track(std::span<Box3f> out, const TrackForm& form, std::span<const Box
   }
 }
 
+void halve_segments(std::span<const Box3f> fine, std::span<Box3f> coarse) {
+  if (coarse.size() == 1) {  // two keys: at rest in the box around both
+    coarse[0] = fine[0];
+    coarse[0].grow(fine[1]);
+    coarse[0] = padded(coarse[0], kRekeyPad * largest_coordinate(coarse[0]));
+    return;
+  }
+  Excess before;
+  for (std::size_t k = 0; k < coarse.size(); ++k) {
+    Excess excess = before;
+    before = {};
+    float size = largest_coordinate(fine[2 * k]);
+    if (k > 0) size = std::max(size, largest_coordinate(fine[2 * k - 2]));
+    if (k + 1 < coarse.size()) {
+      before.grow(fine[2 * k + 1], lerp(fine[2 * k], fine[2 * k + 2], 0.5f));
+      size = std::max(size, largest_coordinate(fine[2 * k + 2]));
+    }
+    excess.grow(before);
+    coarse[k] = padded({fine[2 * k].lo - excess.lo, fine[2 * k].hi + excess.hi}, kRekeyPad * size);
+  }
+}
+
 void grow_by_reference(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
                        const Reference& reference) {
   if (reference.is_grid()) return grow_by_patch(out, form, primitives, reference);
   if (!reference.is_instance()) return grow_by_triangle(out, form, primitives, reference);
   const InstanceBounds& bounds = primitives.instances[reference.index];
-  const auto [first, count] = ControlRange(primitives.slice, bounds.form);
-  grow_node(out, form, primitives, std::span(bounds.controls).subspan(first, count), bounds.form);
+  const ControlRange range(primitives.slice, bounds.form);
+  grow_node(out, form, primitives, std::span(bounds.controls).subspan(range.first, range.count), bounds.form);
 }
 
 double mean_half_area(std::span<const Box3f> controls, const TrackForm& form) {

@@ -30,6 +30,10 @@ Box3f padded(const Box3f& box, float pad);
 void grow_track(std::span<Box3f> out, const TrackForm& form, std::span<const Box3f> track,
                 const TrackForm& track_form);
 
+// A linear track in half as many segments (1 to still): a segment of `coarse` encloses the two of `fine` that
+// it stands for, its ends moved out by what they bulge beyond its chord.
+void halve_segments(std::span<const Box3f> fine, std::span<Box3f> coarse);
+
 // Grows `out` by the boxes of what the reference stands for, at every control: a whole triangle's vertices, a
 // fragment's moved corners, an instance's bounds. Where primitives are swept or sliced, `form` is one that
 // node_form_of() speaks of, and out is grown by the union of all boxes, or by what lies in the slice.

@@ -43,13 +43,15 @@ void join_arenas(Bvh& bvh, std::vector<Bvh>& slices) {
     base += aligned(slice.arena.size());
     slice.arena = {};
   }
+  bvh.slice_level = level_of(static_cast<std::uint32_t>(slices.size()));
   bvh.root = bvh.slice_roots[0].ref;
   bvh.root_form_code = bvh.slice_roots[0].form;
 }
 
 // The box track over the whole shutter. Neighbours share a control, whose box holds that of both.
 void join_bounds(Bvh& bvh, const std::vector<Bvh>& slices) {
-  const std::uint32_t degree = slices[0].root_form.degree;
+  std::uint32_t degree = 1;
+  for (const Bvh& slice : slices) degree = std::max(degree, slice.root_form.degree);
   bvh.root_form = {static_cast<std::uint32_t>(slices.size()), degree};
   bvh.root_bounds.assign(bvh.root_form.controls(), {});
   for (std::size_t s = 0; s < slices.size(); ++s) {
@@ -63,7 +65,6 @@ void join_statistics(Bvh& bvh, const std::vector<Bvh>& slices) {
   for (const Bvh& slice : slices) sum += slice.statistics;
   sum.sah_cost /= static_cast<double>(slices.size());
   sum.vertex_bytes = slices[0].statistics.vertex_bytes;
-  sum.max_segments = static_cast<std::uint32_t>(slices.size());
 }
 
 }  // namespace
@@ -73,9 +74,7 @@ std::uint32_t finest_segments(const Bvh& bvh, std::span<const InstanceBounds> in
   for (const auto& mesh : bvh.meshes) {
     if (!mesh->triangles.empty()) finest = std::max(finest, mesh->segments);
   }
-  for (const auto& mesh : bvh.grids) {
-    if (!mesh->patches.empty()) finest = std::max(finest, mesh->segments);
-  }
+  for (const auto& mesh : bvh.grids) finest = std::max(finest, mesh->form().segments);
   for (const InstanceBounds& bounds : instances) {
     if (!bounds.controls.empty()) finest = std::max(finest, bounds.form.segments);
   }

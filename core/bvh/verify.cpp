@@ -11,6 +11,8 @@
 #include "core/base/error.h"
 #include "core/bvh/build_bvh.h"
 #include "core/bvh/verify_grids.h"
+#include "core/bvh/verify_slot.h"
+#include "core/motion/bezier.h"
 
 namespace msbvh {
 namespace {
@@ -35,7 +37,7 @@ class Verifier {
     slice_ = slice;
     triangles_.clear();
     instance_leaves_ = 0;
-    grids_.begin(slice);
+    grids_ = GridVerifier(bvh_, slice);
     visit(root, {bvh_.root_form, bvh_.root_bounds}, 1);
     for (const auto& [id, slots] : triangles_) check_triangle(std::get<0>(id), std::get<1>(id), slots);
     grids_.finish();

@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/bvh/grid_block.h"
+#include "core/motion/bezier.h"
 
 namespace msbvh {
 namespace {
@@ -21,18 +22,13 @@ bool holds(const GridPatch& window, const GridTriangle& t) {
 
 }  // namespace
 
-void GridVerifier::begin(const TimeSlice& slice) {
-  slice_ = slice;
-  leaves_.clear();
-}
-
 void GridVerifier::add(const BlockHeader& block, const Slot& slot) {
   const GridBlock& b = grid_of(block);
-  if ((reinterpret_cast<const std::byte*>(&block) - bvh_.arena.data()) % AlignedBuffer::kAlignment != 0)
+  if ((reinterpret_cast<const std::byte*>(&block) - bvh_.get().arena.data()) % AlignedBuffer::kAlignment != 0)
     fail("its block does not start on a cache line");
   if (!block.last) fail("it is not alone in its leaf");
-  if (block.owner >= bvh_.grids.size()) fail("mesh id out of range");
-  const GridMesh& mesh = *bvh_.grids[block.owner];
+  if (block.owner >= bvh_.get().grids.size()) fail("mesh id out of range");
+  const GridMesh& mesh = *bvh_.get().grids[block.owner];
   if (b.patch >= mesh.patches.size() || b.first_triangle >= mesh.triangle_count()) fail("id out of range");
   if (mesh.form() != block.form()) fail("a block's controls are not its mesh's");
   const GridPatch window = window_of(mesh, b), &patch = mesh.patches[b.patch];
@@ -101,13 +97,13 @@ void GridVerifier::check_triangle(const GridMesh& mesh, std::uint32_t id,
 
 void GridVerifier::finish() const {
   std::size_t patches = 0;
-  for (const auto& mesh : bvh_.grids) patches += mesh->patches.size();
+  for (const auto& mesh : bvh_.get().grids) patches += mesh->patches.size();
   if (leaves_.size() != patches) {
     throw Error("accelerator: " + std::to_string(leaves_.size()) + " patches in leaves; expected " +
                 std::to_string(patches));
   }
   for (const auto& [id, leaves] : leaves_) {
-    const GridMesh& mesh = *bvh_.grids[id.first];
+    const GridMesh& mesh = *bvh_.get().grids[id.first];
     const GridPatch& p = mesh.patches[id.second];
     for (std::uint32_t i = 0; i < 2u * p.rows * p.columns; ++i) {
       const GridTriangle t{p.grid, p.row + i / 2 / p.columns, p.column + i / 2 % p.columns, i % 2};

@@ -30,7 +30,7 @@ HWY_INLINE float clamped_time(float time) {
 class LevelTimes {
  public:
   LevelTimes() = default;
-  LevelTimes(float u, std::uint32_t max_level) {
+  LevelTimes(float u, const Bvh& bvh) {
     const hn::CappedTag<float, 8> d;
     const hn::RebindToSigned<decltype(d)> di;
     HWY_ALIGN static constexpr float kSegments[8] = {0, 1, 2, 4, 8, 16, 32, 64};
@@ -41,13 +41,13 @@ class LevelTimes {
       hn::Store(key, di, key_ + i);
       hn::Store(hn::Sub(scaled, hn::ConvertTo(d, key)), d, weight_ + i);
     }
-    if (max_level >= 8) {
+    if (bvh.max_level >= 8) {
       const SegmentTime last = locate(u, segments_of_level(8));
       key_[8] = static_cast<std::int32_t>(last.key);
       weight_[8] = last.w;
     }
     key_[kSliceLevel] = 0;
-    weight_[kSliceLevel] = weight_[max_level];
+    weight_[kSliceLevel] = weight_[bvh.slice_level];
   }
   SegmentTime operator[](std::uint32_t level) const {
     return {static_cast<std::uint32_t>(key_[level]), weight_[level]};
@@ -60,7 +60,7 @@ class LevelTimes {
 };
 struct NoTimes {
   NoTimes() = default;
-  NoTimes(float, std::uint32_t) {}
+  NoTimes(float, const Bvh&) {}
   SegmentTime operator[](std::uint32_t) const { return {0, 0.0f}; }
 };
 
@@ -86,10 +86,10 @@ struct RaySetup {
   std::conditional_t<kMoving, LevelTimes, NoTimes> at_level;
 
   RaySetup() = default;
-  RaySetup(const Ray& ray, std::uint32_t max_level)
+  RaySetup(const Ray& ray, const Bvh& bvh)
       : org{ray.org.x, ray.org.y, ray.org.z},
         tnear(ray.tnear),
-        at_level(kMoving ? clamped_time(ray.time) : 0.0f, max_level) {
+        at_level(kMoving ? clamped_time(ray.time) : 0.0f, bvh) {
     const float dir[3] = {ray.dir.x, ray.dir.y, ray.dir.z};
     for (std::uint32_t axis = 0; axis < 3; ++axis) set_axis(axis, dir[axis]);
     const float ax = std::abs(dir[0]), ay = std::abs(dir[1]), az = std::abs(dir[2]);

@@ -101,8 +101,7 @@ class Stream {
     slot.ray = &rays_[slot.index];
     slot.query.tfar = slot.ray->tfar;
     slot.query.found = false;
-    std::construct_at(&slot.setup[0], *slot.ray,
-                      world_->max_level);  // in place: no copy waits for its stores
+    std::construct_at(&slot.setup[0], *slot.ray, *world_);  // in place: no copy waits for its stores
     slot.top = slot.stack;
     enter(slot, *world_, 0, kNoInstance);
   }
@@ -185,7 +184,7 @@ class Stream {
     const Instance& instance = world_->instances[id];
     Ray local = *slot.ray;
     if (!to_object<kMovement>(*world_, instance, local)) return false;
-    std::construct_at(&slot.setup[kInstanced ? 1 : 0], local, instance.object->max_level);
+    std::construct_at(&slot.setup[kInstanced ? 1 : 0], local, *instance.object);
     enter(slot, *instance.object, kInstanced ? 1 : 0, id);
     return true;
   }

@@ -20,12 +20,7 @@ template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, bool k
 class Traversal {
  public:
   Traversal(const Bvh& bvh, const Ray& ray, std::uint32_t instance, Query& query, TraceCounts* counts)
-      : bvh_(bvh),
-        ray_(ray),
-        setup_(ray, bvh.max_level),
-        instance_(instance),
-        query_(query),
-        counts_(counts) {}
+      : bvh_(bvh), ray_(ray), setup_(ray, bvh), instance_(instance), query_(query), counts_(counts) {}
 
   void run() {
     Place at = root_of<kMovement>(bvh_, setup_);

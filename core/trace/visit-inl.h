@@ -40,7 +40,7 @@ HWY_INLINE Place child_of(const NodeHeader& node, std::uint32_t slot) {
 template <Movement kMovement>
 HWY_INLINE Place root_of(const Bvh& bvh, const RaySetup<kMovement>& setup) {
   if (kMovement == Movement::kStill || bvh.slice_roots.empty()) return {bvh.root, bvh.root_form_code};
-  const SliceRoot& root = bvh.slice_roots[setup.at_level[bvh.max_level].key];
+  const SliceRoot& root = bvh.slice_roots[setup.at_level[bvh.slice_level].key];
   return {root.ref, root.form};
 }
 

@@ -107,16 +107,24 @@ TEST_CASE("patches that part equal the oracle: the SAH over the shutter, and spl
   }
 }
 
-TEST_CASE("patches in trees of swept boxes, and in a tree for each segment, equal the oracle") {
-  for (const Builder builder : {Builder::kSwept, Builder::kTimeSplit}) {
+TEST_CASE("patches in trees of swept boxes, and in trees for slices of the shutter, equal the oracle") {
+  std::vector<BuildSettings> ways;
+  for (const Builder builder : {Builder::kSwept, Builder::kTimeSplit}) ways.push_back(settings_for(builder));
+  for (const std::uint32_t slices : {2u, 4u, 16u}) {
+    ways.push_back(settings_for(Builder::kMsbvh, 3.0f));
+    ways.back().time_slices = slices;
+  }
+  for (const BuildSettings& settings : ways) {
     for (const double offset : {0.0, 1e4}) {
       const Vec3d at{offset, -0.5 * offset, 0.25 * offset};
-      std::vector<GridMesh> grids;
+      Accel accel;
       for (const std::uint32_t segments : {0u, 1u, 8u})
-        grids.push_back(diced(cases()[segments % 4], segments, at, false));
-      const TrackForm curved{2, 3};
-      grids.push_back(dice(moved(prism_cage(4), curved, rotation({0, 0, 1}, 0.7), at), {.level = 3}));
-      const Accel accel = accel_of_grids(std::move(grids), builder);
+        accel.add_grids(diced(cases()[segments % 4], segments, at, false));
+      if (settings.time_slices != 2) {  // curves: as many slices as segments then
+        const TrackForm curved{2, 3};
+        accel.add_grids(dice(moved(prism_cage(4), curved, rotation({0, 0, 1}, 0.7), at), {.level = 3}));
+      }
+      accel.commit(settings);
       CHECK_NOTHROW(accel.verify());
       check_against_oracle(accel, Vec3f(at), 2.5f, 100, 19);
     }
