@@ -4,8 +4,8 @@
 //   msbvh_bench_grids [LEVEL [ROUNDS [BUILDER]]]
 //
 // The surface: a displaced prism of 40 sides, 2 units across, turning by 1 radian; 2^LEVEL segments an edge.
-// Rays: 2^18 random ones at random times, and 2^18 from a pinhole, one thread, rounds interleaved, the same
-// hits required.
+// Rays: 2^18 random ones at random times, and 2^18 from a pinhole, one by one and all at once; one thread,
+// rounds interleaved, the same hits required.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -17,6 +17,7 @@
 #include "bench/timing.h"
 #include "core/api/accel.h"
 #include "core/base/parallel.h"
+#include "core/trace/tracer.h"
 #include "tests/support/cages.h"
 
 namespace {
@@ -51,11 +52,15 @@ struct Sums {
   bool operator==(const Sums&) const = default;
 };
 
-Sums trace(const Accel& accel, const std::vector<Ray>& rays) {
+// One by one, or all at once.
+Sums trace(const Accel& accel, const std::vector<Ray>& rays, bool at_once) {
+  std::vector<Hit> hits(rays.size());
+  const Tracer tracer(accel.bvh());
+  if (at_once) tracer.intersect(rays, hits.data());
+  for (std::size_t i = 0; !at_once && i < rays.size(); ++i) tracer.intersect(rays[i], hits[i]);
   Sums sums;
-  for (const Ray& ray : rays) {
-    Hit hit;
-    if (!accel.intersect(ray, hit)) continue;
+  for (const Hit& hit : hits) {
+    if (!hit.found()) continue;
     ++sums.hits;
     sums.triangles += hit.triangle;
     sums.t += double(hit.t);
@@ -64,10 +69,11 @@ Sums trace(const Accel& accel, const std::vector<Ray>& rays) {
 }
 
 void run_rays(const char* name, const Accel& patches, const Accel& triangles, const std::vector<Ray>& rays,
-              int rounds) {
-  if (trace(patches, rays) != trace(triangles, rays)) throw std::runtime_error("the hits differ");
-  const auto seconds = bench::interleave(2, rounds, rounds, 1e9,
-                                         [&](std::size_t side) { trace(side ? triangles : patches, rays); });
+              bool at_once, int rounds) {
+  if (trace(patches, rays, at_once) != trace(triangles, rays, !at_once))
+    throw std::runtime_error("the hits differ");
+  const auto seconds = bench::interleave(
+      2, rounds, rounds, 1e9, [&](std::size_t side) { trace(side ? triangles : patches, rays, at_once); });
   const bench::Spread ours = bench::spread_of(seconds[0]), theirs = bench::spread_of(seconds[1]);
   const bench::Spread ratio = bench::speed_ratio(seconds[0], seconds[1]);
   std::printf(" %s %.2f | %.2f | %.2f [%.2f, %.2f] |", name, kRays / ours.median * 1e-6,
@@ -76,9 +82,8 @@ void run_rays(const char* name, const Accel& patches, const Accel& triangles, co
 
 void run(std::uint32_t level, int rounds, const BuildSettings& settings) {
   std::puts(
-      "| keys | quads | bytes a quad: tree + points | of triangles | dice s | build s | of triangles | rays: "
-      "M/s | of "
-      "triangles | ratio | rays: M/s | of triangles | ratio |");
+      "| keys | quads | bytes a quad: tree + points | of triangles | dice s | build s | of triangles "
+      "| rays: M/s | of triangles | ratio | and so on |");
   for (const std::uint32_t segments : {0u, 1u, 8u, 32u}) {
     const SubdivisionMesh cage = moved(prism_cage(40), {segments, 1}, rotation({1, 2, 3}, 1.0));
     const Stopwatch dicing;
@@ -95,8 +100,10 @@ void run(std::uint32_t level, int rounds, const BuildSettings& settings) {
                 grids.quad_count, double(p.node_bytes + p.leaf_bytes) / quads, double(p.grid_bytes) / quads,
                 double(t.node_bytes + t.leaf_bytes) / quads, double(t.vertex_bytes) / quads, dice_seconds,
                 p.build_seconds, t.build_seconds);
-    run_rays("random", patches, triangles, random_rays(), rounds);
-    run_rays("pinhole", patches, triangles, pinhole_rays(), rounds);
+    run_rays("random", patches, triangles, random_rays(), false, rounds);
+    run_rays("pinhole", patches, triangles, pinhole_rays(), false, rounds);
+    run_rays("random at once", patches, triangles, random_rays(), true, rounds);
+    run_rays("pinhole at once", patches, triangles, pinhole_rays(), true, rounds);
     std::puts("");
   }
 }

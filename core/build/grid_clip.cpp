@@ -91,7 +91,8 @@ GridPatch CentrePatch::window(const Box3f& box) const {
 }
 
 CentrePatch centre_patch(const Primitives& primitives, const Reference& reference) {
-  const GridMesh& mesh = *primitives.grids[reference.grid_mesh()];
+  const std::uint32_t id = reference.grid_mesh();
+  const GridMesh& mesh = primitives.rest_grids.empty() ? *primitives.grids[id] : *primitives.rest_grids[id];
   return {mesh, mesh.patches[reference.index], primitives.slice.time(0.5f)};
 }
 

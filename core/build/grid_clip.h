@@ -14,10 +14,9 @@
 
 namespace msbvh {
 
-// A patch's points at the shutter's centre.
+// A patch's points at one time.
 class CentrePatch {
  public:
-  // `centre`: the time that fragments are cut at.
   CentrePatch(const GridMesh& mesh, const GridPatch& patch, float centre);
 
   std::uint32_t quads() const { return std::uint32_t(patch_.rows) * patch_.columns; }
@@ -43,6 +42,7 @@ class CentrePatch {
   std::array<Vec3f, (kPatchQuads + 1) * (kPatchQuads + 1)> points_;
 };
 
+// At the shutter's centre, or the slice's, of the frame that fragments were cut in.
 CentrePatch centre_patch(const Primitives& primitives, const Reference& reference);
 
 // As of a triangle (core/build/clip.h): tight boxes of the parts inside `box` on either side of a plane.

@@ -62,18 +62,37 @@ RestPose centre_pose(const TriangleMesh& mesh) {
   return pose;
 }
 
+// By mesh, whether anything refers to fragments of it.
+struct CutMeshes {
+  std::vector<bool> meshes, grids;
+
+  CutMeshes(const Topology& topology, const Primitives& primitives)
+      : meshes(primitives.meshes.size()), grids(primitives.grids.size()) {
+    for (const Reference& r : std::span(topology.references.data(), topology.references.size())) {
+      if (r.is_instance() || !r.is_clipped()) continue;
+      if (r.is_grid()) {
+        grids[r.grid_mesh()] = true;
+      } else {
+        meshes[r.mesh()] = true;
+      }
+    }
+  }
+};
+
 }  // namespace
 
 KeptTopology keep(const Topology& topology, const Primitives& primitives) {
   KeptTopology kept;
   kept.topology = Compaction(topology).run();
-  std::vector<bool> cut(primitives.meshes.size());
-  for (const Reference& r : std::span(kept.topology.references.data(), kept.topology.references.size())) {
-    if (!r.is_instance() && r.is_clipped()) cut[r.mesh()] = true;
+  const CutMeshes cut(kept.topology, primitives);
+  kept.rest.resize(cut.meshes.size());
+  for (std::size_t m = 0; m < cut.meshes.size(); ++m) {
+    if (cut.meshes[m]) kept.rest[m] = centre_pose(*primitives.meshes[m]);
   }
-  kept.rest.resize(cut.size());
-  for (std::size_t m = 0; m < cut.size(); ++m) {
-    if (cut[m]) kept.rest[m] = centre_pose(*primitives.meshes[m]);
+  kept.rest_grids.resize(cut.grids.size());
+  for (std::size_t m = 0; m < cut.grids.size(); ++m) {
+    if (cut.grids[m])
+      kept.rest_grids[m] = std::make_shared<const GridMesh>(still_at(*primitives.grids[m], kCentre));
   }
   for (const InstanceBounds& bounds : primitives.instances) kept.there.push_back(!bounds.controls.empty());
   return kept;

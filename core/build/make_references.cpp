@@ -47,11 +47,11 @@ SetBounds add_mesh(const CentrePose& pose, std::uint32_t mesh, Reference* out) {
 }
 
 Box3f reference_box(const Primitives& primitives, const GridMesh& mesh, const GridPatch& patch) {
-  if (!mesh.form().moving()) return mesh.bounds(patch, 0);
   Box3f box;
-  for (std::uint32_t c = 0; primitives.swept && c < mesh.form().controls(); ++c)
-    box.grow(mesh.bounds(patch, c));
-  if (primitives.swept) return box;
+  if (primitives.swept || !mesh.form().moving()) {
+    for (std::uint32_t c = 0; c < mesh.form().controls(); ++c) box.grow(mesh.bounds(patch, c));
+    return box;
+  }
   const float centre = primitives.slice.time(0.5f);
   for (std::uint32_t r = 0; r <= patch.rows; ++r) {
     for (std::uint32_t c = 0; c <= patch.columns; ++c)

@@ -31,6 +31,7 @@ struct Primitives {
   // Refit: by mesh, the poses that fragments were cut from when the topology was built; empty for meshes
   // without fragments. Without any, fragments are cut from the meshes' own centre.
   std::span<const RestPose> rest = {};
+  std::span<const std::shared_ptr<const GridMesh>> rest_grids = {};  // the same of grids: still, or null
   TimeSlice slice = {};  // the part of the shutter that the tree is for; "centre" means that part's
   bool swept = false;    // boxes are those of the whole shutter, still (Builder::kSwept)
 };

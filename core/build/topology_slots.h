@@ -18,9 +18,10 @@ struct TopologySlots {
 // Takes nodes by the run, so that threads do not wait for each other's counter.
 class NodeTaker {
  public:
-  // At most two nodes a reference are taken.
+  // Below the root of a subtree over so many references there are two nodes fewer than two a reference, where
+  // each is a leaf. No more are taken: a node that is not used here may be one too few elsewhere.
   NodeTaker(TopologySlots& slots, std::size_t references)
-      : slots_(slots), left_(static_cast<std::uint32_t>(2 * references)) {}
+      : slots_(slots), left_(static_cast<std::uint32_t>(2 * references - 2)) {}
   std::uint32_t take_two() {
     if (next_ == end_) {
       const std::uint32_t run = std::min(kRun, left_);

@@ -82,7 +82,8 @@ void finish(Bvh& bvh, std::span<const InstanceBounds> instance_bounds, std::uint
 }
 
 bool has_curves(const Bvh& bvh, std::span<const InstanceBounds> instance_bounds) {
-  return std::ranges::any_of(bvh.meshes, [](const auto& mesh) { return mesh->degree > 1; }) ||
+  const auto curved = [](const auto& mesh) { return mesh->degree > 1; };
+  return std::ranges::any_of(bvh.meshes, curved) || std::ranges::any_of(bvh.grids, curved) ||
          std::ranges::any_of(instance_bounds, [](const InstanceBounds& b) { return b.form.degree > 1; });
 }
 
@@ -139,6 +140,7 @@ bool refit(Bvh& bvh, KeptTopology& kept, std::span<const InstanceBounds> instanc
   const Stopwatch watch;
   Primitives primitives = primitives_of(bvh, instance_bounds);
   primitives.rest = kept.rest;
+  primitives.rest_grids = kept.rest_grids;
   Bvh refitted = bvh;
   flatten(primitives, kept.topology, settings, refitted);
   const bool dear = refitted.statistics.sah_cost > kept.sah_cost * double(settings.refit_drift);

@@ -22,9 +22,27 @@ bool same_mesh(const TriangleMesh& a, const TriangleMesh& b) {
          same_bytes(a.positions.data(), b.positions.data(), a.position_count()) && same_triangles(a, b);
 }
 
+bool same_patches(const GridMesh& a, const GridMesh& b) {
+  const auto same_size = [](const Grid& x, const Grid& y) {
+    return x.rows == y.rows && x.columns == y.columns;
+  };
+  return std::ranges::equal(a.grids, b.grids, same_size) && a.patches == b.patches;
+}
+
+// Of the same form, grids of the same sizes keep their values in the same places.
+bool same_grids(const GridMesh& a, const GridMesh& b) {
+  return a.form() == b.form() && a.values.size() == b.values.size() &&
+         same_bytes(a.values.data(), b.values.data(), a.values.size()) && same_patches(a, b);
+}
+
 template <typename Same>
 bool all_meshes(const Bvh& a, const Bvh& b, const Same& same) {
   return std::ranges::equal(a.meshes, b.meshes, [&](const auto& x, const auto& y) { return same(*x, *y); });
+}
+
+template <typename Same>
+bool all_grids(const Bvh& a, const Bvh& b, const Same& same) {
+  return std::ranges::equal(a.grids, b.grids, [&](const auto& x, const auto& y) { return same(*x, *y); });
 }
 
 // A kept tree shares the arena of the one that it was kept from.
@@ -46,21 +64,21 @@ bool same_instances(const Bvh& a, const Bvh& b) {
 
 bool is_unchanged(const Bvh& previous, const Bvh& next, Builder builder) {
   return previous.builder == builder && previous.clock == next.clock && previous.clocks == next.clocks &&
-         same_instances(previous, next) && previous.grids == next.grids &&
-         all_meshes(previous, next, same_mesh);
+         same_instances(previous, next) && all_meshes(previous, next, same_mesh) &&
+         all_grids(previous, next, same_grids);
 }
 
 bool can_refit(const Bvh& previous, const KeptTopology& topology, const Bvh& next,
                std::span<const InstanceBounds> next_instances, Builder builder) {
   const auto there = [](const InstanceBounds& b) { return !b.controls.empty(); };
-  if (!next.grids.empty() || !previous.grids.empty()) return false;  // fragments of patches keep no pose
   return previous.builder == builder && std::ranges::equal(topology.there, next_instances, {}, {}, there) &&
-         all_meshes(previous, next, same_triangles);
+         all_meshes(previous, next, same_triangles) && all_grids(previous, next, same_patches);
 }
 
 Bvh kept_tree(const Bvh& previous, Bvh next) {
   Bvh kept = previous;
   kept.meshes = std::move(next.meshes);
+  kept.grids = std::move(next.grids);
   kept.instances = std::move(next.instances);
   BvhStatistics& s = kept.statistics;
   s.build_seconds = s.topology_seconds = s.bounds_seconds = s.refit_seconds = 0.0;

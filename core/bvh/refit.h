@@ -14,8 +14,8 @@ namespace msbvh {
 // `next` has its meshes, instances and clocks, and no tree yet.
 bool is_unchanged(const Bvh& previous, const Bvh& next, Builder builder);
 
-// Whether the topology of `previous` is one of `next`: as many meshes with the same triangles, as many
-// instances, and the same of them visible. Forms, key counts and clocks may differ.
+// Whether the topology of `previous` is one of `next`: as many meshes with the same triangles, grids with the
+// same patches, as many instances, and the same of them visible. Forms, key counts and clocks may differ.
 bool can_refit(const Bvh& previous, const KeptTopology& topology, const Bvh& next,
                std::span<const InstanceBounds> next_instances, Builder builder);
 

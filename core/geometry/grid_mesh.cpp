@@ -75,6 +75,27 @@ Box3f GridMesh::bounds(const GridPatch& patch, std::uint32_t control) const {
   return box;
 }
 
+GridMesh still_at(const GridMesh& mesh, float u) {
+  GridMesh out;
+  out.name = mesh.name;
+  out.patches = mesh.patches;
+  out.quad_count = mesh.quad_count;
+  for (const Grid& from : mesh.grids) {
+    Grid& grid = out.grids.emplace_back(from);
+    grid.first_value = out.values.size();
+    out.values.resize(grid.first_value + 3 * std::size_t(grid.points()));
+    float* at = out.values.data() + grid.first_value;
+    for (std::uint32_t r = 0; r <= grid.rows; ++r) {
+      for (std::uint32_t c = 0; c <= grid.columns; ++c, ++at) {
+        const Vec3f p = mesh.point(from, r, c, u);
+        for (int axis = 0; axis < 3; ++axis) at[std::size_t(axis) * grid.points()] = p[axis];
+      }
+    }
+  }
+  out.values.resize(out.values.size() + GridMesh::kGuard);
+  return out;
+}
+
 void cut_into_patches(GridMesh& mesh) {
   std::uint64_t quads = 0;
   for (std::uint32_t g = 0; g < mesh.grids.size(); ++g) {

@@ -97,6 +97,9 @@ constexpr std::array<GridVertex, 3> vertices_of(const GridTriangle& t) {
   return t.half == 0 ? std::array{a, b, c} : std::array{a, c, d};
 }
 
+// The same grids and patches, still, as they are at u.
+GridMesh still_at(const GridMesh& mesh, float u);
+
 // Appends the patches of all grids and numbers the quads. Throws Error beyond 2^31 quads.
 void cut_into_patches(GridMesh& mesh);
 

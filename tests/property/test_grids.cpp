@@ -35,9 +35,7 @@ GridMesh diced(const Case& c, std::uint32_t segments, const Vec3d& at, bool unev
   return dice(moved(c.cage, {segments, 1}, c.motion, at), settings);
 }
 
-Accel accel_of_grids(std::vector<GridMesh> grids, Builder builder, float budget = 1.0f) {
-  Accel accel;
-  for (GridMesh& g : grids) accel.add_grids(std::move(g));
+BuildSettings settings_for(Builder builder, float budget = 1.0f) {
   BuildSettings settings;
   settings.builder = builder;
   settings.spatial_split_budget = budget;
@@ -45,7 +43,13 @@ Accel accel_of_grids(std::vector<GridMesh> grids, Builder builder, float budget 
     settings.spatial_split_root_overlap = settings.spatial_split_node_overlap = 0.0f;
     settings.sah_time = SahTime::kCentre;
   }
-  accel.commit(settings);
+  return settings;
+}
+
+Accel accel_of_grids(std::vector<GridMesh> grids, Builder builder, float budget = 1.0f) {
+  Accel accel;
+  for (GridMesh& g : grids) accel.add_grids(std::move(g));
+  accel.commit(settings_for(builder, budget));
   return accel;
 }
 
@@ -101,6 +105,62 @@ TEST_CASE("patches that part equal the oracle: the SAH over the shutter, and spl
     CHECK_NOTHROW(apart.verify());
     check_against_oracle(apart, {}, 5.0f, 120, 13);
   }
+}
+
+TEST_CASE("patches in trees of swept boxes, and in trees for slices of the shutter, equal the oracle") {
+  std::vector<BuildSettings> ways;
+  for (const Builder builder : {Builder::kSwept, Builder::kTimeSplit}) ways.push_back(settings_for(builder));
+  for (const std::uint32_t slices : {2u, 4u, 16u}) {
+    ways.push_back(settings_for(Builder::kMsbvh, 3.0f));
+    ways.back().time_slices = slices;
+  }
+  for (const BuildSettings& settings : ways) {
+    for (const double offset : {0.0, 1e4}) {
+      const Vec3d at{offset, -0.5 * offset, 0.25 * offset};
+      Accel accel;
+      for (const std::uint32_t segments : {0u, 1u, 8u})
+        accel.add_grids(diced(cases()[segments % 4], segments, at, false));
+      if (settings.time_slices != 2) {  // curves: as many slices as segments then
+        const TrackForm curved{2, 3};
+        accel.add_grids(dice(moved(prism_cage(4), curved, rotation({0, 0, 1}, 0.7), at), {.level = 3}));
+      }
+      accel.commit(settings);
+      CHECK_NOTHROW(accel.verify());
+      check_against_oracle(accel, Vec3f(at), 2.5f, 100, 19);
+    }
+  }
+}
+
+TEST_CASE("patches are kept or refitted from frame to frame, fragments of them included") {
+  BuildSettings settings = settings_for(Builder::kMsbvh, 3.0f);
+  settings.keep_topology = true;
+  settings.refit = Refit::kAlways;
+  const auto frame = [&](double angle, std::uint32_t segments, std::size_t count) {
+    Accel accel;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Case turned{"", cases()[i].cage, rotation({0.3, 1, double(i)}, angle)};
+      accel.add_grids(diced(turned, segments, {}, i % 2 == 1));
+    }
+    return accel;
+  };
+  Accel first = frame(0.5, 1, 4);
+  first.commit(settings);
+  CHECK(first.statistics().references > first.statistics().patches);
+  Accel same = frame(0.5, 1, 4);
+  same.commit_from(first, settings);
+  CHECK(same.statistics().kept == 1);
+  check_against_oracle(same, {}, 2.5f, 60, 3);
+  Accel turned = frame(2.0, 4, 4), still = frame(-1.0, 0, 4), fewer = frame(-1.0, 0, 3);
+  turned.commit_from(same, settings);
+  still.commit_from(turned, settings);
+  for (const Accel* accel : {&turned, &still}) {
+    CHECK(accel->statistics().refitted == 1);
+    CHECK_NOTHROW(accel->verify());
+    check_against_oracle(*accel, {}, 2.5f, 60, 5);
+  }
+  fewer.commit_from(still, settings);
+  CHECK(fewer.statistics().built == 1);
+  check_against_oracle(fewer, {}, 2.5f, 60, 7);
 }
 
 TEST_CASE("patches, triangles, curves and instances share a tree") {

@@ -159,3 +159,14 @@ TEST_CASE("topology: cancelled at any time, it throws and the next build is whol
     check(built(mesh));
   }
 }
+
+TEST_CASE("nodes stay within their array where every leaf holds one reference") {
+  for (const std::size_t count : {1000u, 1031u, 5000u}) {
+    BuildSettings settings;
+    settings.builder = Builder::kMbvh;
+    settings.max_leaf_triangles = 1;
+    const Built b = built(soup(static_cast<std::uint32_t>(count), 0.2f, 3), settings);
+    check(b, 1);
+    CHECK(b.topology.node_count <= 2 * b.topology.reference_count);
+  }
+}
