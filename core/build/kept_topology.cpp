@@ -75,6 +75,7 @@ KeptTopology keep(const Topology& topology, const Primitives& primitives) {
   for (std::size_t m = 0; m < cut.size(); ++m) {
     if (cut[m]) kept.rest[m] = centre_pose(*primitives.meshes[m]);
   }
+  kept.parts.assign(primitives.parts.begin(), primitives.parts.end());
   for (const InstanceBounds& bounds : primitives.instances) kept.there.push_back(!bounds.controls.empty());
   return kept;
 }

@@ -61,10 +61,14 @@ LeafBlock first_block(const Primitives& primitives, std::span<const Reference> l
   const Reference& first = leaf.front();
   LeafBlock block;
   block.is_instance = first.is_instance();
-  block.owner = block.is_instance ? first.index : first.mesh();
   block.form = form_of(primitives, first);
   block.references = 1;
-  if (block.is_instance) return block;
+  if (block.is_instance) {
+    block.part = primitives.parts[first.index];
+    block.owner = block.part.instance;
+    return block;
+  }
+  block.owner = first.mesh();
   const TriangleMesh& mesh = *primitives.meshes[block.owner];
   add_triangle(mesh, first.index, block);
   for (const Reference& r : leaf.subspan(1)) {
@@ -84,6 +88,11 @@ void write_block(const Primitives& primitives, const LeafBlock& block, bool last
   header.last = last;
   header.owner = block.owner;
   header.units = static_cast<std::uint32_t>(block.bytes() / kUnit);
+  if (block.is_instance && !block.part.is_whole()) {
+    header.is_part = 1;
+    header.form_code = {block.part.form};
+    header.units = block.part.child;
+  }
   if (block.is_instance) return;
   auto* ids = reinterpret_cast<std::uint32_t*>(at + sizeof(BlockHeader));
   auto* corners = reinterpret_cast<std::uint8_t*>(ids + header.lanes());

@@ -16,6 +16,7 @@ namespace msbvh {
 struct LeafBlock {
   std::uint32_t owner;  // mesh or instance id
   bool is_instance;
+  InstancePart part;  // of an instance
   TrackForm form;
   std::size_t references;  // how many of the leaf's it takes
   std::uint32_t count = 0, vertex_count = 0;
