@@ -214,6 +214,45 @@ BenchScene crowd(std::uint32_t triangles, const TrackForm& form, std::uint32_t s
   return {std::move(scene), {}};
 }
 
+// A bar wound about the y axis, from -1 to 1.
+Pose coil(std::uint32_t triangles) {
+  Pose pose;
+  const std::uint32_t bars = std::max(8u, triangles / 6);
+  const auto at = [&](std::uint32_t i) {
+    const float along = static_cast<float>(i) / static_cast<float>(bars);
+    return Vec3f(turned({0.06, 2.0 * along - 1.0, 0.0}, {0.0, 1.0, 0.0}, 60.0 * along));
+  };
+  for (std::uint32_t i = 0; i < bars; ++i) add_bar(pose, at(i), at(i + 1), 0.02f);
+  return pose;
+}
+
+BenchScene rods(std::uint32_t triangles, const TrackForm& form, std::uint32_t seed) {
+  constexpr std::uint32_t kInstances = 500;
+  Random random(seed);
+  auto scene = std::make_shared<Scene>();
+  const auto sway = [](std::uint32_t, const Vec3d& p, double u) {
+    return turned(p, {1.0, 0.0, 0.0}, 0.1 * p.y * (u - 0.5));
+  };
+  scene->meshes.push_back({.shape = moved_mesh("coil", coil(triangles), form, sway),
+                           .normals = {},
+                           .display_color = {},
+                           .display_opacity = {}});
+  scene->prototypes.push_back({.name = "rod", .meshes = {0}});
+  InstanceSet set{.name = "rods", .segments = form.segments, .world_from_prototype = {}, .display_color = {}};
+  for (std::uint32_t i = 0; i < kInstances; ++i) {
+    const Vec3d at(random.in_box({-1, -1, -1}, {1, 1, 1})), y(random.direction());
+    const Vec3d axis = normalize(cross(y, Vec3d(random.direction()))), z = cross(axis, y);
+    for (std::uint32_t k = 0; k < key_count(form.segments); ++k) {
+      const double turn = form.moving() ? 0.3 * (double(k) / form.segments - 0.5) : 0.0;
+      const auto column = [&](const Vec3d& v) { return Vec3f(turned(v, axis, turn) * 0.5); };
+      set.world_from_prototype.push_back({column(axis), column(y), column(z), Vec3f(at)});
+    }
+  }
+  scene->instances.push_back(std::move(set));
+  scene->camera = camera_at({2.2f, 1.6f, 3.0f}, {});
+  return {std::move(scene), {}};
+}
+
 const std::vector<SceneClass>& classes() {
   static const std::vector<SceneClass> kClasses = {
       {"hairball",
@@ -266,6 +305,13 @@ const std::vector<SceneClass>& classes() {
        {kLinear2, kLinear5},
        {kLinear3},
        crowd},
+      {"rods",
+       "500 long thin moving instances that cross each other",
+       10000,
+       2500,
+       {kLinear2, kLinear3},
+       {kLinear3},
+       rods},
       {"ballistic",
        "shards on parabolas: one quadratic segment",
        100000,

@@ -94,6 +94,7 @@ KeptTopology keep(const Topology& topology, const Primitives& primitives) {
     if (cut.grids[m])
       kept.rest_grids[m] = std::make_shared<const GridMesh>(still_at(*primitives.grids[m], kCentre));
   }
+  kept.parts.assign(primitives.parts.begin(), primitives.parts.end());
   for (const InstanceBounds& bounds : primitives.instances) kept.there.push_back(!bounds.controls.empty());
   return kept;
 }

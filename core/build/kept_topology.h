@@ -12,8 +12,9 @@ struct KeptTopology {
   Topology topology;           // without unused slots
   std::vector<RestPose> rest;  // Primitives::rest of every refit
   std::vector<std::shared_ptr<const GridMesh>> rest_grids;
-  std::vector<bool> there;  // by instance: whether anything refers to it
-  double sah_cost = 0.0;    // of the tree when it was built
+  std::vector<InstancePart> parts;  // Primitives::parts
+  std::vector<bool> there;          // by part: whether anything refers to it
+  double sah_cost = 0.0;            // of the tree when it was built
 };
 
 KeptTopology keep(const Topology& topology, const Primitives& primitives);

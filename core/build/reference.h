@@ -20,14 +20,29 @@ struct InstanceBounds {
   std::vector<Box3f> controls;  // form.controls(); empty: nothing to hit
 };
 
+// What a reference to an instance stands for: all of it or, after re-braiding (core/bvh/rebraid.h), what its
+// object has below one child of a node. The builder hands it on; core/bvh/layout.h knows what it says.
+struct InstancePart {
+  static constexpr std::uint8_t kWhole = 0xff;
+
+  std::uint32_t instance = 0;
+  std::uint32_t parent = 0;    // ChildRef::bits of the node in the object's tree ...
+  std::uint32_t child = 0;     // ... and of its child
+  std::uint8_t slot = kWhole;  // of the child in the node
+  std::uint8_t form = 0;       // FormCode::bits of the child
+
+  bool is_whole() const { return slot == kWhole; }
+};
+
 // Where a mesh's vertices were at the shutter's centre.
 using RestPose = std::vector<Vec3f>;
 
 // The geometry of one tree. Borrowed; ids are indices.
 struct Primitives {
   std::span<const std::shared_ptr<const TriangleMesh>> meshes;
-  std::span<const InstanceBounds> instances;
+  std::span<const InstanceBounds> instances;  // of `parts`, which references to instances are indices of
   std::span<const std::shared_ptr<const GridMesh>> grids = {};
+  std::span<const InstancePart> parts = {};
   // Refit: by mesh, the poses that fragments were cut from when the topology was built; empty for meshes
   // without fragments. Without any, fragments are cut from the meshes' own centre.
   std::span<const RestPose> rest = {};
@@ -45,7 +60,7 @@ struct Primitives {
 struct Reference {
   Box3f box;                // at the shutter's centre, u = 0.5
   std::uint32_t owner = 0;  // mesh id, with kGridFlag for grids; kInstanceOwner for an instance
-  std::uint32_t index = 0;  // triangle or patch in the mesh, or instance id
+  std::uint32_t index = 0;  // triangle or patch in the mesh, or position in Primitives::parts
 
   static constexpr std::uint32_t kClippedFlag = 0x80000000u;  // a fragment
   static constexpr std::uint32_t kGridFlag = 0x40000000u;

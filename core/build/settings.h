@@ -62,6 +62,10 @@ struct BuildSettings {
   float spatial_split_root_overlap = 1e-5f;
   // ... and by more than this share of their own node's. Lower: a slower build for few references more.
   float spatial_split_node_overlap = 0.3f;
+  // References that re-braiding may add, as a share of the instances: those that overlap others, and whose
+  // boxes are mostly empty, are referred to in parts (docs/design/rebraiding.md). More: fewer instances
+  // entered a ray, a longer build (10 us a part) and a node's share of bytes a part. 0: off.
+  float rebraid_budget = 8.0f;
   SahTime sah_time = SahTime::kShutter;
   // Temporal splits: trees for so many equal slices of the shutter, a power of two up to kMaxSegments; where
   // tracks are curves, at least as many as their segments. 0: kIncoherentSlices where motion is incoherent

@@ -3,29 +3,16 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
 #include "core/build/topology.h"
 #include "core/bvh/flatten.h"
 #include "core/bvh/instance_bounds.h"
+#include "core/bvh/rebraid.h"
 #include "core/bvh/refit.h"
 #include "core/bvh/time_split.h"
 
 namespace msbvh {
 namespace {
-
-constexpr std::size_t kInstancesPerTask = 1024;
-
-std::vector<InstanceBounds> bound_instances(const Bvh& bvh) {
-  std::vector<InstanceBounds> bounds(bvh.instances.size());
-  parallel_for_ranges(bounds.size(), kInstancesPerTask, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Instance& instance = bvh.instances[i];
-      bounds[i] = instance_bounds_of(bvh, instance);
-    }
-  });
-  return bounds;
-}
 
 Movement movement_of(const TrackForm& form) {
   if (!form.moving()) return Movement::kStill;
@@ -58,15 +45,17 @@ Bvh opened(BvhInput input, const BuildSettings& settings) {
   return bvh;
 }
 
-Primitives primitives_of(const Bvh& bvh, std::span<const InstanceBounds> instance_bounds) {
+Primitives primitives_of(const Bvh& bvh, const InstanceParts& instances) {
   return {.meshes = bvh.meshes,
-          .instances = instance_bounds,
+          .instances = instances.bounds,
           .grids = bvh.grids,
+          .parts = instances.parts,
           .swept = bvh.builder == Builder::kSwept};
 }
 
-void finish(Bvh& bvh, std::span<const InstanceBounds> instance_bounds, std::uint64_t references) {
-  bvh.max_level = std::max({bvh.max_level, bvh.slice_level, level_of(finest_segments(bvh, instance_bounds))});
+void finish(Bvh& bvh, const InstanceParts& instances, std::uint64_t references) {
+  bvh.max_level =
+      std::max({bvh.max_level, bvh.slice_level, level_of(finest_segments(bvh, instances.bounds))});
   bvh.instanced = !bvh.instances.empty();
   bvh.gridded = !bvh.grids.empty() ||
                 std::ranges::any_of(bvh.instances, [](const Instance& i) { return i.object->gridded; });
@@ -105,27 +94,29 @@ bool wants_slices(const Bvh& bvh, std::span<const InstanceBounds> instance_bound
          finest_segments(bvh, instance_bounds) >= kIncoherentSlices && !has_curves(bvh, instance_bounds);
 }
 
-BuiltBvh sliced(Bvh bvh, std::span<const InstanceBounds> instance_bounds, std::uint32_t slices,
+BuiltBvh sliced(Bvh bvh, const InstanceParts& instances, std::uint32_t slices,
                 const BuildSettings& settings) {
-  finish(bvh, instance_bounds, build_time_split(bvh, instance_bounds, slices, settings));
+  finish(bvh, instances, build_time_split(bvh, instances, slices, settings));
   bvh.statistics.built = 1;
   return {std::move(bvh), nullptr};
 }
 
-BuiltBvh built(Bvh bvh, std::span<const InstanceBounds> instance_bounds, const BuildSettings& settings) {
-  const std::uint32_t slices = time_slices(bvh, instance_bounds, settings);
-  if (slices > 1) return sliced(std::move(bvh), instance_bounds, slices, settings);
-  const Primitives primitives = primitives_of(bvh, instance_bounds);
+// `whole`: whole_instances().
+BuiltBvh built(Bvh bvh, InstanceParts whole, const BuildSettings& settings) {
   const Stopwatch topology_watch;
+  const InstanceParts instances = rebraided(bvh, std::move(whole), settings);
+  const std::uint32_t slices = time_slices(bvh, instances.bounds, settings);
+  if (slices > 1) return sliced(std::move(bvh), instances, slices, settings);
+  const Primitives primitives = primitives_of(bvh, instances);
   Topology topology = build_topology(primitives, settings);
-  if (wants_slices(bvh, instance_bounds, topology, settings))
-    return sliced(std::move(bvh), instance_bounds, kIncoherentSlices, settings);
+  if (wants_slices(bvh, instances.bounds, topology, settings))
+    return sliced(std::move(bvh), instances, kIncoherentSlices, settings);
   bvh.statistics.topology_seconds = topology_watch.seconds();
   const Stopwatch bounds_watch;
   flatten(primitives, topology, settings, bvh);
   bvh.statistics.bounds_seconds = bounds_watch.seconds();
   bvh.statistics.built = 1;
-  finish(bvh, instance_bounds, topology.reference_count);
+  finish(bvh, instances, topology.reference_count);
   std::unique_ptr<KeptTopology> kept;
   if (settings.keep_topology) {
     kept = std::make_unique<KeptTopology>(keep(topology, primitives));
@@ -135,10 +126,9 @@ BuiltBvh built(Bvh bvh, std::span<const InstanceBounds> instance_bounds, const B
 }
 
 // False, with `bvh` as it was but for the time that it took, where the tree has become too dear.
-bool refit(Bvh& bvh, KeptTopology& kept, std::span<const InstanceBounds> instance_bounds,
-           const BuildSettings& settings) {
+bool refit(Bvh& bvh, KeptTopology& kept, const InstanceParts& instances, const BuildSettings& settings) {
   const Stopwatch watch;
-  Primitives primitives = primitives_of(bvh, instance_bounds);
+  Primitives primitives = primitives_of(bvh, instances);
   primitives.rest = kept.rest;
   primitives.rest_grids = kept.rest_grids;
   Bvh refitted = bvh;
@@ -150,7 +140,7 @@ bool refit(Bvh& bvh, KeptTopology& kept, std::span<const InstanceBounds> instanc
   }
   bvh = std::move(refitted);
   bvh.statistics.refitted = 1;
-  finish(bvh, instance_bounds, kept.topology.reference_count);
+  finish(bvh, instances, kept.topology.reference_count);
   bvh.statistics.bounds_seconds = bvh.statistics.refit_seconds = watch.seconds();
   return true;
 }
@@ -167,8 +157,8 @@ InstanceBounds instance_bounds_of(const Bvh& bvh, const Instance& instance) {
 BuiltBvh build_bvh(BvhInput input, const BuildSettings& settings) {
   const Stopwatch total;
   Bvh bvh = opened(std::move(input), settings);
-  const std::vector<InstanceBounds> instance_bounds = bound_instances(bvh);
-  BuiltBvh result = built(std::move(bvh), instance_bounds, settings);
+  InstanceParts instances = whole_instances(bvh);
+  BuiltBvh result = built(std::move(bvh), std::move(instances), settings);
   result.bvh.statistics.build_seconds = total.seconds();
   return result;
 }
@@ -182,12 +172,17 @@ BuiltBvh next_bvh(BvhInput input, const BuildSettings& settings, const Bvh& prev
   if (is_unchanged(previous, bvh, settings.builder)) {
     result = {kept_tree(previous, std::move(bvh)), std::move(topology)};
   } else {
-    const std::vector<InstanceBounds> instance_bounds = bound_instances(bvh);
-    const bool fits = topology && can_refit(previous, *topology, bvh, instance_bounds, settings.builder);
-    if (fits && refit(bvh, *topology, instance_bounds, settings)) {
+    InstanceParts instances;
+    bool fits = topology && can_refit(previous, *topology, bvh, settings.builder);
+    if (fits) {
+      instances = kept_parts(bvh, topology->parts);
+      fits = is_there(*topology, instances.bounds) && refit(bvh, *topology, instances, settings);
+    }
+    if (fits) {
       result = {std::move(bvh), std::move(topology)};
     } else {
-      result = built(std::move(bvh), instance_bounds, settings);
+      instances = whole_instances(bvh);
+      result = built(std::move(bvh), std::move(instances), settings);
     }
   }
   if (!settings.keep_topology) result.topology.reset();

@@ -14,8 +14,8 @@
 //                for few segments
 //                indexed: 4 bytes a vertex, into the mesh's own tracks; for many segments
 //
-// The block of an instance is a header alone; that of a window of a grid, alone in its leaf and on a cache
-// line, is described in core/bvh/grid_block.h.
+// The block of an instance, or of a part of one, is a header alone, and alone in its leaf; that of a window
+// of a grid, alone in its leaf and on a cache line, is described in core/bvh/grid_block.h.
 //
 // A ray reads two controls of a node (degree + 1 of a Bezier track), whatever their number. Every node and
 // block has as many controls as it needs, no more.
@@ -120,11 +120,14 @@ struct alignas(16) BlockHeader {
   std::uint8_t count;         // triangles, 1 to kBlockWidth; unused lanes repeat the first triangle
   std::uint8_t vertex_count;  // 3 to kBlockVertices
   std::uint8_t last;          // 1: no block follows in this leaf
-  std::uint8_t unused[3];
+  std::uint8_t is_part;  // of an instance: 1 where a ray does not begin at the object's root, but at part()
+  std::uint8_t unused[2];
   std::uint32_t owner;  // mesh (of triangles or of grids) or instance id
-  std::uint32_t units;  // of kUnit, header included: where the next block is
+  std::uint32_t units;  // of kUnit, header included: where the next block is; or the bits of part()
 
   TrackForm form() const { return form_code.form(); }
+  // Of an instance's part: a place in the object's tree, in the form `form_code`.
+  ChildRef part() const { return {units}; }
 
   std::uint32_t lanes() const { return count <= kBlockWidth / 2 ? kBlockWidth / 2 : kBlockWidth; }
   const std::uint32_t* triangles() const { return reinterpret_cast<const std::uint32_t*>(this + 1); }

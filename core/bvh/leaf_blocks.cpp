@@ -87,6 +87,10 @@ LeafBlock first_block(const Primitives& primitives, std::span<const Reference> l
   block.kind = kind_of(primitives, first, block.form);
   block.owner = first.is_instance() ? first.index : first.is_grid() ? first.grid_mesh() : first.mesh();
   block.references = 1;
+  if (block.kind == BlockKind::kInstance) {
+    block.part = primitives.parts[first.index];
+    block.owner = block.part.instance;
+  }
   if (!block.has_triangles()) return block;
   const TriangleMesh& mesh = *primitives.meshes[block.owner];
   add_triangle(mesh, first.index, block);
@@ -108,6 +112,11 @@ void write_block(const Primitives& primitives, const LeafBlock& block, bool last
   header.last = last;
   header.owner = block.owner;
   header.units = static_cast<std::uint32_t>(block.bytes() / kUnit);
+  if (block.kind == BlockKind::kInstance && !block.part.is_whole()) {
+    header.is_part = 1;
+    header.form_code = {block.part.form};
+    header.units = block.part.child;
+  }
   if (block.kind == BlockKind::kGrid) write_grid_block(primitives, block.first, header);
   if (block.has_triangles()) write_triangles(*primitives.meshes[block.owner], block, header, at);
 }

@@ -18,6 +18,7 @@ struct LeafBlock {
   BlockKind kind;
   std::uint32_t owner;  // mesh or instance id
   Reference first;      // of those it takes
+  InstancePart part;    // of an instance
   TrackForm form;
   std::size_t references;  // how many of the leaf's it takes
   std::uint32_t count = 0, vertex_count = 0;

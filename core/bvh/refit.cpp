@@ -68,11 +68,17 @@ bool is_unchanged(const Bvh& previous, const Bvh& next, Builder builder) {
          all_grids(previous, next, same_grids);
 }
 
-bool can_refit(const Bvh& previous, const KeptTopology& topology, const Bvh& next,
-               std::span<const InstanceBounds> next_instances, Builder builder) {
-  const auto there = [](const InstanceBounds& b) { return !b.controls.empty(); };
-  return previous.builder == builder && std::ranges::equal(topology.there, next_instances, {}, {}, there) &&
+bool can_refit(const Bvh& previous, const KeptTopology& topology, const Bvh& next, Builder builder) {
+  const auto same = [](const Instance& x, const Instance& y) { return same_object(*x.object, *y.object); };
+  const bool braided = !std::ranges::all_of(topology.parts, &InstancePart::is_whole);
+  return previous.builder == builder && previous.instances.size() == next.instances.size() &&
+         (!braided || std::ranges::equal(previous.instances, next.instances, same)) &&
          all_meshes(previous, next, same_triangles) && all_grids(previous, next, same_patches);
+}
+
+bool is_there(const KeptTopology& topology, std::span<const InstanceBounds> next_parts) {
+  const auto there = [](const InstanceBounds& b) { return !b.controls.empty(); };
+  return std::ranges::equal(topology.there, next_parts, {}, {}, there);
 }
 
 Bvh kept_tree(const Bvh& previous, Bvh next) {

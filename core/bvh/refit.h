@@ -14,10 +14,12 @@ namespace msbvh {
 // `next` has its meshes, instances and clocks, and no tree yet.
 bool is_unchanged(const Bvh& previous, const Bvh& next, Builder builder);
 
-// Whether the topology of `previous` is one of `next`: as many meshes with the same triangles, grids with the
-// same patches, as many instances, and the same of them visible. Forms, key counts and clocks may differ.
-bool can_refit(const Bvh& previous, const KeptTopology& topology, const Bvh& next,
-               std::span<const InstanceBounds> next_instances, Builder builder);
+// Whether the topology of `previous` is one of `next`: as many meshes with the same triangles, grids
+// with the same patches, as many instances, and the same of them visible (is_there(), of the parts that it
+// was kept with). Forms, key counts and clocks may differ. Where instances are braided, their parts are
+// places in objects' trees, which must be the very same.
+bool can_refit(const Bvh& previous, const KeptTopology& topology, const Bvh& next, Builder builder);
+bool is_there(const KeptTopology& topology, std::span<const InstanceBounds> next_parts);
 
 // The tree of `previous` over the meshes and objects of `next`, which is_unchanged().
 Bvh kept_tree(const Bvh& previous, Bvh next);

@@ -81,13 +81,16 @@ std::uint32_t finest_segments(const Bvh& bvh, std::span<const InstanceBounds> in
   return finest;
 }
 
-std::uint64_t build_time_split(Bvh& bvh, std::span<const InstanceBounds> instances, std::uint32_t slices,
+std::uint64_t build_time_split(Bvh& bvh, const InstanceParts& instances, std::uint32_t slices,
                                const BuildSettings& settings) {
   std::vector<Bvh> trees(slices);
   std::uint64_t references = 0;
   for (std::uint32_t i = 0; i < slices; ++i) {
-    const Primitives primitives{
-        .meshes = bvh.meshes, .instances = instances, .grids = bvh.grids, .slice = {i, slices}};
+    const Primitives primitives{.meshes = bvh.meshes,
+                                .instances = instances.bounds,
+                                .grids = bvh.grids,
+                                .parts = instances.parts,
+                                .slice = {i, slices}};
     Topology topology = build_topology(primitives, settings);
     flatten(primitives, topology, settings, trees[i]);
     references += topology.reference_count;

@@ -6,6 +6,7 @@
 
 #include "core/build/settings.h"
 #include "core/bvh/bvh.h"
+#include "core/bvh/rebraid.h"
 
 namespace msbvh {
 
@@ -15,7 +16,7 @@ std::uint32_t finest_segments(const Bvh& bvh, std::span<const InstanceBounds> in
 // Fills what flatten() does of `bvh`, and its slice_roots; the SAH cost is the mean over the slices. Returns
 // the number of references. Topologies are chosen at the slices' middles, boxes are linear (or Bezier) within
 // each, leaves read the vertex tracks that all trees share.
-std::uint64_t build_time_split(Bvh& bvh, std::span<const InstanceBounds> instances, std::uint32_t slices,
+std::uint64_t build_time_split(Bvh& bvh, const InstanceParts& instances, std::uint32_t slices,
                                const BuildSettings& settings);
 
 }  // namespace msbvh

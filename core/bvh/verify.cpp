@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/bvh/build_bvh.h"
+#include "core/bvh/rebraid.h"
 #include "core/bvh/verify_grids.h"
 #include "core/bvh/verify_slot.h"
 #include "core/motion/bezier.h"
@@ -21,6 +22,13 @@ constexpr int kSamplesPerEdge = 12;  // barycentric grid on a triangle in severa
 
 // Instants within a segment at which Bezier tracks of different forms are compared.
 constexpr std::uint32_t kInstantsPerSegment = 8;
+
+// Where a part of an instance is.
+struct Leaf {
+  ChildRef ref;
+  FormCode form;  // of the place in the object where the part begins
+  Slot slot;
+};
 
 class Verifier {
  public:
@@ -36,8 +44,8 @@ class Verifier {
   void run_slice(ChildRef root, const TimeSlice& slice) {
     slice_ = slice;
     triangles_.clear();
-    instance_leaves_ = 0;
     grids_ = GridVerifier(bvh_, slice);
+    instances_.clear();
     visit(root, {bvh_.root_form, bvh_.root_bounds}, 1);
     for (const auto& [id, slots] : triangles_) check_triangle(std::get<0>(id), std::get<1>(id), slots);
     grids_.finish();
@@ -112,7 +120,7 @@ class Verifier {
       const auto end = reinterpret_cast<const std::byte*>(block) + sizeof(BlockHeader) - bvh_.arena.data();
       if (static_cast<std::size_t>(end) > bvh_.arena.size()) fail(ref, "reaches beyond the arena");
       if (block->kind == BlockKind::kInstance) {
-        check_instance(ref, block->owner, slot);
+        add_instance(ref, *block, slot);
       } else if (block->kind == BlockKind::kGrid) {
         grids_.add(*block, slot);
       } else {
@@ -155,12 +163,49 @@ class Verifier {
     }
   }
 
-  void check_instance(ChildRef ref, std::uint32_t id, const Slot& slot) {
-    if (id >= bvh_.instances.size()) fail(ref, "instance id out of range");
+  void add_instance(ChildRef ref, const BlockHeader& block, const Slot& slot) {
+    if (block.owner >= bvh_.instances.size()) fail(ref, "instance id out of range");
+    const Bvh& object = *bvh_.instances[block.owner].object;
+    if (!block.last) fail(ref, "an instance shares its leaf");
+    if (block.is_part && !object.slice_roots.empty()) fail(ref, "a part of an object in time slices");
+    const ChildRef part = block.is_part ? block.part() : object.root;
+    const Leaf leaf{ref, block.is_part ? block.form_code : object.root_form_code, slot};
+    if (!instances_[block.owner].emplace(part.bits, leaf).second) fail(ref, "a part is in two leaves");
+  }
+
+  // The parts of an instance are a cut through its object's tree, each in its leaf's slot at every key: what
+  // the object has on the way to any of its leaves lies in one of them.
+  void check_instance(std::uint32_t id, std::map<std::uint32_t, Leaf> parts) const {
     const Instance& instance = bvh_.instances[id];
-    const InstanceBounds b = instance_bounds_of(bvh_, instance);
-    check_contains(ref, slot, {b.form, b.controls});
-    ++instance_leaves_;
+    const Bvh& object = *instance.object;
+    const auto found = parts.find(object.root.bits);
+    if (found != parts.end()) {
+      check_part(found->second, instance_bounds_of(bvh_, instance), object.root_form_code);
+      parts.erase(found);
+    } else {
+      check_cut(instance, object.root, parts);
+    }
+    if (!parts.empty()) fail(parts.begin()->second.ref, "a part that is no place below the others");
+  }
+
+  void check_cut(const Instance& instance, ChildRef ref, std::map<std::uint32_t, Leaf>& parts) const {
+    if (ref.is_leaf()) fail(ref, "a leaf of an instance's object is in no part of it");
+    const NodeHeader& node = instance.object->node(ref);
+    for (std::uint32_t i = 0; i < node.child_count; ++i) {
+      const auto found = parts.find(node.child[i].bits);
+      if (found == parts.end()) {
+        check_cut(instance, node.child[i], parts);
+        continue;
+      }
+      check_part(found->second, bound_slot(bvh_, instance, {node, i}), node.child_form[i]);
+      parts.erase(found);
+    }
+  }
+
+  void check_part(const Leaf& leaf, const InstanceBounds& bounds, FormCode form) const {
+    if (leaf.form.bits != form.bits)
+      fail(leaf.ref, "says another form of an instance's part than its object");
+    check_contains(leaf.ref, leaf.slot, {bounds.form, bounds.controls});
   }
 
   // Each point of the triangle, moved exactly as its vertices are, lies in a slot of one of its leaves.
@@ -200,12 +245,13 @@ class Verifier {
     for (const auto& mesh : bvh_.meshes) triangles += mesh->triangles.size();
     for (const Instance& i : bvh_.instances)
       instances += instance_bounds_of(bvh_, i).controls.empty() ? 0 : 1;
+    for (const auto& [id, parts] : instances_) check_instance(id, parts);
     if (triangles_.size() != triangles) {
       throw Error("accelerator: " + std::to_string(triangles_.size()) + " triangles in leaves; expected " +
                   std::to_string(triangles));
     }
-    if (instance_leaves_ != instances) {
-      throw Error("accelerator: " + std::to_string(instance_leaves_) + " instances in leaves; expected " +
+    if (instances_.size() != instances) {
+      throw Error("accelerator: " + std::to_string(instances_.size()) + " instances in leaves; expected " +
                   std::to_string(instances));
     }
   }
@@ -213,8 +259,8 @@ class Verifier {
   const Bvh& bvh_;
   TimeSlice slice_;  // of the tree that is looked at
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Slot>> triangles_;
-  std::size_t instance_leaves_ = 0;
   GridVerifier grids_;
+  std::map<std::uint32_t, std::map<std::uint32_t, Leaf>> instances_;  // by id, by place in the object
 };
 
 }  // namespace

@@ -13,7 +13,8 @@ namespace msbvh {
 //   lie in
 //     several leaves, these together: the slots' union holds the triangle at dense barycentric samples
 //     (invariant 4);
-//   - every triangle and every instance with something in it is in some leaf.
+//   - every triangle and every instance with something in it is in some leaf; where an instance is in parts,
+//   these are a cut through its object's tree, each part within its leaf's slot.
 // Throws Error naming the node's position and what is violated. For tests: takes seconds on large trees.
 void verify(const Bvh& bvh);
 

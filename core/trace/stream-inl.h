@@ -91,6 +91,7 @@ class Stream {
     const Setup* in;
     Frame* base;
     std::uint32_t instance;
+    std::uint32_t entered;  // the instance that setup[1] is for
     Place at;
     Frame* top;
     Frame stack[2 * kMaxDepth + 2];
@@ -103,7 +104,9 @@ class Stream {
     slot.query.found = false;
     std::construct_at(&slot.setup[0], *slot.ray, *world_);  // in place: no copy waits for its stores
     slot.top = slot.stack;
+    slot.entered = kNoInstance;
     enter(slot, *world_, 0, kNoInstance);
+    slot.at = root_of<kMovement>(*world_, *slot.in);
   }
 
   static void enter(Slot& slot, const Bvh& bvh, std::size_t setup, std::uint32_t instance) {
@@ -111,7 +114,6 @@ class Stream {
     slot.in = &slot.setup[setup];
     slot.base = slot.top;
     slot.instance = instance;
-    slot.at = root_of<kMovement>(bvh, *slot.in);
   }
 
   HWY_INLINE static void step_node(Slot& slot) {
@@ -159,7 +161,7 @@ class Stream {
   HWY_INLINE bool step_leaf(Slot& slot) const {
     const BlockHeader* block = &slot.bvh->block(slot.at.ref);
     if (kInstanced && block->kind == BlockKind::kInstance) {  // alone in its leaf
-      if (enter_instance(slot, block->owner)) return true;
+      if (enter_instance(slot, *block)) return true;
       return next(slot);
     }
     if (kGrids && block->kind == BlockKind::kGrid) {  // alone, too
@@ -179,13 +181,19 @@ class Stream {
       test_grid<kMovement, kAnyHit>(*slot.bvh, block, *slot.in, slot.instance, slot.query);
   }
 
-  // False: there is nothing to hit.
-  bool enter_instance(Slot& slot, std::uint32_t id) const {
-    const Instance& instance = world_->instances[id];
-    Ray local = *slot.ray;
-    if (!to_object<kMovement>(*world_, instance, local)) return false;
-    std::construct_at(&slot.setup[kInstanced ? 1 : 0], local, *instance.object);
-    enter(slot, *instance.object, kInstanced ? 1 : 0, id);
+  // False: there is nothing to hit. Parts of one instance often follow each other: the ray in its space is
+  // still there.
+  bool enter_instance(Slot& slot, const BlockHeader& block) const {
+    constexpr std::size_t kInner = kInstanced ? 1 : 0;
+    const Instance& instance = world_->instances[block.owner];
+    if (slot.entered != block.owner) {
+      Ray local = *slot.ray;
+      if (!to_object<kMovement>(*world_, instance, local)) return false;
+      std::construct_at(&slot.setup[kInner], local, *instance.object);
+      slot.entered = block.owner;
+    }
+    enter(slot, *instance.object, kInner, block.owner);
+    slot.at = entry_of<kMovement>(block, *instance.object, *slot.in);
     return true;
   }
 

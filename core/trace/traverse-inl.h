@@ -22,8 +22,14 @@ class Traversal {
   Traversal(const Bvh& bvh, const Ray& ray, std::uint32_t instance, Query& query, TraceCounts* counts)
       : bvh_(bvh), ray_(ray), setup_(ray, bvh), instance_(instance), query_(query), counts_(counts) {}
 
-  void run() {
-    Place at = root_of<kMovement>(bvh_, setup_);
+  void run() { run(root_of<kMovement>(bvh_, setup_)); }
+  // An instance's object, from where the block says.
+  void run_part(const BlockHeader& block) { run(entry_of<kMovement>(block, bvh_, setup_)); }
+
+ private:
+  static constexpr bool kMoving = kMovement != Movement::kStill;
+
+  HWY_INLINE void run(Place at) {
     for (;;) {
       while (!at.ref.is_leaf()) {
         if (!descend(at) && !pop(at)) return;
@@ -33,9 +39,6 @@ class Traversal {
       if (!pop(at)) return;
     }
   }
-
- private:
-  static constexpr bool kMoving = kMovement != Movement::kStill;
 
   // Goes to the nearest child that is hit and leaves the others in a frame; where any hit will do, to the
   // first one. False: none is hit.
@@ -84,7 +87,7 @@ class Traversal {
   HWY_INLINE void test_leaf(const BlockHeader& first) {
     for (const BlockHeader* block = &first;; block = next_block(block)) {
       if (kInstanced && block->kind == BlockKind::kInstance) {
-        enter_instance(block->owner);
+        enter_instance(*block);
       } else if (kGrids && block->kind == BlockKind::kGrid) {
         visit_grid(*block);
       } else {
@@ -109,24 +112,25 @@ class Traversal {
   }
 
   // Not inlined: the stack of the inner traversal is the inner traversal's own.
-  HWY_NOINLINE void enter_instance(std::uint32_t id) {
+  HWY_NOINLINE void enter_instance(const BlockHeader& block) {
     if constexpr (kInstanced) {
-      const Instance& instance = bvh_.instances[id];
+      const Instance& instance = bvh_.instances[block.owner];
       Ray local = ray_;
       if (!to_object<kMovement>(bvh_, instance, local)) return;
       if constexpr (kCount) ++counts_->instances;
       if (kMovement == Movement::kPolynomial && instance.object->movement == Movement::kPolynomial) {
-        trace_object<Movement::kPolynomial>(instance, local, id);
+        trace_object<Movement::kPolynomial>(instance, local, block);
       } else if (kMoving && instance.object->movement != Movement::kStill) {
-        trace_object<Movement::kLinear>(instance, local, id);
+        trace_object<Movement::kLinear>(instance, local, block);
       } else {
-        trace_object<Movement::kStill>(instance, local, id);
+        trace_object<Movement::kStill>(instance, local, block);
       }
     }
   }
   template <Movement kObject>
-  void trace_object(const Instance& instance, const Ray& local, std::uint32_t id) {
-    Traversal<kObject, false, kGrids, kAnyHit, kCount>(*instance.object, local, id, query_, counts_).run();
+  void trace_object(const Instance& instance, const Ray& local, const BlockHeader& block) {
+    Traversal<kObject, false, kGrids, kAnyHit, kCount>(*instance.object, local, block.owner, query_, counts_)
+        .run_part(block);
   }
 
   const Bvh& bvh_;

@@ -44,6 +44,13 @@ HWY_INLINE Place root_of(const Bvh& bvh, const RaySetup<kMovement>& setup) {
   return {root.ref, root.form};
 }
 
+// Where it begins in an instance's object.
+template <Movement kMovement>
+HWY_INLINE Place entry_of(const BlockHeader& block, const Bvh& object, const RaySetup<kMovement>& setup) {
+  if (block.is_part) return {block.part(), block.form_code};
+  return root_of<kMovement>(object, setup);
+}
+
 // The children of a node that are still to be visited.
 struct alignas(64) Frame {
   ChildKey keys[kWidth];
@@ -146,11 +153,15 @@ bool to_object(const Bvh& bvh, const Instance& instance, Ray& ray) {
       hn::StoreU(simd_bezier(control, degree, w), d, &map.x.x + i);
     }
   }
-  const Affine3d world_from_object(map);
-  if (world_from_object.determinant() == 0.0) return false;
-  const Affine3d object_from_world = inverse(world_from_object);
-  ray.org = Vec3f(object_from_world.point(Vec3d(ray.org)));
-  ray.dir = Vec3f(object_from_world.vector(Vec3d(ray.dir)));
+  const Affine3d a(map);
+  // Cramer's rule: org and dir are the two right-hand sides, and no inverse is formed.
+  const Vec3d yz = cross(a.y, a.z), zx = cross(a.z, a.x), xy = cross(a.x, a.y);
+  const double determinant = dot(a.x, yz);
+  if (determinant == 0.0) return false;
+  const double s = 1.0 / determinant;
+  const auto solved = [&](const Vec3d& v) { return Vec3f(Vec3d{dot(yz, v), dot(zx, v), dot(xy, v)} * s); };
+  ray.org = solved(Vec3d(ray.org) - a.t);
+  ray.dir = solved(Vec3d(ray.dir));
   return true;
 }
 

@@ -64,7 +64,7 @@ Ray aim(const Subject& subject, RandomVectors& random) {
   const float v = std::abs(random.number(1.0f)), u = (1.0f - v) * std::abs(random.number(1.0f));
   const HitSource source =
       SceneIndex(subject.scene).resolve({.instance = subject.scene.instances.empty() ? kNoInstance : 0});
-  const Hit there{.u = u, .v = v};
+  const Hit there{.u = u, .v = v, .triangle = 0};
   ray.dir = random.vector(1.0f);
   ray.org = surface_at(subject.scene, source, there, ray).position - ray.dir * 5.0f;
   return ray;
