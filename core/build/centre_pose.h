@@ -13,8 +13,8 @@ class CentrePose {
  public:
   explicit CentrePose(const Primitives& primitives);
 
-  // Equal to TriangleMesh::position() at that time, and followed by the guard of TriangleMesh: 16 bytes can be
-  // loaded.
+  // Equal to TriangleMesh::position() at that time, and followed by the guard of TriangleMesh: 16 bytes can
+  // be loaded.
   const Vec3f* positions(std::uint32_t mesh) const { return positions_[mesh]; }
   std::array<const Vec3f*, 3> corners(const Reference& r) const {
     const Triangle& t = primitives_.meshes[r.mesh()]->triangles[r.index];

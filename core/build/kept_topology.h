@@ -9,10 +9,12 @@
 namespace msbvh {
 
 struct KeptTopology {
-  Topology topology;             // without unused slots
-  std::vector<RestPose> rest;    // Primitives::rest of every refit
-  std::vector<bool> there;       // by instance: whether anything refers to it
-  double sah_cost = 0.0;         // of the tree when it was built
+  Topology topology;           // without unused slots
+  std::vector<RestPose> rest;  // Primitives::rest of every refit
+  std::vector<bool> there;     // by instance: whether anything refers to it
+  double sah_cost = 0.0;       // of the tree when it was built
+
+  std::size_t bytes() const;
 };
 
 KeptTopology keep(const Topology& topology, const Primitives& primitives);

@@ -68,7 +68,8 @@ SplitChoice Splitter::choose(const WorkSet& set) const {
       choice.patience = choice.spatial.cost < kWorthwhile * choice.object.cost ? kPatience : set.patience - 1;
     }
   }
-  const float split_cost = settings_.split_cost * area + settings_.block_cost * std::min(choice.object.cost, choice.spatial.cost);
+  const float split_cost =
+      settings_.split_cost * area + settings_.block_cost * std::min(choice.object.cost, choice.spatial.cost);
   const float leaf_cost = settings_.block_cost * area * block_count(set.size());
   if (leaf && leaf_cost <= split_cost) {
     choice.kind = SplitKind::kLeaf;

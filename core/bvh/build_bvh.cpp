@@ -60,6 +60,18 @@ Primitives primitives_of(const Bvh& bvh, std::span<const InstanceBounds> instanc
   return {.meshes = bvh.meshes, .instances = instance_bounds, .swept = bvh.builder == Builder::kSwept};
 }
 
+template <typename T>
+std::uint64_t bytes_of(const std::vector<T>& elements) {
+  return elements.size() * sizeof(T);
+}
+
+void count_bytes(const Bvh& bvh, BvhStatistics& s) {
+  s.instance_bytes = bytes_of(bvh.instances) + bytes_of(bvh.instance_controls) + bytes_of(bvh.clocks);
+  for (const Clock& clock : bvh.clocks) s.instance_bytes += bytes_of(clock.pieces);
+  s.other_bytes = bvh.arena.size() - s.node_bytes - s.leaf_bytes + bytes_of(bvh.root_bounds) +
+                  bytes_of(bvh.slice_roots) + bytes_of(bvh.meshes) + sizeof(Bvh);
+}
+
 void finish(Bvh& bvh, std::span<const InstanceBounds> instance_bounds, std::uint64_t references) {
   bvh.max_level = std::max(bvh.max_level, level_of(finest_segments(bvh, instance_bounds)));
   bvh.instanced = !bvh.instances.empty();
@@ -67,6 +79,7 @@ void finish(Bvh& bvh, std::span<const InstanceBounds> instance_bounds, std::uint
   for (const auto& mesh : bvh.meshes) bvh.statistics.triangles += mesh->triangles.size();
   bvh.statistics.instances = bvh.instances.size();
   bvh.statistics.references = references;
+  count_bytes(bvh, bvh.statistics);
 }
 
 BuiltBvh built(Bvh bvh, std::span<const InstanceBounds> instance_bounds, const BuildSettings& settings) {
@@ -89,6 +102,7 @@ BuiltBvh built(Bvh bvh, std::span<const InstanceBounds> instance_bounds, const B
   if (settings.keep_topology) {
     kept = std::make_unique<KeptTopology>(keep(topology, primitives));
     kept->sah_cost = bvh.statistics.sah_cost;
+    bvh.statistics.topology_bytes = kept->bytes();
   }
   return {std::move(bvh), std::move(kept)};
 }
@@ -149,6 +163,7 @@ BuiltBvh next_bvh(BvhInput input, const BuildSettings& settings, const Bvh& prev
     }
   }
   if (!settings.keep_topology) result.topology.reset();
+  result.bvh.statistics.topology_bytes = result.topology ? result.topology->bytes() : 0;
   result.bvh.statistics.build_seconds = total.seconds();
   return result;
 }

@@ -52,7 +52,7 @@ class Bvh {
   AlignedBuffer arena;
   ChildRef root = ChildRef::leaf(0);
   std::vector<SliceRoot> slice_roots;  // Builder::kTimeSplit: of a tree for each slice of the shutter
-  bool empty = true;  // nothing to hit; the arena is empty
+  bool empty = true;                   // nothing to hit; the arena is empty
   TrackForm root_form;
   FormCode root_form_code = FormCode::of({});
   std::vector<Box3f> root_bounds;        // at the controls of the root

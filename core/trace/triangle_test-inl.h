@@ -110,7 +110,8 @@ class BlockVertices {
     }
   }
 
-  // What follows a row may be anything. Read as floats, ids are denormal numbers, which take long to multiply.
+  // What follows a row may be anything. Read as floats, ids are denormal numbers, which take long to
+  // multiply.
   HWY_INLINE static VPool load_row(const float* p, [[maybe_unused]] std::uint32_t row) {
     const DPool d;
 #if HWY_TARGET == HWY_AVX3
