@@ -17,9 +17,7 @@ class Trees {
   const Bvh& world() const { return world_.bvh(); }
   // Sums over the trees; the SAH cost and the depth are the world's.
   const BvhStatistics& statistics() const { return statistics_; }
-  std::uint64_t bytes() const {
-    return statistics_.node_bytes + statistics_.leaf_bytes + statistics_.vertex_bytes;
-  }
+  std::uint64_t bytes() const { return statistics_.total_bytes(); }
   // Of everything at any time.
   Box3f bounds() const;
 

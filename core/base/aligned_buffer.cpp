@@ -17,10 +17,11 @@ constexpr std::size_t kHugePage = std::size_t(2) << 20;
 AlignedBuffer::AlignedBuffer(std::size_t bytes) : size_(bytes) {
   if (bytes == 0) return;
   const std::size_t alignment = bytes >= kHugePage ? kHugePage : kAlignment;
-  const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
-  auto* bytes_of_its_own = static_cast<std::byte*>(std::aligned_alloc(alignment, rounded));
-  if (!bytes_of_its_own) throw std::bad_alloc();
-  data_.reset(bytes_of_its_own, [](std::byte* p) { std::free(p); });
+  // To whole cache lines, not to whole huge pages: what lies behind the last line is never asked for.
+  const std::size_t rounded = (bytes + kAlignment - 1) / kAlignment * kAlignment;
+  void* own = nullptr;
+  if (posix_memalign(&own, alignment, rounded) != 0) throw std::bad_alloc();
+  data_.reset(static_cast<std::byte*>(own), [](std::byte* p) { std::free(p); });
 #ifdef MADV_HUGEPAGE
   if (alignment == kHugePage) madvise(data_.get(), rounded, MADV_HUGEPAGE);
 #endif

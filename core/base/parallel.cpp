@@ -5,6 +5,9 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
+
+#include "core/base/error.h"
 
 #ifdef MSBVH_SANITIZE_THREAD
 #include <sanitizer/tsan_interface.h>
@@ -48,14 +51,26 @@ class CallOrder {
   Event started_, finished_;
 };
 
+// A call that is nested in one whose other tasks have thrown is cancelled with it: TBB returns without having
+// run all of its bodies, and says nothing. Whoever goes on from there would read what was never written.
+// The exception ends in the outer call, which rethrows the one that came first.
+void stop_if_cancelled(tbb::task_group_context& context) {
+  if (context.is_group_execution_cancelled()) throw Cancelled();
+}
+
 }  // namespace
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
   CallOrder call;
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
-    const CallOrder::Task task(call);
-    body(i);
-  });
+  tbb::task_group_context context;
+  tbb::parallel_for(
+      std::size_t(0), count,
+      [&](std::size_t i) {
+        const CallOrder::Task task(call);
+        body(i);
+      },
+      context);
+  stop_if_cancelled(context);
 }
 
 void parallel_for_ranges(std::size_t count, std::size_t grain,
@@ -74,7 +89,9 @@ void parallel_invoke(const std::function<void()>& a, const std::function<void()>
       work();
     };
   };
-  tbb::parallel_invoke(task_of(a), task_of(b));
+  tbb::task_group_context context;
+  tbb::parallel_invoke(task_of(a), task_of(b), context);
+  stop_if_cancelled(context);
 }
 
 struct Arena::Data {

@@ -1,8 +1,9 @@
 // Parallelism for the whole library; the only room that knows TBB.
 //
 // Determinism is the caller's part: a loop body writes only what its index owns, and reductions go over fixed
-// chunks in order, never over what a thread happened to process. Exceptions of a body cancel the loop and are
-// rethrown.
+// chunks in order, never over what a thread happened to process. Exceptions of a body cancel the loop, and
+// loops inside it, and are rethrown. A call that returns has run all of its bodies: what an outer call's
+// exception stops throws Cancelled, and that exception is the one that is seen in the end.
 #pragma once
 
 #include <cstddef>

@@ -16,7 +16,7 @@ constexpr std::size_t kVerticesPerTask = 1 << 16;
 class Compaction {
  public:
   explicit Compaction(const Topology& from) : from_(from) {
-    out_.nodes = RawArray<BinaryNode>(2 * from.reference_count);  // a node with references in it at least
+    out_.nodes = RawArray<BinaryNode>(from.node_count);  // those that were taken, of which some are unused
     out_.references = RawArray<Reference>(from.reference_count);
   }
 
@@ -80,6 +80,14 @@ struct CutMeshes {
 };
 
 }  // namespace
+
+std::size_t KeptTopology::bytes() const {
+  std::size_t sum = sizeof(KeptTopology) + topology.nodes.size() * sizeof(BinaryNode) +
+                    topology.references.size() * sizeof(Reference) + rest.size() * sizeof(RestPose) +
+                    parts.size() * sizeof(InstancePart) + there.size() / 8;
+  for (const RestPose& pose : rest) sum += pose.size() * sizeof(Vec3f);
+  return sum;
+}
 
 KeptTopology keep(const Topology& topology, const Primitives& primitives) {
   KeptTopology kept;

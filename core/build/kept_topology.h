@@ -15,6 +15,8 @@ struct KeptTopology {
   std::vector<InstancePart> parts;  // Primitives::parts
   std::vector<bool> there;          // by part: whether anything refers to it
   double sah_cost = 0.0;            // of the tree when it was built
+
+  std::size_t bytes() const;
 };
 
 KeptTopology keep(const Topology& topology, const Primitives& primitives);

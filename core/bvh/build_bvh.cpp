@@ -53,6 +53,18 @@ Primitives primitives_of(const Bvh& bvh, const InstanceParts& instances) {
           .swept = bvh.builder == Builder::kSwept};
 }
 
+template <typename T>
+std::uint64_t bytes_of(const std::vector<T>& elements) {
+  return elements.size() * sizeof(T);
+}
+
+void count_bytes(const Bvh& bvh, BvhStatistics& s) {
+  s.instance_bytes = bytes_of(bvh.instances) + bytes_of(bvh.instance_controls) + bytes_of(bvh.clocks);
+  for (const Clock& clock : bvh.clocks) s.instance_bytes += bytes_of(clock.pieces);
+  s.other_bytes = bvh.arena.size() - s.node_bytes - s.leaf_bytes + bytes_of(bvh.root_bounds) +
+                  bytes_of(bvh.slice_roots) + bytes_of(bvh.meshes) + bytes_of(bvh.grids) + sizeof(Bvh);
+}
+
 void finish(Bvh& bvh, const InstanceParts& instances, std::uint64_t references) {
   bvh.max_level =
       std::max({bvh.max_level, bvh.slice_level, level_of(finest_segments(bvh, instances.bounds))});
@@ -68,6 +80,7 @@ void finish(Bvh& bvh, const InstanceParts& instances, std::uint64_t references) 
   }
   bvh.statistics.instances = bvh.instances.size();
   bvh.statistics.references = references;
+  count_bytes(bvh, bvh.statistics);
 }
 
 bool has_curves(const Bvh& bvh, std::span<const InstanceBounds> instance_bounds) {
@@ -121,6 +134,7 @@ BuiltBvh built(Bvh bvh, InstanceParts whole, const BuildSettings& settings) {
   if (settings.keep_topology) {
     kept = std::make_unique<KeptTopology>(keep(topology, primitives));
     kept->sah_cost = bvh.statistics.sah_cost;
+    bvh.statistics.topology_bytes = kept->bytes();
   }
   return {std::move(bvh), std::move(kept)};
 }
@@ -186,6 +200,7 @@ BuiltBvh next_bvh(BvhInput input, const BuildSettings& settings, const Bvh& prev
     }
   }
   if (!settings.keep_topology) result.topology.reset();
+  result.bvh.statistics.topology_bytes = result.topology ? result.topology->bytes() : 0;
   result.bvh.statistics.build_seconds = total.seconds();
   return result;
 }

@@ -166,7 +166,8 @@ TEST_CASE("spawned rays start beyond the surface, at coordinates of 1e4") {
     Ray ray;
     ray.dir = small_vector();
     ray.time = time;
-    const SurfacePoint point = surface(scene, {.u = u, .v = v, .triangle = 0, .instance = instanced ? 0 : kNoInstance}, ray);
+    const SurfacePoint point =
+        surface(scene, {.u = u, .v = v, .triangle = 0, .instance = instanced ? 0 : kNoInstance}, ray);
 
     const double w = time;
     Vec3d corner[3];

@@ -14,6 +14,10 @@ from typing import Literal, Required, TypeAlias, TypedDict, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from ._core_statistics import AccelStatistics as AccelStatistics
+from ._core_statistics import RenderStatistics as RenderStatistics
+from ._core_statistics import SceneStatistics as SceneStatistics
+
 __version__: str
 
 F32: TypeAlias = NDArray[np.float32]
@@ -75,14 +79,6 @@ class TrackReport:
     @property
     def count(self) -> int:
         """Of instances."""
-
-class SceneStatistics(TypedDict):
-    meshes: int
-    triangles: int
-    keys: int
-    """Of meshes and instances, still ones counted as one."""
-    instances: int
-    lights: int
 
 class Scene:
     """A finished frame, for Renderer."""
@@ -256,38 +252,6 @@ class Translator:
         """The camera's first."""
     def finish(self) -> Scene:
         """The translator is empty afterwards."""
-
-class AccelStatistics(TypedDict):
-    triangles: int
-    instances: int
-    references: int
-    nodes: int
-    leaves: int
-    node_bytes: int
-    leaf_bytes: int
-    vertex_bytes: int
-    max_segments: int
-    depth: int
-    sah_cost: float
-    build_seconds: float
-    topology_seconds: float
-    bounds_seconds: float
-    refit_seconds: float
-    """Of build_seconds, on refits, also on those that were given up."""
-    built: int
-    refitted: int
-    """Trees that have an earlier frame's topology at this frame's keys."""
-    kept: int
-    """Trees of the last frame, as they were."""
-
-class RenderStatistics(TypedDict):
-    build_seconds: float
-    trace_seconds: float
-    rays: int
-    camera_rays: int
-    trees: int
-    accel: AccelStatistics
-    """Sums over all trees; depth and max_segments are the largest of any."""
 
 class RenderSettings(TypedDict, total=False):
     """What Renderer takes beside the scene; see core/api/renderer.h and core/build/settings.h."""

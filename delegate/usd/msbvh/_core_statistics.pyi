@@ -1,0 +1,50 @@
+"""What _core counts: dictionaries by these keys. Names for type checkers; there is no such module at run time."""
+
+from typing import TypedDict
+
+class SceneStatistics(TypedDict):
+    meshes: int
+    triangles: int
+    keys: int
+    """Of meshes and instances, still ones counted as one."""
+    instances: int
+    lights: int
+
+class AccelStatistics(TypedDict):
+    triangles: int
+    instances: int
+    references: int
+    nodes: int
+    leaves: int
+    node_bytes: int
+    leaf_bytes: int
+    vertex_bytes: int
+    """The meshes' tracks that leaves read."""
+    instance_bytes: int
+    other_bytes: int
+    """Alignment, root boxes, the trees' records."""
+    topology_bytes: int
+    """What keep_topology leaves for the next frame, until that takes it over."""
+    total_bytes: int
+    max_segments: int
+    depth: int
+    sah_cost: float
+    build_seconds: float
+    topology_seconds: float
+    bounds_seconds: float
+    refit_seconds: float
+    """Of build_seconds, on refits, also on those that were given up."""
+    built: int
+    refitted: int
+    """Trees that have an earlier frame's topology at this frame's keys."""
+    kept: int
+    """Trees of the last frame, as they were."""
+
+class RenderStatistics(TypedDict):
+    build_seconds: float
+    trace_seconds: float
+    rays: int
+    camera_rays: int
+    trees: int
+    accel: AccelStatistics
+    """Sums over all trees; depth and max_segments are the largest of any."""
