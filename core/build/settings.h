@@ -68,6 +68,9 @@ struct BuildSettings {
   // and takes as many segments; else 1. More: fewer nodes a ray where neighbours part, and as many times the
   // nodes, leaves (vertex tracks are shared) and build time.
   std::uint32_t time_slices = 0;
+  // Nodes have no more keys than bound their children about as well. False: as many as what moves in them
+  // has; a shorter build and more bytes, for hardly fewer nodes a ray (docs/features.md).
+  bool fewest_keys = true;
   std::uint32_t max_leaf_triangles = 8;
   // SAH: the cost of a triangle block (8 triangles) relative to that of a node (8 boxes), and of a binary
   // split, of which a node holds 7, overlapping ones many.
