@@ -64,12 +64,13 @@ test: setup  ## every test: C++ (ctest), then Python (pytest)
 	exit $$status
 
 # Embree is measured beside us where it can be installed; without it the page has our figures alone.
-bench: setup  ## rays a second, build times and bytes beside Embree's, to docs/performance.md
+bench: setup  ## rays a second, build times and bytes: to docs/performance.md and docs/features.md
 	@.ci/system_packages libembree-dev || echo 'No Embree: no peer'
 	@$(BIN)/pip install --quiet --no-build-isolation --config-settings=build-dir=$(BUILD) \
 	  --config-settings=cmake.define.MSBVH_BUILD_TESTS=ON --config-settings=cmake.define.MSBVH_BUILD_BENCH=ON \
 	  --editable '.[test,bench]'
 	@$(BIN)/python docs/make_performance.py
+	@$(BIN)/python docs/make_features.py
 
 clean:  ## removes everything that make has made
 	rm -rf build out .venv

@@ -48,8 +48,7 @@ struct RefitName {
 inline constexpr RefitName kRefits[] = {
     {Refit::kAuto, "auto"}, {Refit::kAlways, "always"}, {Refit::kNever, "never"}};
 
-// Halves the nodes a ray of debris at 9 keys, and the build still takes half the time of a peer's; 8 bring a
-// tenth more rays a second for twice the bytes (docs/design/build.md).
+// 8 bring a tenth more rays a second for twice the bytes (docs/design/build.md).
 inline constexpr std::uint32_t kIncoherentSlices = 4;
 
 struct BuildSettings {
@@ -72,6 +71,9 @@ struct BuildSettings {
   // and takes as many segments; else 1. More: fewer nodes a ray where neighbours part, and as many times the
   // nodes, leaves (vertex tracks are shared) and build time.
   std::uint32_t time_slices = 0;
+  // Nodes have no more keys than bound their children about as well. False: as many as what moves in them
+  // has; a shorter build and more bytes, for hardly fewer nodes a ray (docs/features.md).
+  bool fewest_keys = true;
   std::uint32_t max_leaf_triangles = 8;
   // SAH: the cost of a triangle block (8 triangles) relative to that of a node (8 boxes), and of a binary
   // split, of which a node holds 7, overlapping ones many.

@@ -99,12 +99,13 @@ std::uint32_t time_slices(const Bvh& bvh, std::span<const InstanceBounds> instan
 }
 
 // Where a good part of what the topology holds moves incoherently, trees for parts of the shutter have fewer
-// nodes a ray.
+// nodes a ray; but their leaves are indexed, so that they pay only where those of one tree are as well.
 bool wants_slices(const Bvh& bvh, std::span<const InstanceBounds> instance_bounds, const Topology& topology,
                   const BuildSettings& settings) {
   return settings.time_slices == 0 && bvh.builder == Builder::kMsbvh &&
          4 * topology.incoherent_references > topology.reference_count &&
-         finest_segments(bvh, instance_bounds) >= kIncoherentSlices && !has_curves(bvh, instance_bounds);
+         level_of(finest_segments(bvh, instance_bounds)) > kMaxGatheredLevel &&
+         !has_curves(bvh, instance_bounds);
 }
 
 BuiltBvh sliced(Bvh bvh, const InstanceParts& instances, std::uint32_t slices,

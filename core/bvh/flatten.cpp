@@ -140,14 +140,16 @@ class Flattener {
     SlotTracks slots(form, children.count);
     for (std::uint32_t i = 0; i < children.count; ++i)
       grow_track(slots.slot(i), form, tracks[i].controls, tracks[i].form);
-    slots = in_fewest_segments(std::move(slots));
+    if (settings_.fewest_keys) slots = in_fewest_segments(std::move(slots));
     keep(node, children, slots, tally);
     tally.depth = std::max(tally.depth, depth);
     return union_of(slots, finest(tally));
   }
 
-  // A node may have twice the segments of what moves in it. In the time of a slice there is but one.
+  // A node may have twice the segments of what moves in it. In the time of a slice there is but one, and
+  // without fewest_keys nothing would take back those that do not pay.
   std::uint32_t finest(const Tally& tally) const {
+    if (!settings_.fewest_keys) return tally.motion_segments;
     return primitives_.slice.whole() ? std::min(2 * tally.motion_segments, kMaxSegments) : 1;
   }
   FormCode code_of(const TrackForm& form) const {

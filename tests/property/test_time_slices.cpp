@@ -53,8 +53,8 @@ TEST_CASE("the builder slices what moves incoherently at many keys, and nothing 
   const auto slices = [](std::vector<TriangleMesh> meshes) {
     return sliced(std::move(meshes), 0).bvh().slice_roots.size();
   };
-  CHECK(slices({debris(2000, 8, 1.5f, 3)}) == kIncoherentSlices);
-  CHECK(slices({debris(2000, 2, 1.5f, 3)}) == 0);
-  CHECK(slices({moved(sphere(48), 8, rotation({0, 1, 0}, 1.0))}) == 0);
-  CHECK(slices({moved(soup(3000, 0.05f, 5), 8, translation({3, 0, 0}))}) == 0);
+  CHECK(slices({debris(2000, 16, 1.5f, 3)}) == kIncoherentSlices);
+  CHECK(slices({debris(2000, 8, 1.5f, 3)}) == 0);
+  CHECK(slices({moved(sphere(48), 16, rotation({0, 1, 0}, 1.0))}) == 0);
+  CHECK(slices({moved(soup(3000, 0.05f, 5), 16, translation({3, 0, 0}))}) == 0);
 }
