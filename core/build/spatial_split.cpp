@@ -154,12 +154,14 @@ void add(const CentrePose& pose, const Reference& r, const Planes& planes, Spati
 SpatialSplit sweep(const SpatialBins& bins, const Planes& planes) {
   SpatialSplit best;
   float right_cost[kMaxBins];
+  Box4 right_box[kMaxBins];
   std::size_t right_count[kMaxBins];
   Box4 box;
   std::size_t count = 0;
   for (int b = planes.bins - 1; b > 0; --b) {
     box.grow(bins.box[b]);
     right_count[b] = count += bins.leave[b];
+    right_box[b] = box;
     right_cost[b] = half_area(box) * block_count(count);
   }
   box = {};
@@ -169,13 +171,27 @@ SpatialSplit sweep(const SpatialBins& bins, const Planes& planes) {
     count += bins.enter[b - 1];
     if (count == 0 || right_count[b] == 0) continue;
     const float cost = half_area(box) * block_count(count) + right_cost[b];
-    if (cost < best.cost) best = {cost, planes.axis, planes.plane(b), count, right_count[b]};
+    if (cost < best.cost)
+      best = {cost, planes.axis, planes.plane(b), count, right_count[b], box.box(), right_box[b].box()};
   }
   return best;
 }
 
 bool is_cut(const Reference& r, const SpatialSplit& split) {
   return !r.is_instance() && r.box.lo[split.axis] < split.plane && r.box.hi[split.axis] > split.plane;
+}
+
+// Whether the side of the reference's centre, grown to hold all of it, and the other side without it cost
+// less than both with a part of it. Each side counts as it is with all that lie on both sides cut.
+bool better_whole(const Reference& r, const SpatialSplit& split) {
+  const auto left = static_cast<float>(split.left_count), right = static_cast<float>(split.right_count);
+  const float left_area = half_area(split.left), right_area = half_area(split.right);
+  const bool goes_left = r.box.lo[split.axis] + r.box.hi[split.axis] < 2.0f * split.plane;
+  Box3f grown = goes_left ? split.left : split.right;
+  grown.grow(r.box);
+  const float whole = goes_left ? half_area(grown) * left + right_area * (right - 1.0f)
+                                : left_area * (left - 1.0f) + half_area(grown) * right;
+  return whole < left_area * left + right_area * right;
 }
 
 // False if all of it lies on one side, within the error of clipping.
@@ -214,7 +230,7 @@ std::size_t cut_references(const CentrePose& pose, std::span<Reference> referenc
   std::size_t count = 0;
   for (Reference& r : references) {
     if (count == room) break;
-    if (is_cut(r, split) && cut(pose, split, r, behind[count])) ++count;
+    if (is_cut(r, split) && !better_whole(r, split) && cut(pose, split, r, behind[count])) ++count;
   }
   return count;
 }

@@ -16,6 +16,7 @@ struct SpatialSplit {
   int axis = 0;
   float plane = 0.0f;
   std::size_t left_count = 0, right_count = 0;
+  Box3f left = {}, right = {};  // around the parts on either side, as the bins have them
 
   // How many of so many references it cuts, at most.
   std::size_t cuts(std::size_t references) const { return left_count + right_count - references; }
@@ -29,9 +30,10 @@ struct SpatialSplit {
 SpatialSplit find_spatial_split(const CentrePose& pose, std::span<const Reference> references,
                                 const Box4& box, std::size_t stride = 1);
 
-// Cuts the references that lie on both sides, as long as there is room: left parts take their place, right
-// parts go behind `references`, `room` of them at most. Returns how many there are. What cannot be cut stays
-// whole.
+// Cuts the references that lie on both sides, as long as there is room and unless it costs less to leave one
+// whole on its centre's side (reference unsplitting, Stich et al. 2009, section 4.4): left parts take their
+// place, right parts go behind `references`, `room` of them at most. Returns how many there are. What cannot
+// be cut stays whole.
 std::size_t cut_references(const CentrePose& pose, std::span<Reference> references, std::size_t room,
                            const SpatialSplit& split);
 

@@ -1,5 +1,6 @@
 // The binary topology: what its leaves hold, its budget, degenerate sets, determinism, cancelling.
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <doctest/doctest.h>
 #include <memory>
@@ -8,6 +9,8 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/build/make_references.h"
+#include "core/build/spatial_split.h"
 #include "core/build/topology.h"
 #include "tests/support/procedural.h"
 
@@ -169,4 +172,29 @@ TEST_CASE("nodes stay within their array where every leaf holds one reference") 
     check(b, 1);
     CHECK(b.topology.node_count <= 2 * b.topology.reference_count);
   }
+}
+
+// Stich et al. 2009, section 4.4: a hair beyond the plane is not worth a second reference, half of it is.
+TEST_CASE("spatial splits leave whole what costs less whole") {
+  TriangleMesh mesh;
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}};
+  mesh.vertex_count = 6;
+  mesh.positions = {{-0.5f, -0.5f, 0}, {0.001f, 0, 0}, {-0.5f, 0.5f, 0}, {-1, -1, 0}, {1, 0, 0}, {-1, 1, 0}};
+  const std::vector<std::shared_ptr<const TriangleMesh>> meshes = {
+      std::make_shared<const TriangleMesh>(validated(std::move(mesh)))};
+  const Primitives primitives{.meshes = meshes, .instances = {}};
+  const CentrePose pose(primitives);
+  const AllReferences all = make_references(pose);
+  SpatialSplit split;
+  split.plane = 0.0f;
+  split.left_count = split.right_count = 10;
+  split.left = {{-1, -1, -1}, {0, 1, 1}};
+  split.right = {{0, -1, -1}, {1, 1, 1}};
+  std::array<Reference, 4> room{(*all.memory)[0], (*all.memory)[1]};
+  CHECK(cut_references(pose, {room.data(), 2}, 2, split) == 1);
+  CHECK_FALSE(room[0].is_clipped());
+  CHECK(room[1].is_clipped());
+  CHECK(room[1].box.hi.x == 0.0f);
+  CHECK(room[2].is_clipped());
+  CHECK(room[2].box.lo.x == 0.0f);
 }
