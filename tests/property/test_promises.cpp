@@ -115,7 +115,7 @@ void check_class(const SceneClass& kind, const Extent& extent) {
   CAPTURE(std::string(kind.name));
   for (const std::uint32_t segments : extent.segments) {
     CAPTURE(segments);
-    const TrackForm form{segments, kind.forms.front().degree};
+    const TrackForm form{segments, segments == 0 ? 1 : kind.forms.front().degree};
     const bool closed = kind.make(64, form, 1).interior.radius > 0.0f;
     const BenchScene made = kind.make(closed ? extent.closed : extent.triangles, form, 1);
     for (const double offset : {0.0, 1e3, 1e6}) {
@@ -138,6 +138,6 @@ TEST_CASE("every scene class holds the promises at 2, 9 and 129 keys") {
 TEST_SUITE("slow") {
   TEST_CASE("every scene class holds the promises at every key count") {
     for (const SceneClass& kind : scene_classes())
-      check_class(kind, {1500, 4000, 2e5, 20'000, 125, 128, {0, 1, 2, 4, 8, 16, 32, 64, 128}});
+      check_class(kind, {500, 2000, 2e4, 4'000, 25, 128, {0, 1, 2, 4, 8, 16, 32, 64, 128}});
   }
 }
