@@ -68,8 +68,8 @@ struct BuildSettings {
   SahTime sah_time = SahTime::kShutter;
   // Temporal splits: trees for so many equal slices of the shutter, a power of two up to kMaxSegments; where
   // tracks are curves, at least as many as their segments. 0: kIncoherentSlices where motion is incoherent
-  // and takes as many segments; else 1. More: fewer nodes a ray where neighbours part, and as many times the
-  // nodes, leaves (vertex tracks are shared) and build time.
+  // and leaves are indexed anyway (17 keys and more); else 1. More: fewer nodes a ray where neighbours part,
+  // and as many times the nodes, leaves (vertex tracks are shared) and build time.
   std::uint32_t time_slices = 0;
   // Nodes have no more keys than bound their children about as well. False: as many as what moves in them
   // has; a shorter build and more bytes, for hardly fewer nodes a ray (docs/features.md).
@@ -83,8 +83,8 @@ struct BuildSettings {
   // kAuto rebuilds where the shutter-averaged SAH cost has grown by more than this factor since the topology
   // was built. Lower: more builds; higher: slower rays (docs/design/refit.md).
   float refit_drift = 1.2f;
-  // Whether a later frame may refit this tree. Costs about 100 bytes a reference, and 12 a vertex of meshes
-  // that spatial splits have cut.
+  // Whether a later frame may refit this tree. Costs 32 bytes a reference, 36 a binary node, and 12 a vertex
+  // of meshes that spatial splits have cut.
   bool keep_topology = false;
   // Asked now and then during the build, from any thread; true stops it.
   std::function<bool()> cancelled;

@@ -1,8 +1,10 @@
 #include "core/bvh/build_bvh.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
+#include "core/base/error.h"
 #include "core/base/stopwatch.h"
 #include "core/build/topology.h"
 #include "core/bvh/flatten.h"
@@ -92,6 +94,10 @@ bool has_curves(const Bvh& bvh, std::span<const InstanceBounds> instance_bounds)
 // How many slices the settings ask for, whatever moves how.
 std::uint32_t time_slices(const Bvh& bvh, std::span<const InstanceBounds> instance_bounds,
                           const BuildSettings& settings) {
+  if (!is_valid_segment_count(settings.time_slices)) {
+    throw Error("accelerator: time_slices is " + std::to_string(settings.time_slices) +
+                "; expected 0 or a power of two up to " + std::to_string(kMaxSegments));
+  }
   const std::uint32_t finest = finest_segments(bvh, instance_bounds);
   if (bvh.builder == Builder::kTimeSplit) return finest;
   if (finest == 0 || settings.time_slices == 0 || bvh.builder == Builder::kSwept) return 1;

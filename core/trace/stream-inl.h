@@ -13,9 +13,6 @@
 #define MSBVH_STREAM_INL_H
 #endif
 
-#ifndef KSLOTS
-#define KSLOTS 16
-#endif
 #include <bit>
 #include <cstddef>
 #include <hwy/highway.h>
@@ -32,7 +29,7 @@ class Stream {
   using Setup = RaySetup<kMovement>;
   // Enough that a line from memory is there when its ray's turn comes; few enough that their stacks' tops
   // stay in the first cache.
-  static constexpr std::size_t kSlots = KSLOTS;
+  static constexpr std::size_t kSlots = 16;
 
   // `finish(ray index, query)` takes the answers, in any order.
   template <typename Finish>

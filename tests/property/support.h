@@ -13,13 +13,16 @@
 
 namespace msbvh::property {
 
-inline Accel accel_of(std::vector<TriangleMesh> meshes, Builder builder = Builder::kMsbvh) {
+inline Accel accel_of(std::vector<TriangleMesh> meshes, const BuildSettings& settings) {
   Accel accel;
   for (TriangleMesh& m : meshes) accel.add_mesh(std::move(m));
-  BuildSettings settings;
-  settings.builder = builder;
   accel.commit(settings);
   return accel;
+}
+inline Accel accel_of(std::vector<TriangleMesh> meshes, Builder builder = Builder::kMsbvh) {
+  BuildSettings settings;
+  settings.builder = builder;
+  return accel_of(std::move(meshes), settings);
 }
 
 // Many rays at once have the very hits that they have one by one.

@@ -2,6 +2,7 @@
 // segments, is one, or is a part of one.
 #include <utility>
 
+#include "core/base/error.h"
 #include "tests/property/support.h"
 
 using namespace msbvh;
@@ -11,12 +12,9 @@ using msbvh::property::check_against_oracle;
 namespace {
 
 Accel sliced(std::vector<TriangleMesh> meshes, std::uint32_t slices) {
-  Accel accel;
-  for (TriangleMesh& m : meshes) accel.add_mesh(std::move(m));
   BuildSettings settings;
   settings.time_slices = slices;
-  accel.commit(settings);
-  return accel;
+  return property::accel_of(std::move(meshes), settings);
 }
 
 }  // namespace
@@ -57,4 +55,9 @@ TEST_CASE("the builder slices what moves incoherently at many keys, and nothing 
   CHECK(slices({debris(2000, 8, 1.5f, 3)}) == 0);
   CHECK(slices({moved(sphere(48), 16, rotation({0, 1, 0}, 1.0))}) == 0);
   CHECK(slices({moved(soup(3000, 0.05f, 5), 16, translation({3, 0, 0}))}) == 0);
+}
+
+TEST_CASE("a number of slices that does not nest with the segments is refused") {
+  for (const std::uint32_t slices : {3u, 12u, 256u})
+    CHECK_THROWS_AS(sliced({moved(grid(2), 1, translation({1, 0, 0}))}, slices), Error);
 }
