@@ -81,8 +81,9 @@ class Flattener {
  private:
   // What the first pass finds out about a subtree.
   struct Plan {
-    std::size_t bytes = 0;  // of the whole subtree; a multiple of 64 for inner nodes, of 16 for leaves
-    TrackForm form;         // of the node itself
+    std::size_t bytes = 0;       // of the whole subtree; a multiple of 64 for inner nodes, of 16 for leaves
+    std::uint32_t gathered = 0;  // vertices of a leaf's first block, where they stand in it
+    TrackForm form;              // of the node itself
     std::unique_ptr<NodeBounds[]> bounds;  // of inner nodes
   };
   // Summed over children in their order, so that the sums do not depend on threads.
@@ -156,6 +157,11 @@ class Flattener {
     return primitives_.slice.whole() || !form.moving() ? FormCode::of(form) : FormCode::of_slice(form.degree);
   }
 
+  FormCode child_code_of(const Plan& p) const {
+    const FormCode code = code_of(p.form);
+    return p.gathered > 0 ? code.with_rows(p.gathered) : code;
+  }
+
   void keep(std::uint32_t node, const WideChildren& children, const SlotTracks& slots, Tally& tally) {
     Plan& p = plans_[node];
     p.form = slots.form;
@@ -200,6 +206,7 @@ class Flattener {
     for (const Reference& r : refs) p.form = common_form(p.form, node_form_of(primitives_, r));
     for (std::span<const Reference> rest = refs; !rest.empty();) {
       const LeafBlock block = first_block(primitives_, rest);
+      if (p.bytes == 0 && block.kind == BlockKind::kGathered) p.gathered = block.vertex_count;
       p.bytes += block.bytes();
       rest = rest.subspan(block.references);
       tally.indexed |= block.kind == BlockKind::kIndexed;
@@ -230,7 +237,7 @@ class Flattener {
     place(children, offset + node_bytes(p.form), offsets);
     for (std::uint32_t i = 0; i < children.count; ++i) {
       header.child[i] = ref_of(children.node[i], offsets[i]);
-      header.child_form[i] = code_of(plans_[children.node[i]].form);
+      header.child_form[i] = child_code_of(plans_[children.node[i]]);
     }
     parallel_for_ranges(children.count, p.bytes > kParallelBytes ? 1 : kWidth,
                         [&](std::size_t begin, std::size_t end) {

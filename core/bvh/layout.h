@@ -62,7 +62,8 @@ constexpr std::uint32_t segments_of_level(std::uint32_t level) {
   return level == 0 ? 0 : level == kSliceLevel ? 1 : 1u << (level - 1);
 }
 
-// A track's form in a byte.
+// A track's form in a byte. Where it stands for a leaf it also tells how long its first block's rows are, so
+// that a ray may fetch its own key's before it has seen the block.
 struct FormCode {
   std::uint8_t bits;
 
@@ -72,8 +73,12 @@ struct FormCode {
   static constexpr FormCode of_slice(std::uint32_t degree) {
     return {static_cast<std::uint8_t>(kSliceLevel | degree << 4)};
   }
+  constexpr FormCode with_rows(std::uint32_t vertices) const {
+    return {static_cast<std::uint8_t>(bits | (vertices - 1) / 4 << 6)};
+  }
   constexpr std::uint32_t level() const { return bits & 15u; }
-  constexpr std::uint32_t degree() const { return bits >> 4; }
+  constexpr std::uint32_t degree() const { return bits >> 4 & 3u; }
+  constexpr std::uint32_t row_floats() const { return 4 * ((bits >> 6) + 1u); }
   constexpr TrackForm form() const { return {segments_of_level(level()), degree()}; }
 };
 

@@ -11,7 +11,7 @@ namespace msbvh {
 struct Ray {
   Vec3f org;
   float tnear = 0.0f;  // hits lie in [tnear, tfar]
-  Vec3f dir;           // any length but zero; t is measured in units of it
+  Vec3f dir;           // t is measured in units of it; zero or not finite: the ray hits nothing
   float tfar = std::numeric_limits<float>::infinity();
   float time = 0.0f;  // u in [0, 1] over the shutter
 };

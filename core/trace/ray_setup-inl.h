@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <hwy/highway.h>
+#include <limits>
 #include <type_traits>
 
 #include "core/bvh/bvh.h"
@@ -79,7 +80,8 @@ struct RaySetup {
   std::uint32_t near_plane[3], far_plane[3];
 #endif
   float org[3];
-  float tnear;
+  float
+      tnear;  // not a number where the ray is no line: no comparison with it holds, nothing is entered or hit
   // Woop's shear: kz is the direction's largest axis; kx, ky wind so that the triangle's orientation is kept.
   int kx, ky, kz;
   float shear_x, shear_y, scale_z;
@@ -88,7 +90,7 @@ struct RaySetup {
   RaySetup() = default;
   RaySetup(const Ray& ray, const Bvh& bvh)
       : org{ray.org.x, ray.org.y, ray.org.z},
-        tnear(ray.tnear),
+        tnear(is_line(ray) ? ray.tnear : std::numeric_limits<float>::quiet_NaN()),
         at_level(kMoving ? clamped_time(ray.time) : 0.0f, bvh) {
     const float dir[3] = {ray.dir.x, ray.dir.y, ray.dir.z};
     for (std::uint32_t axis = 0; axis < 3; ++axis) set_axis(axis, dir[axis]);
@@ -106,6 +108,13 @@ struct RaySetup {
   }
 
  private:
+  // A direction that is zero or not a number would meet every box, also those of children that are not there.
+  HWY_INLINE static bool is_line(const Ray& ray) {
+    const float dir = std::abs(ray.dir.x) + std::abs(ray.dir.y) + std::abs(ray.dir.z);
+    const float org = std::abs(ray.org.x) + std::abs(ray.org.y) + std::abs(ray.org.z);
+    return (dir > 0.0f) & (dir + org < std::numeric_limits<float>::infinity());
+  }
+
   // The reciprocal is infinite for 0: see node_test-inl.h.
   HWY_INLINE void set_axis(std::uint32_t axis, float dir) {
 #if HWY_TARGET == HWY_AVX3

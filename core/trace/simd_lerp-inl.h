@@ -16,11 +16,12 @@ HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The weights of a segment's two keys.
+// The weights of a segment's two keys: at one time, or at as many as there are lanes.
 template <class D>
 struct Weights {
   hn::Vec<D> w0, w1;
-  explicit Weights(D d, float w) : w0(hn::Set(d, 1.0f - w)), w1(hn::Set(d, w)) {}
+  Weights(D d, float w) : w0(hn::Set(d, 1.0f - w)), w1(hn::Set(d, w)) {}
+  Weights(D d, hn::Vec<D> w) : w0(hn::Sub(hn::Set(d, 1.0f), w)), w1(w) {}
 };
 
 template <class D>

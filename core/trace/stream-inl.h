@@ -13,11 +13,13 @@
 #define MSBVH_STREAM_INL_H
 #endif
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <hwy/highway.h>
 #include <memory>
 
+#include "core/trace/packet-inl.h"
 #include "core/trace/traverse-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -45,7 +47,7 @@ class Stream {
       const bool leaf = slot->at.ref.is_leaf();
       nodes += !leaf;
       leaves += leaf;
-      prefetch(*slot);
+      prefetch<kMovement>(*slot->bvh, slot->at, *slot->in);
     };
     const auto done = [&](Slot* slot) {
       finish(slot->index, slot->query);
@@ -76,8 +78,6 @@ class Stream {
   }
 
  private:
-  static constexpr bool kMoving = kMovement != Movement::kStill;
-
   struct Slot {
     Setup setup[kInstanced ? 2 : 1];  // in the world, and in an instance's object
     Query query{0.0f};
@@ -194,16 +194,6 @@ class Stream {
     return true;
   }
 
-  // The header and what the ray will read of a node, or the first lines of a leaf, without a guess which.
-  HWY_INLINE static void prefetch(const Slot& slot) {
-    const std::byte* p = slot.bvh->arena.data() + slot.at.ref.offset();
-    __builtin_prefetch(p);
-    const std::size_t key = slot.in->at_level[slot.at.form.level()].key;
-    const std::size_t degree = kMovement == Movement::kPolynomial ? slot.at.form.degree() : 1;
-    p += sizeof(NodeHeader) + (slot.at.ref.is_leaf() ? 0 : key * degree * sizeof(NodeBounds));
-    for (std::size_t line = 0; line < (kMoving ? 6 : 3); ++line) __builtin_prefetch(p + 64 * line);
-  }
-
   const Bvh* world_ = nullptr;
   const Ray* rays_ = nullptr;
   std::size_t count_ = 0, next_ray_ = 0;
@@ -220,20 +210,84 @@ Stream<kMovement, kInstanced, kGrids, kAnyHit>& thread_stream() {
   return *stream;
 }
 
+// Rays in the order of their times, as far as packets call for it, and each one's place among the caller's.
+struct TimeSorted {
+  static constexpr std::size_t kMost = 1024;
+  static constexpr std::size_t kBins = 4;
+
+  Ray rays[kMost];
+  std::size_t place[kMost];
+
+  TimeSorted(const Ray* unsorted, std::size_t count) {
+    std::size_t begin[kBins + 1] = {};
+    std::uint8_t bin[kMost];
+    for (std::size_t i = 0; i < count; ++i) {
+      bin[i] = static_cast<std::uint8_t>(
+          std::min(kBins - 1, static_cast<std::size_t>(clamped_time(unsorted[i].time) * float(kBins))));
+      ++begin[bin[i] + 1];
+    }
+    for (std::size_t b = 1; b <= kBins; ++b) begin[b] += begin[b - 1];
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t at = begin[bin[i]]++;
+      rays[at] = unsorted[i];
+      place[at] = i;
+    }
+  }
+};
+
+// `count` is a multiple of kPacket.
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, typename Finish>
+void trace_packets(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
+  if constexpr (kMovement == Movement::kStill) {
+    for (std::size_t i = 0; i < count; i += kPacket)
+      trace_packet<kMovement, kInstanced, kGrids, kAnyHit>(
+          bvh, rays + i, [&](std::size_t k, const Query& query) { finish(i + k, query); });
+  } else {
+    for (std::size_t from = 0; from < count; from += TimeSorted::kMost) {
+      const std::size_t most = std::min(count - from, TimeSorted::kMost);
+      const TimeSorted sorted(rays + from, most);
+      for (std::size_t i = 0; i < most; i += kPacket)
+        trace_packet<kMovement, kInstanced, kGrids, kAnyHit>(
+            bvh, sorted.rays + i,
+            [&](std::size_t k, const Query& query) { finish(from + sorted.place[i + k], query); });
+    }
+  }
+}
+
+// Coherent rays in packets, the others by turns.
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, typename Finish>
+void trace_many(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
+  const auto packet_at = [&](std::size_t i) { return i + kPacket <= count && coherent(rays + i); };
+  if (!bvh.slice_roots.empty())
+    return thread_stream<kMovement, kInstanced, kGrids, kAnyHit>().run(bvh, rays, count, finish);
+  for (std::size_t i = 0; i < count;) {
+    std::size_t end = i;
+    const auto ours = [&](std::size_t k, const Query& query) { finish(i + k, query); };
+    while (packet_at(end)) end += kPacket;
+    if (end > i) {
+      trace_packets<kMovement, kInstanced, kGrids, kAnyHit>(bvh, rays + i, end - i, ours);
+    } else {
+      while (end < count && !packet_at(end)) end = std::min(count, end + kPacket);
+      thread_stream<kMovement, kInstanced, kGrids, kAnyHit>().run(bvh, rays + i, end - i, ours);
+    }
+    i = end;
+  }
+}
+
 template <Movement kMovement, bool kInstanced, bool kGrids>
 void intersect_many(const Bvh& bvh, const Ray* rays, std::size_t count, Hit* hits) {
   for (std::size_t i = 0; bvh.empty && i < count; ++i) hits[i] = Hit{};
   if (bvh.empty) return;
-  thread_stream<kMovement, kInstanced, kGrids, false>().run(
-      bvh, rays, count,
-      [&](std::size_t i, const Query& query) { hits[i] = query.found ? query.hit : Hit{}; });
+  trace_many<kMovement, kInstanced, kGrids, false>(bvh, rays, count, [&](std::size_t i, const Query& query) {
+    hits[i] = query.found ? query.hit : Hit{};
+  });
 }
 
 template <Movement kMovement, bool kInstanced, bool kGrids>
 void occluded_many(const Bvh& bvh, const Ray* rays, std::size_t count, bool* occluded) {
   for (std::size_t i = 0; bvh.empty && i < count; ++i) occluded[i] = false;
   if (bvh.empty) return;
-  thread_stream<kMovement, kInstanced, kGrids, true>().run(
+  trace_many<kMovement, kInstanced, kGrids, true>(
       bvh, rays, count, [&](std::size_t i, const Query& query) { occluded[i] = query.found; });
 }
 

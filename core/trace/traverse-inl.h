@@ -19,16 +19,14 @@ namespace msbvh::HWY_NAMESPACE {
 template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, bool kCount>
 class Traversal {
  public:
-  Traversal(const Bvh& bvh, const Ray& ray, std::uint32_t instance, Query& query, TraceCounts* counts)
-      : bvh_(bvh), ray_(ray), setup_(ray, bvh), instance_(instance), query_(query), counts_(counts) {}
+  // `setup` is that of `ray` for `bvh`.
+  HWY_INLINE Traversal(const Bvh& bvh, const Ray& ray, const RaySetup<kMovement>& setup,
+                       std::uint32_t instance, Query& query, TraceCounts* counts)
+      : bvh_(bvh), ray_(ray), setup_(setup), instance_(instance), query_(query), counts_(counts) {}
 
   void run() { run(root_of<kMovement>(bvh_, setup_)); }
   // An instance's object, from where the block says.
   void run_part(const BlockHeader& block) { run(entry_of<kMovement>(block, bvh_, setup_)); }
-
- private:
-  static constexpr bool kMoving = kMovement != Movement::kStill;
-
   HWY_INLINE void run(Place at) {
     for (;;) {
       while (!at.ref.is_leaf()) {
@@ -39,6 +37,9 @@ class Traversal {
       if (!pop(at)) return;
     }
   }
+
+ private:
+  static constexpr bool kMoving = kMovement != Movement::kStill;
 
   // Goes to the nearest child that is hit and leaves the others in a frame; where any hit will do, to the
   // first one. False: none is hit.
@@ -129,13 +130,15 @@ class Traversal {
   }
   template <Movement kObject>
   void trace_object(const Instance& instance, const Ray& local, const BlockHeader& block) {
-    Traversal<kObject, false, kGrids, kAnyHit, kCount>(*instance.object, local, block.owner, query_, counts_)
+    const RaySetup<kObject> setup(local, *instance.object);
+    Traversal<kObject, false, kGrids, kAnyHit, kCount>(*instance.object, local, setup, block.owner, query_,
+                                                       counts_)
         .run_part(block);
   }
 
   const Bvh& bvh_;
   const Ray& ray_;
-  const RaySetup<kMovement> setup_;
+  const RaySetup<kMovement>& setup_;
   const std::uint32_t instance_;
   Query& query_;
   TraceCounts* const counts_;
@@ -148,7 +151,8 @@ bool intersect(const Bvh& bvh, const Ray& ray, Hit& hit, TraceCounts* counts) {
   if constexpr (kCount) ++counts->rays;
   if (bvh.empty) return false;
   Query query(ray.tfar);
-  Traversal<kMovement, kInstanced, kGrids, false, kCount>(bvh, ray, kNoInstance, query, counts).run();
+  const RaySetup<kMovement> setup(ray, bvh);
+  Traversal<kMovement, kInstanced, kGrids, false, kCount>(bvh, ray, setup, kNoInstance, query, counts).run();
   if (query.found) hit = query.hit;
   return query.found;
 }
@@ -158,7 +162,8 @@ bool occluded(const Bvh& bvh, const Ray& ray, TraceCounts* counts) {
   if constexpr (kCount) ++counts->rays;
   if (bvh.empty) return false;
   Query query(ray.tfar);
-  Traversal<kMovement, kInstanced, kGrids, true, kCount>(bvh, ray, kNoInstance, query, counts).run();
+  const RaySetup<kMovement> setup(ray, bvh);
+  Traversal<kMovement, kInstanced, kGrids, true, kCount>(bvh, ray, setup, kNoInstance, query, counts).run();
   return query.found;
 }
 

@@ -21,8 +21,9 @@ namespace msbvh::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 struct Query {
+  Query() = default;
   explicit Query(float farthest) : tfar(farthest) {}
-  float tfar;  // of the closest hit so far
+  float tfar = 0.0f;  // of the closest hit so far
   bool found = false;
   Hit hit;
 };
@@ -49,6 +50,27 @@ template <Movement kMovement>
 HWY_INLINE Place entry_of(const BlockHeader& block, const Bvh& object, const RaySetup<kMovement>& setup) {
   if (block.is_part) return {block.part(), block.form_code};
   return root_of<kMovement>(object, setup);
+}
+
+// Fetches what the ray will read at a place: a node's header and boxes, or a leaf's first vertices, at its
+// own key, without a guess which.
+template <Movement kMovement>
+HWY_INLINE void prefetch(const Bvh& bvh, Place at, const RaySetup<kMovement>& setup) {
+  const std::byte* p = bvh.arena.data() + at.ref.offset();
+  __builtin_prefetch(p);
+  p += sizeof(NodeHeader);  // about what stands before a block's vertices, too
+  if constexpr (kMovement == Movement::kStill) {
+    for (std::size_t line = 0; line < 3; ++line) __builtin_prefetch(p + 64 * line);
+  } else {
+    const std::uint32_t level = at.form.level();
+    const std::size_t degree = kMovement == Movement::kPolynomial ? at.form.degree() : 1;
+    const std::size_t vertices = 3 * sizeof(float) * at.form.row_floats();
+    const std::size_t control = at.ref.is_leaf() ? vertices : sizeof(NodeBounds);
+    // Indexed blocks have their vertices elsewhere.
+    const std::size_t key = at.ref.is_leaf() && level > kMaxGatheredLevel ? 0 : setup.at_level[level].key;
+    p += key * degree * control;
+    for (std::size_t line = 0; line < 6; ++line) __builtin_prefetch(p + 64 * line);
+  }
 }
 
 // The children of a node that are still to be visited.

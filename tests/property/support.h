@@ -25,8 +25,24 @@ inline Accel accel_of(std::vector<TriangleMesh> meshes, Builder builder = Builde
   return accel_of(std::move(meshes), settings);
 }
 
+// As many rays in bundles of 32 that look about the same way from about the same place, at times of their
+// own; every other bundle has a ray that runs in a plane of two axes.
+inline std::vector<Ray> bundles_of(const std::vector<Ray>& rays) {
+  constexpr std::size_t kBundle = 32;
+  constexpr float kAside = 0.02f;
+  std::vector<Ray> bundles = rays;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const Ray& first = rays[i / kBundle * kBundle];
+    Ray& ray = bundles[i];
+    ray.org = first.org + (rays[i].org - first.org) * kAside;
+    ray.dir = first.dir + rays[i].dir * (kAside * length(first.dir) / length(rays[i].dir));
+    if (i % (2 * kBundle) == 5) ray.dir.y = 0.0f;
+  }
+  return bundles;
+}
+
 // Many rays at once have the very hits that they have one by one.
-inline void check_many(const Tracer& tracer, const std::vector<Ray>& rays) {
+inline void check_as_one_by_one(const Tracer& tracer, const std::vector<Ray>& rays) {
   std::vector<Hit> hits(rays.size());
   const auto occluded = std::make_unique<bool[]>(rays.size());
   tracer.intersect(rays, hits.data());
@@ -38,6 +54,10 @@ inline void check_many(const Tracer& tracer, const std::vector<Ray>& rays) {
     CHECK(hit == hits[i]);
     CHECK(tracer.occluded(rays[i]) == occluded[i]);
   }
+}
+inline void check_many(const Tracer& tracer, const std::vector<Ray>& rays) {
+  check_as_one_by_one(tracer, rays);
+  check_as_one_by_one(tracer, bundles_of(rays));
 }
 
 // Each ray on each instruction set, closest and any hit, against the double-precision brute force.

@@ -2,6 +2,7 @@
 // invariants, and are traced like the oracle says.
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -162,6 +163,34 @@ void check_bounded(const Shape& shape, int triangles, std::uint32_t segments, co
 }
 
 }  // namespace
+
+TEST_CASE("a ray without a direction, or that is not a number, hits nothing, alone and beside others") {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  for (const std::uint32_t segments : {0u, 1u, 8u}) {
+    const Accel accel = built(set_of(kShapes[0], 300, segments), {});
+    for (const InstructionSet set : supported_instruction_sets()) {
+      const Tracer tracer(accel.bvh(), set);
+      Random random(11);
+      std::vector<Ray> rays(64, random_ray(random, {}, 2.0f));  // all the same way: a packet's, too
+      for (std::size_t i = 0; i < rays.size(); ++i) rays[i].time = random.uniform();
+      rays[3].dir = {};
+      rays[9].dir = {kNan, 1.0f, 0.0f};
+      rays[17].dir.x = kInfinite;
+      rays[33].org.y = kNan;
+      rays[40].org.z = -kInfinite;
+      std::vector<Hit> hits(rays.size());
+      tracer.intersect(rays, hits.data());
+      for (const std::size_t i : {3, 9, 17, 33, 40}) {
+        Hit hit;
+        CHECK(!tracer.intersect(rays[i], hit));
+        CHECK(!tracer.occluded(rays[i]));
+        CHECK(!hits[i].found());
+      }
+      property::check_as_one_by_one(tracer, rays);
+    }
+  }
+}
 
 TEST_CASE("degenerate sets equal the oracle at every key count, by every builder") {
   for (const Shape& shape : kShapes) {

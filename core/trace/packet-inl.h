@@ -1,0 +1,386 @@
+// Coherent rays: kPacket of them go down the tree together, a child's box against all of them at once.
+//
+// A node's boxes are read, and a child is chosen, once for all rays that are there; what 16 rays share is
+// paid once. Where few are left, each goes on alone (C. Benthin, I. Wald, S. Woop, M. Ernst, W. Mark,
+// "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture",
+// TVCG 18(9), 2012). Rays have times of their own: boxes at one or two keys are interpolated for all rays at
+// once, finer ones ray by ray. Triangles are tested a ray at a time, eight at once, by the same code in the
+// same arithmetic as everywhere: same hits to the bit.
+
+#if defined(MSBVH_PACKET_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef MSBVH_PACKET_INL_H
+#undef MSBVH_PACKET_INL_H
+#else
+#define MSBVH_PACKET_INL_H
+#endif
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <hwy/highway.h>
+#include <limits>
+#include <memory>
+
+#include "core/trace/traverse-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace msbvh::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+inline constexpr std::uint32_t kPacket = 16;  // rays
+using RayMask = std::uint32_t;                // a bit each
+
+using DR = hn::CappedTag<float, kPacket>;
+using VR = hn::Vec<DR>;
+inline constexpr std::size_t kRayLanes = hn::MaxLanes(DR());
+inline constexpr std::size_t kRayVectors = kPacket / kRayLanes;
+
+// What the rays of a packet bring into a tree: axis by axis for boxes, ray by ray for triangles.
+template <Movement kMovement>
+struct PacketSetup {
+  alignas(64) float org[3][kPacket], reciprocal[3][kPacket], tnear[kPacket], tfar[kPacket], time[kPacket];
+  RaySetup<kMovement> ray[kPacket];
+  // Up to this level all rays are in the same segment.
+  std::uint32_t common_level = 0;
+
+  void set(std::uint32_t i, const Ray& r, const Bvh& bvh, float farthest) {
+    std::construct_at(&ray[i], r, bvh);
+    for (int axis = 0; axis < 3; ++axis) org[axis][i] = r.org[axis];
+    for (int axis = 0; axis < 3; ++axis) reciprocal[axis][i] = 1.0f / r.dir[axis];
+    tnear[i] = ray[i].tnear;
+    tfar[i] = farthest;
+    time[i] = clamped_time(r.time);
+  }
+  // A lane that no ray is in: any numbers will do.
+  void clear(std::uint32_t i) {
+    for (int axis = 0; axis < 3; ++axis) org[axis][i] = reciprocal[axis][i] = 0.0f;
+    tnear[i] = tfar[i] = time[i] = 0.0f;
+  }
+  // Once `rays` are set.
+  void find_common_level(RayMask rays) {
+    if constexpr (kMovement == Movement::kStill) return;
+    float first = 1.0f, last = 0.0f;
+    for (; rays != 0; rays &= rays - 1) {
+      const float u = time[std::countr_zero(rays)];
+      first = std::min(first, u);
+      last = std::max(last, u);
+    }
+    common_level = 1;
+    while (common_level + 1 < kSliceLevel) {
+      const std::uint32_t segments = segments_of_level(common_level + 1);
+      if (locate(first, segments).key != locate(last, segments).key) return;
+      ++common_level;
+    }
+  }
+};
+
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit>
+class Packet {
+ public:
+  using Setup = PacketSetup<kMovement>;
+
+  // Rays `rays` of `setup` from `at` on. `local` are the rays in the tree's space, `queries` their answers.
+  void run(const Bvh& bvh, const Ray* local, std::uint32_t instance, Place at, RayMask rays, Query* queries) {
+    bvh_ = &bvh;
+    local_ = local;
+    instance_ = instance;
+    queries_ = queries;
+    top_ = stack_;
+    for (;;) {
+      if (std::popcount(rays) <= kFew) {
+        go_alone(at, rays);
+      } else if (at.ref.is_leaf()) {
+        visit_leaf(bvh_->block(at.ref), rays);
+      } else if (descend(at, rays)) {
+        continue;
+      }
+      if (!pop(at, rays)) return;
+    }
+  }
+
+  Setup setup;
+
+ private:
+  static constexpr bool kMoving = kMovement != Movement::kStill;
+  // Rays that go on alone.
+  static constexpr int kFew = 3;
+
+  struct Entry {
+    alignas(64) float enter[kPacket];
+    Place at;
+    RayMask rays;
+  };
+
+  // Which of a node's children rays enter, a bit each; which rays and where, in entered_ and enter_.
+  HWY_INLINE std::uint32_t test(const NodeHeader& node, FormCode form, RayMask rays) {
+    if constexpr (kMoving) {
+      const std::uint32_t level = form.level();
+      if (level > setup.common_level) {
+        // Not all in one segment: those in the same one together, where that is few groups.
+        if (level > setup.common_level + 1 || level == kSliceLevel) return test_one_by_one(node, form, rays);
+        const std::uint32_t key = key_of_first(level, rays);
+        RayMask same = 0;
+        for (RayMask rest = rays; rest != 0; rest &= rest - 1) {
+          const int i = std::countr_zero(rest);
+          same |= static_cast<RayMask>(setup.ray[i].at_level[level].key == key) << i;
+        }
+        std::uint32_t children = test_together<true, false>(node, form, key, same);
+        if (rays != same) {
+          rays &= ~same;
+          children |= test_together<true, true>(node, form, key_of_first(level, rays), rays);
+        }
+        return children;
+      }
+      if (level != 0) return test_together<true, false>(node, form, key_of_first(level, rays), rays);
+    }
+    return test_together<false, false>(node, form, 0, rays);
+  }
+
+  HWY_INLINE std::uint32_t key_of_first(std::uint32_t level, RayMask rays) const {
+    return setup.ray[std::countr_zero(rays)].at_level[level].key;
+  }
+
+  // `kMore`: beside those that have been tested already.
+  template <bool kMoves, bool kMore>
+  HWY_INLINE std::uint32_t test_together(const NodeHeader& node, FormCode form, std::uint32_t key,
+                                         RayMask rays) {
+    const DR d;
+    const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
+    const auto segments = static_cast<float>(kMoves ? segments_of_level(form.level()) : 0);
+    const NodeBounds& bounds = node.bounds()[key * degree];
+    std::uint32_t children = 0;
+    for (std::uint32_t c = 0; c < node.child_count; ++c) {
+      RayMask entered = 0;
+      for (std::size_t lane = 0; lane < kPacket; lane += kRayLanes) {
+        // As locate() has it.
+        const Weights<DR> w(d, hn::Sub(hn::Mul(hn::Load(d, setup.time + lane), hn::Set(d, segments)),
+                                       hn::Set(d, static_cast<float>(key))));
+        VR enter = hn::Load(d, setup.tnear + lane), leave = hn::Load(d, setup.tfar + lane);
+        for (int axis = 0; axis < 3; ++axis) {
+          const VR org = hn::Load(d, setup.org[axis] + lane), r = hn::Load(d, setup.reciprocal[axis] + lane);
+          const auto distance = [&](const float* plane) {
+            const auto control = [&](std::size_t i) {
+              return hn::Set(d, plane[i * (sizeof(NodeBounds) / sizeof(float))]);
+            };
+            return hn::Mul(hn::Sub(kMoves ? simd_bezier(control, degree, w) : control(0), org), r);
+          };
+          const VR lo = distance(bounds.axis[axis].lo + c), hi = distance(bounds.axis[axis].hi + c);
+          // A distance that is not a number bounds nothing: see node_test-inl.h.
+          enter = hn::Max(hn::IfNegativeThenElse(r, hi, lo), enter);
+          leave = hn::Min(hn::IfNegativeThenElse(r, lo, hi), leave);
+        }
+        const auto hit = hn::Le(enter, hn::Mul(leave, hn::Set(d, kFarFactor)));
+        std::uint8_t bits[8] = {};
+        hn::StoreMaskBits(d, hit, bits);
+        if (kMore) {
+          const auto in = static_cast<std::uint16_t>(rays >> lane);
+          const auto mask = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&in));
+          enter = hn::IfThenElse(mask, enter, hn::Load(d, enter_[c] + lane));
+        }
+        hn::Store(enter, d, enter_[c] + lane);
+        entered |= (RayMask(bits[0]) | RayMask(bits[1]) << 8) << lane;
+      }
+      entered_[c] = (entered & rays) | (kMore ? entered_[c] : 0);
+      children |= static_cast<std::uint32_t>(entered_[c] != 0) << c;
+    }
+    return children;
+  }
+
+  std::uint32_t test_one_by_one(const NodeHeader& node, FormCode form, RayMask rays) {
+    std::uint32_t children = 0;
+    for (std::uint32_t c = 0; c < kWidth; ++c) entered_[c] = 0;
+    for (; rays != 0; rays &= rays - 1) {
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(rays));
+      alignas(64) ChildKey keys[kWidth];
+      std::uint32_t hits;
+      test_node<kMovement>(node, form, setup.ray[i], setup.tfar[i], hits).store(keys);
+      children |= hits;
+      for (; hits != 0; hits &= hits - 1) {
+        const auto c = static_cast<std::uint32_t>(std::countr_zero(hits));
+        entered_[c] |= 1u << i;
+        enter_[c][i] = distance_of(keys[c]);
+      }
+    }
+    return children;
+  }
+
+  // Goes to the child that a ray enters first and leaves the others on the stack, the farthest at the bottom;
+  // where any hit will do, to the first one. False: none is hit.
+  HWY_INLINE bool descend(Place& at, RayMask& rays) {
+    const NodeHeader& node = bvh_->node(at.ref);
+    std::uint32_t children = test(node, at.form, rays);
+    if (children == 0) return false;
+    ChildKey order[kWidth];
+    int count = 0;
+    for (; children != 0; children &= children - 1) {
+      const auto c = static_cast<std::uint32_t>(std::countr_zero(children));
+      const ChildKey key = kAnyHit ? static_cast<ChildKey>(c) : key_of(c);
+      int place = count++;
+      for (; place > 0 && order[place - 1] < key; --place) order[place] = order[place - 1];
+      order[place] = key;
+    }
+    const std::uint32_t nearest = ChildKeys::slot(order[count - 1]);
+    at = child_of(node, nearest);
+    fetch(at, entered_[nearest]);
+    for (int i = 0; i < count - 1; ++i) push(node, ChildKeys::slot(order[i]));
+    rays = entered_[nearest];
+    return true;
+  }
+
+  // Orders children by where the first of their rays enters them.
+  HWY_INLINE ChildKey key_of(std::uint32_t c) const {
+    const float distance = enter_[c][std::countr_zero(entered_[c])];
+    return (std::bit_cast<ChildKey>(distance) & ~kSlotMask) | static_cast<ChildKey>(c);
+  }
+
+  HWY_INLINE void push(const NodeHeader& node, std::uint32_t c) {
+    const DR d;
+    for (std::size_t lane = 0; lane < kPacket; lane += kRayLanes)
+      hn::Store(hn::Load(d, enter_[c] + lane), d, top_->enter + lane);
+    top_->at = child_of(node, c);
+    top_->rays = entered_[c];
+    fetch(top_->at, top_->rays);
+    ++top_;
+  }
+  HWY_INLINE void fetch(Place at, RayMask rays) const {
+    prefetch<kMovement>(*bvh_, at, setup.ray[std::countr_zero(rays)]);
+  }
+
+  // The topmost entry that some ray enters before its closest hit, and those rays.
+  HWY_INLINE bool pop(Place& at, RayMask& rays) {
+    const DR d;
+    while (top_ != stack_) {
+      const Entry& entry = *--top_;
+      RayMask before = 0;
+      for (std::size_t lane = 0; lane < kPacket; lane += kRayLanes) {
+        std::uint8_t bits[8] = {};
+        hn::StoreMaskBits(d, hn::Le(hn::Load(d, entry.enter + lane), hn::Load(d, setup.tfar + lane)), bits);
+        before |= (RayMask(bits[0]) | RayMask(bits[1]) << 8) << lane;
+      }
+      rays = entry.rays & before;
+      at = entry.at;
+      if (rays != 0) return true;
+    }
+    return false;
+  }
+
+  // What a ray has found bounds its way. One that is done, since any hit will do, enters nothing any more.
+  HWY_INLINE void take_answer(std::uint32_t i) {
+    constexpr float kNowhere = -std::numeric_limits<float>::infinity();
+    setup.tfar[i] = kAnyHit && queries_[i].found ? kNowhere : queries_[i].tfar;
+  }
+
+  void go_alone(Place at, RayMask rays) {
+    for (; rays != 0; rays &= rays - 1) {
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(rays));
+      Traversal<kMovement, kInstanced, kGrids, kAnyHit, false>(*bvh_, local_[i], setup.ray[i], instance_,
+                                                               queries_[i], nullptr)
+          .run(at);
+      take_answer(i);
+    }
+  }
+
+  HWY_INLINE void visit_leaf(const BlockHeader& first, RayMask rays) {
+    if (kInstanced && first.kind == BlockKind::kInstance) return enter_instance(first, rays);
+    for (; rays != 0; rays &= rays - 1) {
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(rays));
+      for (const BlockHeader* block = &first;; block = next_block(block)) {
+        if (kGrids && block->kind == BlockKind::kGrid) {
+          test_grid<kMovement, kAnyHit>(*bvh_, *block, setup.ray[i], instance_, queries_[i]);
+        } else {
+          test_triangles<kMovement, kAnyHit>(*bvh_, *block, setup.ray[i], instance_, queries_[i]);
+        }
+        if ((kAnyHit && queries_[i].found) || block->last) break;
+      }
+      take_answer(i);
+    }
+  }
+
+  HWY_NOINLINE void enter_instance(const BlockHeader& block, RayMask rays) {
+    if constexpr (kInstanced) {
+      const Movement movement = bvh_->instances[block.owner].object->movement;
+      if (kMovement == Movement::kPolynomial && movement == Movement::kPolynomial) {
+        trace_object<Movement::kPolynomial>(block, rays);
+      } else if (kMoving && movement != Movement::kStill) {
+        trace_object<Movement::kLinear>(block, rays);
+      } else {
+        trace_object<Movement::kStill>(block, rays);
+      }
+    }
+  }
+
+  template <Movement kObject>
+  void trace_object(const BlockHeader& block, RayMask rays) {
+    using Inner = Packet<kObject, false, kGrids, kAnyHit>;
+    static thread_local const std::unique_ptr<Inner> inner = std::make_unique<Inner>();
+    const Instance& instance = bvh_->instances[block.owner];
+    const Bvh& object = *instance.object;
+    Ray local[kPacket];
+    RayMask inside = 0;
+    for (std::uint32_t i = 0; i < kPacket; ++i) {
+      local[i] = local_[i];
+      if ((rays >> i & 1u) != 0 && to_object<kMovement>(*bvh_, instance, local[i])) {
+        inner->setup.set(i, local[i], object, queries_[i].tfar);
+        inside |= 1u << i;
+      } else {
+        inner->setup.clear(i);
+      }
+    }
+    inner->setup.find_common_level(inside);
+    for (RayMask left = inside; left != 0;) {  // rays at different times may begin in different slices
+      const auto first = static_cast<std::uint32_t>(std::countr_zero(left));
+      const Place at = entry_of<kObject>(block, object, inner->setup.ray[first]);
+      RayMask together = 0;
+      for (RayMask rest = left; rest != 0; rest &= rest - 1) {
+        const auto i = static_cast<std::uint32_t>(std::countr_zero(rest));
+        const Place begins = entry_of<kObject>(block, object, inner->setup.ray[i]);
+        together |= static_cast<RayMask>(begins.ref.bits == at.ref.bits) << i;
+      }
+      inner->run(object, local, block.owner, at, together, queries_);
+      left &= ~together;
+    }
+    for (; rays != 0; rays &= rays - 1) take_answer(static_cast<std::uint32_t>(std::countr_zero(rays)));
+  }
+
+  const Bvh* bvh_;
+  const Ray* local_;
+  std::uint32_t instance_;
+  Query* queries_;
+  // Of the node that was tested last: the rays that enter each child, and where.
+  alignas(64) float enter_[kWidth][kPacket];
+  RayMask entered_[kWidth];
+  Entry* top_;
+  Entry stack_[(kWidth - 1) * kMaxDepth + 1];
+};
+
+// Rays that look about the same way. Where they do not, the first two mostly tell.
+inline bool coherent(const Ray* rays) {
+  constexpr float kCosine = 0.95f;
+  const Vec3f& d = rays[0].dir;
+  const float least = kCosine * kCosine * dot(d, d);
+  for (std::uint32_t i = kPacket - 1; i > 0; --i) {
+    const float along = dot(d, rays[i].dir);
+    if (!(along > 0.0f && along * along >= least * dot(rays[i].dir, rays[i].dir))) return false;
+  }
+  return true;
+}
+
+// A packet's rays; `finish(i, query)` takes the answers.
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, typename Finish>
+void trace_packet(const Bvh& bvh, const Ray* rays, const Finish& finish) {
+  using P = Packet<kMovement, kInstanced, kGrids, kAnyHit>;
+  static thread_local const std::unique_ptr<P> packet = std::make_unique<P>();
+  Query queries[kPacket] = {};
+  for (std::uint32_t i = 0; i < kPacket; ++i) {
+    queries[i].tfar = rays[i].tfar;
+    packet->setup.set(i, rays[i], bvh, rays[i].tfar);
+  }
+  packet->setup.find_common_level((1u << kPacket) - 1u);
+  packet->run(bvh, rays, kNoInstance, {bvh.root, bvh.root_form_code}, (1u << kPacket) - 1u, queries);
+  for (std::uint32_t i = 0; i < kPacket; ++i) finish(i, queries[i]);
+}
+
+}  // namespace msbvh::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
