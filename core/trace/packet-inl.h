@@ -90,6 +90,7 @@ class Packet {
       if (std::popcount(rays) <= kFew) {
         go_alone(at, rays);
       } else if (at.ref.is_leaf()) {
+        fetch_own_keys(at, rays);
         visit_leaf(bvh_->block(at.ref), rays);
       } else if (descend(at, rays)) {
         continue;
@@ -99,8 +100,14 @@ class Packet {
   }
 
   Setup setup;
+  // What packets have saved so far over rays by turns, in some 5 cycles: a node costs a ray on its own
+  // kOwnNode, all rays together kSharedNode, and one that goes on alone waits where by turns it would not.
+  // Between the scenes where packets pay and those where they do not kAlone may be 7 to 20
+  // (docs/design/traversal.md).
+  std::int64_t saved = 0;
 
  private:
+  static constexpr std::int64_t kOwnNode = 9, kSharedNode = 40, kAlone = 14;
   static constexpr bool kMoving = kMovement != Movement::kStill;
   // Rays that go on alone.
   static constexpr int kFew = 3;
@@ -208,6 +215,7 @@ class Packet {
   // where any hit will do, to the first one. False: none is hit.
   HWY_INLINE bool descend(Place& at, RayMask& rays) {
     const NodeHeader& node = bvh_->node(at.ref);
+    saved += kOwnNode * std::popcount(rays) - (at.form.level() > setup.common_level ? 2 : 1) * kSharedNode;
     std::uint32_t children = test(node, at.form, rays);
     if (children == 0) return false;
     ChildKey order[kWidth];
@@ -246,6 +254,12 @@ class Packet {
     prefetch<kMovement>(*bvh_, at, setup.ray[std::countr_zero(rays)]);
   }
 
+  // Of rays that are in other segments than the first of them.
+  HWY_INLINE void fetch_own_keys(Place at, RayMask rays) const {
+    if (!kMoving || at.form.level() <= setup.common_level) return;
+    for (rays &= rays - 1; rays != 0; rays &= rays - 1) fetch(at, rays);
+  }
+
   // The topmost entry that some ray enters before its closest hit, and those rays.
   HWY_INLINE bool pop(Place& at, RayMask& rays) {
     const DR d;
@@ -271,6 +285,8 @@ class Packet {
   }
 
   void go_alone(Place at, RayMask rays) {
+    saved -= kAlone * std::popcount(rays);
+    fetch_own_keys(at, rays);
     for (; rays != 0; rays &= rays - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(rays));
       Traversal<kMovement, kInstanced, kGrids, kAnyHit, false>(*bvh_, local_[i], setup.ray[i], instance_,
@@ -327,6 +343,7 @@ class Packet {
       }
     }
     inner->setup.find_common_level(inside);
+    inner->saved = 0;
     for (RayMask left = inside; left != 0;) {  // rays at different times may begin in different slices
       const auto first = static_cast<std::uint32_t>(std::countr_zero(left));
       const Place at = entry_of<kObject>(block, object, inner->setup.ray[first]);
@@ -339,6 +356,7 @@ class Packet {
       inner->run(object, local, block.owner, at, together, queries_);
       left &= ~together;
     }
+    saved += inner->saved;
     for (; rays != 0; rays &= rays - 1) take_answer(static_cast<std::uint32_t>(std::countr_zero(rays)));
   }
 
@@ -365,20 +383,49 @@ inline bool coherent(const Ray* rays) {
   return true;
 }
 
-// A packet's rays; `finish(i, query)` takes the answers.
-template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, typename Finish>
-void trace_packet(const Bvh& bvh, const Ray* rays, const Finish& finish) {
-  using P = Packet<kMovement, kInstanced, kGrids, kAnyHit>;
-  static thread_local const std::unique_ptr<P> packet = std::make_unique<P>();
-  Query queries[kPacket] = {};
-  for (std::uint32_t i = 0; i < kPacket; ++i) {
-    queries[i].tfar = rays[i].tfar;
-    packet->setup.set(i, rays[i], bvh, rays[i].tfar);
+// Coherent rays by packets as long as that pays. One a thread for each kind: large, and it remembers whether
+// it did.
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit>
+class Packets {
+ public:
+  // kPacket rays; `finish(i, query)` takes the answers.
+  template <typename Finish>
+  void trace(const Bvh& bvh, const Ray* rays, const Finish& finish) {
+    constexpr RayMask kAll = (1u << kPacket) - 1u;
+    Query queries[kPacket];
+    for (std::uint32_t i = 0; i < kPacket; ++i) {
+      queries[i].tfar = rays[i].tfar;
+      packet_.setup.set(i, rays[i], bvh, rays[i].tfar);
+    }
+    packet_.setup.find_common_level(kAll);
+    packet_.run(bvh, rays, kNoInstance, {bvh.root, bvh.root_form_code}, kAll, queries);
+    for (std::uint32_t i = 0; i < kPacket; ++i) finish(i, queries[i]);
+    packet_.saved -= kSetup;
+    if (++traced_ < kTrial || packet_.saved > 0) return;
+    passed_over_ = kPause;
+    forget();
   }
-  packet->setup.find_common_level((1u << kPacket) - 1u);
-  packet->run(bvh, rays, kNoInstance, {bvh.root, bvh.root_form_code}, (1u << kPacket) - 1u, queries);
-  for (std::uint32_t i = 0; i < kPacket; ++i) finish(i, queries[i]);
-}
+
+  // How many of `count` packets to pass over, since the last ones did not pay in this tree.
+  std::size_t pass_over(const Bvh& bvh, std::size_t count) {
+    if (tree_ != &bvh) passed_over_ = 0;
+    tree_ = &bvh;
+    const std::size_t n = std::min(count, passed_over_);
+    passed_over_ -= n;
+    return n;
+  }
+  bool pays() const { return passed_over_ == 0; }
+  // What was saved is not set against what comes next.
+  void forget() { traced_ = 0, packet_.saved = 0; }
+
+ private:
+  static constexpr std::size_t kTrial = 4, kPause = 124;
+  static constexpr std::int64_t kSetup = 60;  // as of Packet::saved
+
+  Packet<kMovement, kInstanced, kGrids, kAnyHit> packet_;
+  const Bvh* tree_ = nullptr;  // to tell it from others only
+  std::size_t traced_ = 0, passed_over_ = 0;
+};
 
 }  // namespace msbvh::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

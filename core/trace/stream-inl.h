@@ -218,12 +218,14 @@ struct TimeSorted {
   Ray rays[kMost];
   std::size_t place[kMost];
 
-  TimeSorted(const Ray* unsorted, std::size_t count) {
+  TimeSorted(const Ray* unsorted, std::size_t count, bool moving) {
     std::size_t begin[kBins + 1] = {};
     std::uint8_t bin[kMost];
     for (std::size_t i = 0; i < count; ++i) {
       bin[i] = static_cast<std::uint8_t>(
-          std::min(kBins - 1, static_cast<std::size_t>(clamped_time(unsorted[i].time) * float(kBins))));
+          moving
+              ? std::min(kBins - 1, static_cast<std::size_t>(clamped_time(unsorted[i].time) * float(kBins)))
+              : 0);
       ++begin[bin[i] + 1];
     }
     for (std::size_t b = 1; b <= kBins; ++b) begin[b] += begin[b - 1];
@@ -235,22 +237,30 @@ struct TimeSorted {
   }
 };
 
-// `count` is a multiple of kPacket.
+// Coherent rays, `count` a multiple of kPacket: by packets, and by turns where those do not pay.
 template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, typename Finish>
-void trace_packets(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
-  if constexpr (kMovement == Movement::kStill) {
-    for (std::size_t i = 0; i < count; i += kPacket)
-      trace_packet<kMovement, kInstanced, kGrids, kAnyHit>(
-          bvh, rays + i, [&](std::size_t k, const Query& query) { finish(i + k, query); });
-  } else {
-    for (std::size_t from = 0; from < count; from += TimeSorted::kMost) {
-      const std::size_t most = std::min(count - from, TimeSorted::kMost);
-      const TimeSorted sorted(rays + from, most);
-      for (std::size_t i = 0; i < most; i += kPacket)
-        trace_packet<kMovement, kInstanced, kGrids, kAnyHit>(
-            bvh, sorted.rays + i,
-            [&](std::size_t k, const Query& query) { finish(from + sorted.place[i + k], query); });
-    }
+void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
+  using P = Packets<kMovement, kInstanced, kGrids, kAnyHit>;
+  static thread_local const std::unique_ptr<P> packets = std::make_unique<P>();
+  const auto by_turns = [&](const Ray* some, std::size_t n, const auto& place) {
+    if (n == 0) return;
+    thread_stream<kMovement, kInstanced, kGrids, kAnyHit>().run(
+        bvh, some, n, [&](std::size_t k, const Query& query) { finish(place(k), query); });
+  };
+  for (std::size_t from = 0; from < count;) {
+    const std::size_t over = kPacket * packets->pass_over(bvh, (count - from) / kPacket);
+    by_turns(rays + from, over, [&](std::size_t k) { return from + k; });
+    from += over;
+    const std::size_t most = std::min(count - from, TimeSorted::kMost);
+    if (most == 0) return;
+    const TimeSorted sorted(rays + from, most, kMovement != Movement::kStill);
+    packets->forget();
+    std::size_t i = 0;
+    for (; i < most && packets->pays(); i += kPacket)
+      packets->trace(bvh, sorted.rays + i,
+                     [&](std::size_t k, const Query& query) { finish(from + sorted.place[i + k], query); });
+    by_turns(sorted.rays + i, most - i, [&](std::size_t k) { return from + sorted.place[i + k]; });
+    from += most;
   }
 }
 
@@ -265,7 +275,7 @@ void trace_many(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish
     const auto ours = [&](std::size_t k, const Query& query) { finish(i + k, query); };
     while (packet_at(end)) end += kPacket;
     if (end > i) {
-      trace_packets<kMovement, kInstanced, kGrids, kAnyHit>(bvh, rays + i, end - i, ours);
+      trace_coherent<kMovement, kInstanced, kGrids, kAnyHit>(bvh, rays + i, end - i, ours);
     } else {
       while (end < count && !packet_at(end)) end = std::min(count, end + kPacket);
       thread_stream<kMovement, kInstanced, kGrids, kAnyHit>().run(bvh, rays + i, end - i, ours);
