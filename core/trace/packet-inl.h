@@ -3,9 +3,9 @@
 // A node's boxes are read, and a child is chosen, once for all rays that are there; what 16 rays share is
 // paid once. Where few are left, each goes on alone (C. Benthin, I. Wald, S. Woop, M. Ernst, W. Mark,
 // "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture",
-// TVCG 18(9), 2012). Rays have times of their own: boxes at one or two keys are interpolated for all rays at
-// once, finer ones ray by ray. Triangles are tested a ray at a time, eight at once, by the same code in the
-// same arithmetic as everywhere: same hits to the bit.
+// TVCG 18(9), 2012). Rays have times of their own: boxes are interpolated for all rays in one segment at
+// once, and ray by ray where rays are in more than two. Triangles are tested a ray at a time, eight at once,
+// by the same code in the same arithmetic as everywhere: same hits to the bit.
 
 #if defined(MSBVH_PACKET_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef MSBVH_PACKET_INL_H

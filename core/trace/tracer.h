@@ -37,7 +37,8 @@ class Tracer {
   // The closest hit in [tnear, tfar]; `hit` is written only where true is returned.
   bool intersect(const Ray& ray, Hit& hit) const { return intersect_(*bvh_, ray, hit, nullptr); }
   // The same for many rays, which need not be coherent: hits[i].found() says whether rays[i] has one. From
-  // some dozens of rays on faster than one by one, and more so where the tree outgrows the caches.
+  // some dozens of rays on faster than one by one, and more so where the tree outgrows the caches, or where
+  // neighbours among the rays look the same way. Hundreds at once and more let rays at like times meet.
   void intersect(std::span<const Ray> rays, Hit* hits) const {
     intersect_many_(*bvh_, rays.data(), rays.size(), hits);
   }
