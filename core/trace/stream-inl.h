@@ -268,7 +268,8 @@ void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, const Fi
 template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, typename Finish>
 void trace_many(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
   const auto packet_at = [&](std::size_t i) { return i + kPacket <= count && coherent(rays + i); };
-  if (!bvh.slice_roots.empty())
+  // Among instances packets fall apart: 0.7 to 1.1 of the rays by turns (docs/design/traversal.md).
+  if (kInstanced || !bvh.slice_roots.empty())
     return thread_stream<kMovement, kInstanced, kGrids, kAnyHit>().run(bvh, rays, count, finish);
   for (std::size_t i = 0; i < count;) {
     std::size_t end = i;
