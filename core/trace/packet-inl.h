@@ -29,11 +29,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 inline constexpr std::uint32_t kPacket = 16;  // rays
 using RayMask = std::uint32_t;                // a bit each
+inline constexpr RayMask kAllRays = (1u << kPacket) - 1u;
 
 using DR = hn::CappedTag<float, kPacket>;
 using VR = hn::Vec<DR>;
 inline constexpr std::size_t kRayLanes = hn::MaxLanes(DR());
-inline constexpr std::size_t kRayVectors = kPacket / kRayLanes;
 
 // What the rays of a packet bring into a tree: axis by axis for boxes, ray by ray for triangles.
 template <Movement kMovement>
@@ -43,48 +43,39 @@ struct PacketSetup {
   // Up to this level all rays are in the same segment.
   std::uint32_t common_level = 0;
 
-  void set(std::uint32_t i, const Ray& r, const Bvh& bvh, float farthest) {
+  void set(std::uint32_t i, const Ray& r, const Bvh& bvh) {
     std::construct_at(&ray[i], r, bvh);
     for (int axis = 0; axis < 3; ++axis) org[axis][i] = r.org[axis];
     for (int axis = 0; axis < 3; ++axis) reciprocal[axis][i] = 1.0f / r.dir[axis];
     tnear[i] = ray[i].tnear;
-    tfar[i] = farthest;
+    tfar[i] = r.tfar;
     time[i] = clamped_time(r.time);
   }
-  // A lane that no ray is in: any numbers will do.
-  void clear(std::uint32_t i) {
-    for (int axis = 0; axis < 3; ++axis) org[axis][i] = reciprocal[axis][i] = 0.0f;
-    tnear[i] = tfar[i] = time[i] = 0.0f;
-  }
-  // Once `rays` are set.
-  void find_common_level(RayMask rays) {
+  // Once all rays are set.
+  void find_common_level() {
     if constexpr (kMovement == Movement::kStill) return;
-    float first = 1.0f, last = 0.0f;
-    for (; rays != 0; rays &= rays - 1) {
-      const float u = time[std::countr_zero(rays)];
-      first = std::min(first, u);
-      last = std::max(last, u);
-    }
+    const auto [first, last] = std::minmax_element(time, time + kPacket);
     common_level = 1;
     while (common_level + 1 < kSliceLevel) {
       const std::uint32_t segments = segments_of_level(common_level + 1);
-      if (locate(first, segments).key != locate(last, segments).key) return;
+      if (locate(*first, segments).key != locate(*last, segments).key) return;
       ++common_level;
     }
   }
 };
 
-template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit>
+template <Movement kMovement, bool kAnyHit>
 class Packet {
  public:
   using Setup = PacketSetup<kMovement>;
 
-  // Rays `rays` of `setup` from `at` on. `local` are the rays in the tree's space, `queries` their answers.
-  void run(const Bvh& bvh, const Ray* local, std::uint32_t instance, Place at, RayMask rays, Query* queries) {
+  // `all` rays, that `setup` is of, from the root on; `queries` take their answers.
+  void run(const Bvh& bvh, const Ray* all, Query* queries) {
     bvh_ = &bvh;
-    local_ = local;
-    instance_ = instance;
+    rays_ = all;
     queries_ = queries;
+    Place at{bvh.root, bvh.root_form_code};
+    RayMask rays = kAllRays;
     top_ = stack_;
     for (;;) {
       if (std::popcount(rays) <= kFew) {
@@ -289,80 +280,26 @@ class Packet {
     fetch_own_keys(at, rays);
     for (; rays != 0; rays &= rays - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(rays));
-      Traversal<kMovement, kInstanced, kGrids, kAnyHit, false>(*bvh_, local_[i], setup.ray[i], instance_,
-                                                               queries_[i], nullptr)
+      Traversal<kMovement, false, false, kAnyHit, false>(*bvh_, rays_[i], setup.ray[i], kNoInstance,
+                                                         queries_[i], nullptr)
           .run(at);
       take_answer(i);
     }
   }
 
   HWY_INLINE void visit_leaf(const BlockHeader& first, RayMask rays) {
-    if (kInstanced && first.kind == BlockKind::kInstance) return enter_instance(first, rays);
     for (; rays != 0; rays &= rays - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(rays));
       for (const BlockHeader* block = &first;; block = next_block(block)) {
-        if (kGrids && block->kind == BlockKind::kGrid) {
-          test_grid<kMovement, kAnyHit>(*bvh_, *block, setup.ray[i], instance_, queries_[i]);
-        } else {
-          test_triangles<kMovement, kAnyHit>(*bvh_, *block, setup.ray[i], instance_, queries_[i]);
-        }
+        test_triangles<kMovement, kAnyHit>(*bvh_, *block, setup.ray[i], kNoInstance, queries_[i]);
         if ((kAnyHit && queries_[i].found) || block->last) break;
       }
       take_answer(i);
     }
   }
 
-  HWY_NOINLINE void enter_instance(const BlockHeader& block, RayMask rays) {
-    if constexpr (kInstanced) {
-      const Movement movement = bvh_->instances[block.owner].object->movement;
-      if (kMovement == Movement::kPolynomial && movement == Movement::kPolynomial) {
-        trace_object<Movement::kPolynomial>(block, rays);
-      } else if (kMoving && movement != Movement::kStill) {
-        trace_object<Movement::kLinear>(block, rays);
-      } else {
-        trace_object<Movement::kStill>(block, rays);
-      }
-    }
-  }
-
-  template <Movement kObject>
-  void trace_object(const BlockHeader& block, RayMask rays) {
-    using Inner = Packet<kObject, false, kGrids, kAnyHit>;
-    static thread_local const std::unique_ptr<Inner> inner = std::make_unique<Inner>();
-    const Instance& instance = bvh_->instances[block.owner];
-    const Bvh& object = *instance.object;
-    Ray local[kPacket];
-    RayMask inside = 0;
-    for (std::uint32_t i = 0; i < kPacket; ++i) {
-      local[i] = local_[i];
-      if ((rays >> i & 1u) != 0 && to_object<kMovement>(*bvh_, instance, local[i])) {
-        inner->setup.set(i, local[i], object, queries_[i].tfar);
-        inside |= 1u << i;
-      } else {
-        inner->setup.clear(i);
-      }
-    }
-    inner->setup.find_common_level(inside);
-    inner->saved = 0;
-    for (RayMask left = inside; left != 0;) {  // rays at different times may begin in different slices
-      const auto first = static_cast<std::uint32_t>(std::countr_zero(left));
-      const Place at = entry_of<kObject>(block, object, inner->setup.ray[first]);
-      RayMask together = 0;
-      for (RayMask rest = left; rest != 0; rest &= rest - 1) {
-        const auto i = static_cast<std::uint32_t>(std::countr_zero(rest));
-        const Place begins = entry_of<kObject>(block, object, inner->setup.ray[i]);
-        together |= static_cast<RayMask>(begins.ref.bits == at.ref.bits) << i;
-      }
-      inner->run(object, local, block.owner, at, together, queries_);
-      left &= ~together;
-    }
-    saved += inner->saved;
-    for (; rays != 0; rays &= rays - 1) take_answer(static_cast<std::uint32_t>(std::countr_zero(rays)));
-  }
-
   const Bvh* bvh_;
-  const Ray* local_;
-  std::uint32_t instance_;
+  const Ray* rays_;
   Query* queries_;
   // Of the node that was tested last: the rays that enter each child, and where.
   alignas(64) float enter_[kWidth][kPacket];
@@ -385,20 +322,19 @@ inline bool coherent(const Ray* rays) {
 
 // Coherent rays by packets as long as that pays. One a thread for each kind: large, and it remembers whether
 // it did.
-template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit>
+template <Movement kMovement, bool kAnyHit>
 class Packets {
  public:
   // kPacket rays; `finish(i, query)` takes the answers.
   template <typename Finish>
   void trace(const Bvh& bvh, const Ray* rays, const Finish& finish) {
-    constexpr RayMask kAll = (1u << kPacket) - 1u;
     Query queries[kPacket];
     for (std::uint32_t i = 0; i < kPacket; ++i) {
       queries[i].tfar = rays[i].tfar;
-      packet_.setup.set(i, rays[i], bvh, rays[i].tfar);
+      packet_.setup.set(i, rays[i], bvh);
     }
-    packet_.setup.find_common_level(kAll);
-    packet_.run(bvh, rays, kNoInstance, {bvh.root, bvh.root_form_code}, kAll, queries);
+    packet_.setup.find_common_level();
+    packet_.run(bvh, rays, queries);
     for (std::uint32_t i = 0; i < kPacket; ++i) finish(i, queries[i]);
     packet_.saved -= kSetup;
     if (++traced_ < kTrial || packet_.saved > 0) return;
@@ -422,7 +358,7 @@ class Packets {
   static constexpr std::size_t kTrial = 4, kPause = 124;
   static constexpr std::int64_t kSetup = 60;  // as of Packet::saved
 
-  Packet<kMovement, kInstanced, kGrids, kAnyHit> packet_;
+  Packet<kMovement, kAnyHit> packet_;
   const Bvh* tree_ = nullptr;  // to tell it from others only
   std::size_t traced_ = 0, passed_over_ = 0;
 };

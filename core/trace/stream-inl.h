@@ -238,13 +238,13 @@ struct TimeSorted {
 };
 
 // Coherent rays, `count` a multiple of kPacket: by packets, and by turns where those do not pay.
-template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, typename Finish>
+template <Movement kMovement, bool kAnyHit, typename Finish>
 void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
-  using P = Packets<kMovement, kInstanced, kGrids, kAnyHit>;
+  using P = Packets<kMovement, kAnyHit>;
   static thread_local const std::unique_ptr<P> packets = std::make_unique<P>();
   const auto by_turns = [&](const Ray* some, std::size_t n, const auto& place) {
     if (n == 0) return;
-    thread_stream<kMovement, kInstanced, kGrids, kAnyHit>().run(
+    thread_stream<kMovement, false, false, kAnyHit>().run(
         bvh, some, n, [&](std::size_t k, const Query& query) { finish(place(k), query); });
   };
   for (std::size_t from = 0; from < count;) {
@@ -265,24 +265,31 @@ void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, const Fi
 }
 
 // Coherent rays in packets, the others by turns.
-template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, typename Finish>
-void trace_many(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
+template <Movement kMovement, bool kAnyHit, typename Finish>
+void trace_mixed(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
   const auto packet_at = [&](std::size_t i) { return i + kPacket <= count && coherent(rays + i); };
-  // Among instances packets fall apart: 0.7 to 1.1 of the rays by turns (docs/design/traversal.md).
-  if (kInstanced || !bvh.slice_roots.empty())
-    return thread_stream<kMovement, kInstanced, kGrids, kAnyHit>().run(bvh, rays, count, finish);
   for (std::size_t i = 0; i < count;) {
     std::size_t end = i;
     const auto ours = [&](std::size_t k, const Query& query) { finish(i + k, query); };
     while (packet_at(end)) end += kPacket;
     if (end > i) {
-      trace_coherent<kMovement, kInstanced, kGrids, kAnyHit>(bvh, rays + i, end - i, ours);
+      trace_coherent<kMovement, kAnyHit>(bvh, rays + i, end - i, ours);
     } else {
       while (end < count && !packet_at(end)) end = std::min(count, end + kPacket);
-      thread_stream<kMovement, kInstanced, kGrids, kAnyHit>().run(bvh, rays + i, end - i, ours);
+      thread_stream<kMovement, false, false, kAnyHit>().run(bvh, rays + i, end - i, ours);
     }
     i = end;
   }
+}
+
+// Among instances packets do not pay (docs/design/traversal.md), and rays at different times begin in
+// different slices of the shutter: all by turns.
+template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, typename Finish>
+void trace_many(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
+  if constexpr (!kInstanced && !kGrids) {
+    if (bvh.slice_roots.empty()) return trace_mixed<kMovement, kAnyHit>(bvh, rays, count, finish);
+  }
+  thread_stream<kMovement, kInstanced, kGrids, kAnyHit>().run(bvh, rays, count, finish);
 }
 
 template <Movement kMovement, bool kInstanced, bool kGrids>
