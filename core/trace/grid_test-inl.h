@@ -118,10 +118,10 @@ class GridTest {
 
   HWY_INLINE Sheared<V8> point(const float* here, const float* below) const {
     const D8 d;
-    const V8 z = relative(here, below, ray_.kz);
-    return {hn::NegMulAdd(hn::Set(d, ray_.shear_x), z, relative(here, below, ray_.kx)),
-            hn::NegMulAdd(hn::Set(d, ray_.shear_y), z, relative(here, below, ray_.ky)),
-            hn::Mul(hn::Set(d, ray_.scale_z), z)};
+    const V8 z = relative(here, below, ray_.axes.z);
+    return {hn::NegMulAdd(hn::Set(d, ray_.shear.x), z, relative(here, below, ray_.axes.x)),
+            hn::NegMulAdd(hn::Set(d, ray_.shear.y), z, relative(here, below, ray_.axes.y)),
+            hn::Mul(hn::Set(d, ray_.shear.scale_z), z)};
   }
 
   const GridBlock& grid_;

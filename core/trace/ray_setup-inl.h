@@ -7,6 +7,7 @@
 #define MSBVH_RAY_SETUP_INL_H
 #endif
 
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <hwy/highway.h>
@@ -82,9 +83,13 @@ struct RaySetup {
   float org[3];
   float
       tnear;  // not a number where the ray is no line: no comparison with it holds, nothing is entered or hit
-  // Woop's shear: kz is the direction's largest axis; kx, ky wind so that the triangle's orientation is kept.
-  int kx, ky, kz;
-  float shear_x, shear_y, scale_z;
+  // Woop's shear: z is the direction's largest axis; x, y wind so that the triangle's orientation is kept.
+  struct alignas(16) Axes {
+    std::int32_t x, y, z, unused;
+  } axes;
+  struct alignas(16) Shear {
+    float x, y, scale_z, unused;
+  } shear;
   std::conditional_t<kMoving, LevelTimes, NoTimes> at_level;
 
   RaySetup() = default;
@@ -92,19 +97,25 @@ struct RaySetup {
       : org{ray.org.x, ray.org.y, ray.org.z},
         tnear(is_line(ray) ? ray.tnear : std::numeric_limits<float>::quiet_NaN()),
         at_level(kMoving ? clamped_time(ray.time) : 0.0f, bvh) {
-    const float dir[3] = {ray.dir.x, ray.dir.y, ray.dir.z};
-    for (std::uint32_t axis = 0; axis < 3; ++axis) set_axis(axis, dir[axis]);
-    const float ax = std::abs(dir[0]), ay = std::abs(dir[1]), az = std::abs(dir[2]);
-    constexpr int kNext[3] = {1, 2, 0};
-    const bool z = (az >= ax) & (az >= ay);
-    kz = z ? 2 : static_cast<int>(ay >= ax);
-    const int next = kNext[kz], last = kNext[next];
-    const bool flip = dir[kz] < 0.0f;
-    kx = flip ? last : next;
-    ky = flip ? next : last;
-    shear_x = dir[kx] / dir[kz];
-    shear_y = dir[ky] / dir[kz];
-    scale_z = 1.0f / dir[kz];
+    const hn::FixedTag<float, 4> d;
+    const hn::FixedTag<std::int32_t, 4> di;
+    const auto one = hn::Set(d, 1.0f);
+    const auto dir = hn::LoadU(d, &ray.dir.x);  // and tfar, which is not used
+    HWY_ALIGN float inverse[4];
+    hn::Store(hn::Div(one, dir), d, inverse);
+    for (std::uint32_t axis = 0; axis < 3; ++axis) set_axis(axis, inverse[axis]);
+    // No branch: directions are what nobody can guess.
+    const float ax = std::abs(ray.dir.x), ay = std::abs(ray.dir.y), az = std::abs(ray.dir.z);
+    const std::uint32_t z = (az >= ax) & (az >= ay), y = ay >= ax;
+    const std::uint32_t largest = 2 * z | ((z ^ 1) & y);
+    const std::uint32_t flip = std::signbit(ray.dir[largest]);
+    HWY_ALIGN static constexpr std::int32_t kOrder[6][4] = {{1, 2, 0, 0}, {2, 0, 1, 1}, {0, 1, 2, 2},
+                                                            {2, 1, 0, 0}, {0, 2, 1, 1}, {1, 0, 2, 2}};
+    const auto order = hn::Load(di, kOrder[3 * flip + largest]);
+    hn::Store(order, di, &axes.x);
+    const auto wound = hn::TableLookupLanes(dir, hn::IndicesFromVec(d, order));
+    const auto along = hn::Broadcast<3>(wound);
+    hn::Store(hn::Div(hn::IfThenElse(hn::FirstN(d, 2), wound, one), along), d, &shear.x);
   }
 
  private:
@@ -115,19 +126,20 @@ struct RaySetup {
     return (dir > 0.0f) & (dir + org < std::numeric_limits<float>::infinity());
   }
 
-  // The reciprocal is infinite for 0: see node_test-inl.h.
-  HWY_INLINE void set_axis(std::uint32_t axis, float dir) {
+  // A reciprocal is infinite for 0: see node_test-inl.h.
+  HWY_INLINE void set_axis(std::uint32_t axis, float inverse) {
+    const std::int32_t sign = std::bit_cast<std::int32_t>(inverse) >> 31;  // all bits, or none
 #if HWY_TARGET == HWY_AVX3
     const hn::FixedTag<float, kWidth> d;
-    const auto reciprocal = hn::Set(d, std::abs(1.0f / dir));
-    hn::Store(reciprocal, d, signed_reciprocal[axis]);
-    hn::Store(hn::Neg(reciprocal), d, signed_reciprocal[axis] + kWidth);
-    backwards[axis] = std::signbit(dir) ? 0xffff : 0;
+    const auto length = hn::Set(d, std::abs(inverse));
+    hn::Store(length, d, signed_reciprocal[axis]);
+    hn::Store(hn::Neg(length), d, signed_reciprocal[axis] + kWidth);
+    backwards[axis] = static_cast<std::uint16_t>(sign);
 #else
-    reciprocal[axis] = 1.0f / dir;
-    const std::uint32_t backwards = std::signbit(dir) ? 1 : 0;
-    near_plane[axis] = kWidth * (2 * axis + backwards);
-    far_plane[axis] = kWidth * (2 * axis + 1 - backwards);
+    reciprocal[axis] = inverse;
+    const auto upper = static_cast<std::uint32_t>(-sign);
+    near_plane[axis] = kWidth * (2 * axis + upper);
+    far_plane[axis] = kWidth * (2 * axis + 1 - upper);
 #endif
   }
 };

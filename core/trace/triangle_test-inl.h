@@ -88,10 +88,10 @@ class BlockVertices {
       load_gathered(first, p);
     }
     const auto relative = [&](int axis) { return hn::Sub(p[axis], hn::Set(d, ray_.org[axis])); };
-    const VPool z = relative(ray_.kz);
-    return {hn::NegMulAdd(hn::Set(d, ray_.shear_x), z, relative(ray_.kx)),
-            hn::NegMulAdd(hn::Set(d, ray_.shear_y), z, relative(ray_.ky)),
-            hn::Mul(hn::Set(d, ray_.scale_z), z)};
+    const VPool z = relative(ray_.axes.z);
+    return {hn::NegMulAdd(hn::Set(d, ray_.shear.x), z, relative(ray_.axes.x)),
+            hn::NegMulAdd(hn::Set(d, ray_.shear.y), z, relative(ray_.axes.y)),
+            hn::Mul(hn::Set(d, ray_.shear.scale_z), z)};
   }
 
  private:

@@ -64,11 +64,13 @@ HWY_INLINE void prefetch(const Bvh& bvh, Place at, const RaySetup<kMovement>& se
   } else {
     const std::uint32_t level = at.form.level();
     const std::size_t degree = kMovement == Movement::kPolynomial ? at.form.degree() : 1;
-    const std::size_t vertices = 3 * sizeof(float) * at.form.row_floats();
-    const std::size_t control = at.ref.is_leaf() ? vertices : sizeof(NodeBounds);
-    // Indexed blocks have their vertices elsewhere.
-    const std::size_t key = at.ref.is_leaf() && level > kMaxGatheredLevel ? 0 : setup.at_level[level].key;
-    p += key * degree * control;
+    const std::size_t leaf = at.ref.is_leaf();
+    // Arithmetic throughout: which of a node and a leaf comes next is what a processor cannot guess.
+    const std::size_t control =
+        sizeof(NodeBounds) + leaf * (3 * sizeof(float) * at.form.row_floats() - sizeof(NodeBounds));
+    const std::size_t elsewhere =
+        leaf & std::size_t(level > kMaxGatheredLevel);  // vertices of indexed blocks
+    p += (setup.at_level[level].key & (elsewhere - 1)) * degree * control;
     for (std::size_t line = 0; line < 6; ++line) __builtin_prefetch(p + 64 * line);
   }
 }
