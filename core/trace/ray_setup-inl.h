@@ -108,7 +108,9 @@ struct RaySetup {
     const float ax = std::abs(ray.dir.x), ay = std::abs(ray.dir.y), az = std::abs(ray.dir.z);
     const std::uint32_t z = (az >= ax) & (az >= ay), y = ay >= ax;
     const std::uint32_t largest = 2 * z | ((z ^ 1) & y);
-    const std::uint32_t flip = std::signbit(ray.dir[largest]);
+    std::uint8_t negative[8] = {};
+    hn::StoreMaskBits(d, hn::Lt(dir, hn::Zero(d)), negative);
+    const std::uint32_t flip = negative[0] >> largest & 1u;
     HWY_ALIGN static constexpr std::int32_t kOrder[6][4] = {{1, 2, 0, 0}, {2, 0, 1, 1}, {0, 1, 2, 2},
                                                             {2, 1, 0, 0}, {0, 2, 1, 1}, {1, 0, 2, 2}};
     const auto order = hn::Load(di, kOrder[3 * flip + largest]);
