@@ -80,39 +80,42 @@ class BlockVertices {
 
   // Those from `first` on, as many as fit a vector.
   HWY_INLINE Sheared<VPool> sheared(std::uint32_t first) const {
-    const DPool d;
-    VPool p[3];
     if (kMoving && block_.kind == BlockKind::kIndexed) {
-      load_indexed(first, p);
-    } else {
-      load_gathered(first, p);
+      HWY_ALIGN float columns[3][kPoolLanes];
+      load_indexed(first, columns);
+      return shear([&](std::int32_t axis) { return hn::Load(DPool(), columns[axis]); });
     }
-    const auto relative = [&](int axis) { return hn::Sub(p[axis], hn::Set(d, ray_.org[axis])); };
+    return shear([&](std::int32_t axis) { return gathered(first, axis); });
+  }
+
+ private:
+  static constexpr bool kMoving = kMovement != Movement::kStill;
+
+  // `coordinate(axis)`: of all vertices.
+  template <class Coordinate>
+  HWY_INLINE Sheared<VPool> shear(const Coordinate& coordinate) const {
+    const DPool d;
+    const auto relative = [&](std::int32_t axis) {
+      return hn::Sub(coordinate(axis), hn::Set(d, ray_.org[axis]));
+    };
     const VPool z = relative(ray_.axes.z);
     return {hn::NegMulAdd(hn::Set(d, ray_.shear.x), z, relative(ray_.axes.x)),
             hn::NegMulAdd(hn::Set(d, ray_.shear.y), z, relative(ray_.axes.y)),
             hn::Mul(hn::Set(d, ray_.shear.scale_z), z)};
   }
 
- private:
-  static constexpr bool kMoving = kMovement != Movement::kStill;
-
-  HWY_INLINE void load_gathered(std::uint32_t first, VPool (&p)[3]) const {
-    const DPool d;
-    const std::uint32_t row = block_.row_floats();
-    const float* vertices = block_.vertices() + std::size_t(3) * row * at_.key * degree_ + first;
-    const std::size_t stride = moves_ ? std::size_t(3) * row : 0;  // as of a node: node_test-inl.h
-    const Weights<DPool> w(d, at_.w);
-    for (std::uint32_t axis = 0; axis < 3; ++axis) {
-      const float* first = vertices + axis * row;
-      const auto control = [&](std::uint32_t c) { return load_row(first + c * stride, row); };
-      p[axis] = kMoving ? simd_bezier(control, degree_, w) : control(0);
-    }
+  HWY_INLINE VPool gathered(std::uint32_t first, std::int32_t axis) const {
+    const std::size_t row = block_.row_floats();
+    const float* p =
+        block_.vertices() + row * (3 * at_.key * degree_ + static_cast<std::uint32_t>(axis)) + first;
+    const std::size_t stride = moves_ ? 3 * row : 0;  // as of a node: node_test-inl.h
+    const auto control = [&](std::uint32_t c) { return load_row(p + c * stride, row); };
+    return kMoving ? simd_bezier(control, degree_, Weights<DPool>(DPool(), at_.w)) : control(0);
   }
 
   // What follows a row may be anything. Read as floats, ids are denormal numbers, which take long to
   // multiply.
-  HWY_INLINE static VPool load_row(const float* p, [[maybe_unused]] std::uint32_t row) {
+  HWY_INLINE static VPool load_row(const float* p, [[maybe_unused]] std::size_t row) {
     const DPool d;
 #if HWY_TARGET == HWY_AVX3
     return hn::MaskedLoad(hn::FirstN(d, row), d, p);
@@ -122,8 +125,7 @@ class BlockVertices {
   }
 
   // A vertex's three coordinates at once, then rows to columns, four vertices by four.
-  HWY_INLINE void load_indexed(std::uint32_t first, VPool (&p)[3]) const {
-    HWY_ALIGN float columns[3][kPoolLanes];
+  HWY_INLINE void load_indexed(std::uint32_t first, float (&columns)[3][kPoolLanes]) const {
     const D4 d;
     const TriangleMesh& mesh = *bvh_.meshes[block_.owner];
     const std::uint32_t* indices = block_.vertex_indices() + first;
@@ -137,7 +139,6 @@ class BlockVertices {
       hn::Store(hn::ConcatUpperUpper(d, xy_ce, xy_ab), d, columns[1] + i);
       hn::Store(hn::ConcatLowerLower(d, zw_ce, zw_ab), d, columns[2] + i);
     }
-    for (int axis = 0; axis < 3; ++axis) p[axis] = hn::Load(DPool(), columns[axis]);
   }
   HWY_INLINE V4 position(const TriangleMesh& mesh, std::uint32_t vertex) const {
     const D4 d;
