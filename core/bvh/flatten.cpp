@@ -71,7 +71,7 @@ class Flattener {
     std::memset(out_.arena.data() + bytes, 0, kArenaGuard);
     emit(0, 0);
     out_.root = ref_of(0, 0);
-    out_.root_form_code = code_of(plans_[0].form);
+    out_.root_form_code = child_code_of(0);
     out_.root_form = root.form;
     out_.root_bounds = std::move(root.controls);
     out_.max_level = level_of(tally.segments);
@@ -157,9 +157,11 @@ class Flattener {
     return primitives_.slice.whole() || !form.moving() ? FormCode::of(form) : FormCode::of_slice(form.degree);
   }
 
-  FormCode child_code_of(const Plan& p) const {
-    const FormCode code = code_of(p.form);
-    return p.gathered > 0 ? code.with_rows(p.gathered) : code;
+  // Where a leaf has nothing to fetch at a ray's own key, it is told as still.
+  FormCode child_code_of(std::uint32_t node) const {
+    const Plan& p = plans_[node];
+    if (!is_leaf(node)) return code_of(p.form).of_node();
+    return p.gathered > 0 ? code_of(p.form).with_vertices(p.gathered) : FormCode::of({});
   }
 
   void keep(std::uint32_t node, const WideChildren& children, const SlotTracks& slots, Tally& tally) {
@@ -237,7 +239,7 @@ class Flattener {
     place(children, offset + node_bytes(p.form), offsets);
     for (std::uint32_t i = 0; i < children.count; ++i) {
       header.child[i] = ref_of(children.node[i], offsets[i]);
-      header.child_form[i] = child_code_of(plans_[children.node[i]]);
+      header.child_form[i] = child_code_of(children.node[i]);
     }
     parallel_for_ranges(children.count, p.bytes > kParallelBytes ? 1 : kWidth,
                         [&](std::size_t begin, std::size_t end) {

@@ -62,8 +62,8 @@ constexpr std::uint32_t segments_of_level(std::uint32_t level) {
   return level == 0 ? 0 : level == kSliceLevel ? 1 : 1u << (level - 1);
 }
 
-// A track's form in a byte. Where it stands for a leaf it also tells how long its first block's rows are, so
-// that a ray may fetch its own key's before it has seen the block.
+// A track's form in a byte; and how many bytes a control takes there, so that a ray may fetch its own key's
+// before it has seen the node, or the leaf's first block.
 struct FormCode {
   std::uint8_t bits;
 
@@ -73,12 +73,14 @@ struct FormCode {
   static constexpr FormCode of_slice(std::uint32_t degree) {
     return {static_cast<std::uint8_t>(kSliceLevel | degree << 4)};
   }
-  constexpr FormCode with_rows(std::uint32_t vertices) const {
+  // Of a gathered block; a node's control is as long as that of a block of kBlockVertices.
+  constexpr FormCode with_vertices(std::uint32_t vertices) const {
     return {static_cast<std::uint8_t>(bits | (vertices - 1) / 4 << 6)};
   }
+  constexpr FormCode of_node() const { return with_vertices(kBlockVertices); }
   constexpr std::uint32_t level() const { return bits & 15u; }
   constexpr std::uint32_t degree() const { return bits >> 4 & 3u; }
-  constexpr std::uint32_t row_floats() const { return 4 * ((bits >> 6) + 1u); }
+  constexpr std::size_t control_bytes() const { return 4 * ((bits >> 6) + 1u) * 3 * sizeof(float); }
   constexpr TrackForm form() const { return {segments_of_level(level()), degree()}; }
 };
 
@@ -155,6 +157,7 @@ struct alignas(16) BlockHeader {
   }
 };
 
+static_assert(FormCode{0}.of_node().control_bytes() == sizeof(NodeBounds));
 static_assert(sizeof(NodeHeader) == 64 && sizeof(NodeBounds) == 192 && sizeof(BlockHeader) == 16);
 
 // Whole vectors are read where rows are shorter: so many bytes after the last block belong to the arena.

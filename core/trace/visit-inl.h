@@ -62,15 +62,9 @@ HWY_INLINE void prefetch(const Bvh& bvh, Place at, const RaySetup<kMovement>& se
   if constexpr (kMovement == Movement::kStill) {
     for (std::size_t line = 0; line < 3; ++line) __builtin_prefetch(p + 64 * line);
   } else {
-    const std::uint32_t level = at.form.level();
-    const std::size_t degree = kMovement == Movement::kPolynomial ? at.form.degree() : 1;
-    const std::size_t leaf = at.ref.is_leaf();
-    // Arithmetic throughout: which of a node and a leaf comes next is what a processor cannot guess.
-    const std::size_t control =
-        sizeof(NodeBounds) + leaf * (3 * sizeof(float) * at.form.row_floats() - sizeof(NodeBounds));
-    const std::size_t elsewhere =
-        leaf & std::size_t(level > kMaxGatheredLevel);  // vertices of indexed blocks
-    p += (setup.at_level[level].key & (elsewhere - 1)) * degree * control;
+    const std::uint32_t degree = kMovement == Movement::kPolynomial ? at.form.degree() : 1;
+    // No branch: what comes next, a node or a leaf, moving or still, is what a processor cannot guess.
+    p += setup.at_level[at.form.level()].key * degree * at.form.control_bytes();
     for (std::size_t line = 0; line < 6; ++line) __builtin_prefetch(p + 64 * line);
   }
 }
