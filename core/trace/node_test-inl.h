@@ -151,7 +151,7 @@ HWY_INLINE ChildKeys test_boxes(const NodeBounds* first, bool moves, std::uint32
   const ChildKeys::D di;
   // Among moving boxes a still one is one whose next control is itself, with weight 0: (1 - 0) x + 0 x is x,
   // and no branch has to guess which is which.
-  const std::size_t stride = moves ? sizeof(NodeBounds) / sizeof(float) : 0;
+  const std::size_t stride = std::size_t(moves) * (sizeof(NodeBounds) / sizeof(float));
   const Slabs<kMovement> slabs(reinterpret_cast<const float*>(first), stride, degree, w, ray, tfar);
   ChildKeys keys;
   hits = 0;
@@ -168,14 +168,20 @@ HWY_INLINE ChildKeys test_boxes(const NodeBounds* first, bool moves, std::uint32
   return keys;
 }
 
-// Of a node's children.
+// Of a node's children; `bounds` as in force at the ray's time.
+template <Movement kMovement>
+HWY_INLINE ChildKeys test_children(const NodeBounds* bounds, FormCode form, const RaySetup<kMovement>& ray,
+                                   float tfar, std::uint32_t& hits) {
+  const std::uint32_t level = kMovement != Movement::kStill ? form.level() : 0;
+  const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
+  return test_boxes<kMovement>(bounds, level != 0, degree, ray.at_level[level].w, ray, tfar, hits);
+}
 template <Movement kMovement>
 HWY_INLINE ChildKeys test_node(const NodeHeader& node, FormCode form, const RaySetup<kMovement>& ray,
                                float tfar, std::uint32_t& hits) {
-  const std::uint32_t level = kMovement != Movement::kStill ? form.level() : 0;
-  const SegmentTime at = ray.at_level[level];
+  const std::uint32_t key = kMovement != Movement::kStill ? ray.at_level[form.level()].key : 0;
   const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
-  return test_boxes<kMovement>(node.bounds() + at.key * degree, level != 0, degree, at.w, ray, tfar, hits);
+  return test_children<kMovement>(node.bounds() + key * degree, form, ray, tfar, hits);
 }
 
 }  // namespace msbvh::HWY_NAMESPACE

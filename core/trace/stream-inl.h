@@ -47,7 +47,8 @@ class Stream {
       const bool leaf = slot->at.ref.is_leaf();
       nodes += !leaf;
       leaves += leaf;
-      prefetch<kMovement>(*slot->bvh, slot->at, *slot->in);
+      slot->spot = spot_of(*slot->bvh, slot->at, *slot->in);
+      prefetch<kMovement>(slot->spot);
     };
     const auto done = [&](Slot* slot) {
       finish(slot->index, slot->query);
@@ -90,6 +91,7 @@ class Stream {
     std::uint32_t instance;
     std::uint32_t entered;  // the instance that setup[1] is for
     Place at;
+    Spot spot;  // of `at`
     Frame* top;
     Frame stack[2 * kMaxDepth + 2];
   };
@@ -114,11 +116,10 @@ class Stream {
   }
 
   HWY_INLINE static void step_node(Slot& slot) {
-    const NodeHeader& node = slot.bvh->node(slot.at.ref);
     std::uint32_t hits;
-    const ChildKeys keys = test_node<kMovement>(node, slot.at.form, *slot.in, slot.query.tfar, hits);
+    const ChildKeys keys = test_children(slot.spot.bounds(), slot.at.form, *slot.in, slot.query.tfar, hits);
     if (!kAnyHit) keys.store(slot.top->keys);
-    slot.top->node = &node;
+    slot.top->node = &slot.spot.node();
     slot.top->left = kAnyHit ? hits : static_cast<std::uint32_t>(std::popcount(hits));
     slot.top += hits != 0;
   }
@@ -156,7 +157,7 @@ class Stream {
 
   // False: the ray is done.
   HWY_INLINE bool step_leaf(Slot& slot) const {
-    const BlockHeader* block = &slot.bvh->block(slot.at.ref);
+    const BlockHeader* block = &slot.spot.block();
     if (kInstanced && block->kind == BlockKind::kInstance) {  // alone in its leaf
       if (enter_instance(slot, *block)) return true;
       return next(slot);

@@ -108,7 +108,7 @@ class BlockVertices {
     const std::size_t row = block_.row_floats();
     const float* p =
         block_.vertices() + row * (3 * at_.key * degree_ + static_cast<std::uint32_t>(axis)) + first;
-    const std::size_t stride = moves_ ? 3 * row : 0;  // as of a node: node_test-inl.h
+    const std::size_t stride = std::size_t(moves_) * 3 * row;  // as of a node: node_test-inl.h
     const auto control = [&](std::uint32_t c) { return load_row(p + c * stride, row); };
     return kMoving ? simd_bezier(control, degree_, Weights<DPool>(DPool(), at_.w)) : control(0);
   }

@@ -52,21 +52,32 @@ HWY_INLINE Place entry_of(const BlockHeader& block, const Bvh& object, const Ray
   return root_of<kMovement>(object, setup);
 }
 
-// Fetches what the ray will read at a place: a node's header and boxes, or a leaf's first vertices, at its
-// own key, without a guess which.
+// What a ray reads at a place: from where it starts, and what is in force at its time: of a node the boxes,
+// of a leaf the first vertices.
+struct Spot {
+  const std::byte* start;
+  const std::byte* control;
+
+  const NodeHeader& node() const { return *reinterpret_cast<const NodeHeader*>(start); }
+  const BlockHeader& block() const { return *reinterpret_cast<const BlockHeader*>(start); }
+  const NodeBounds* bounds() const { return reinterpret_cast<const NodeBounds*>(control); }
+};
 template <Movement kMovement>
-HWY_INLINE void prefetch(const Bvh& bvh, Place at, const RaySetup<kMovement>& setup) {
-  const std::byte* p = bvh.arena.data() + at.ref.offset();
-  __builtin_prefetch(p);
-  p += sizeof(NodeHeader);  // about what stands before a block's vertices, too
-  if constexpr (kMovement == Movement::kStill) {
-    for (std::size_t line = 0; line < 3; ++line) __builtin_prefetch(p + 64 * line);
-  } else {
+HWY_INLINE Spot spot_of(const Bvh& bvh, Place at, const RaySetup<kMovement>& setup) {
+  const std::byte* start = bvh.arena.data() + at.ref.offset();
+  const std::byte* control = start + sizeof(NodeHeader);  // about what stands before a block's vertices, too
+  if constexpr (kMovement != Movement::kStill) {
     const std::uint32_t degree = kMovement == Movement::kPolynomial ? at.form.degree() : 1;
     // No branch: what comes next, a node or a leaf, moving or still, is what a processor cannot guess.
-    p += setup.at_level[at.form.level()].key * degree * at.form.control_bytes();
-    for (std::size_t line = 0; line < 6; ++line) __builtin_prefetch(p + 64 * line);
+    control += setup.at_level[at.form.level()].key * degree * at.form.control_bytes();
   }
+  return {start, control};
+}
+template <Movement kMovement>
+HWY_INLINE void prefetch(Spot spot) {
+  __builtin_prefetch(spot.start);
+  constexpr std::size_t kLines = kMovement == Movement::kStill ? 3 : 6;
+  for (std::size_t line = 0; line < kLines; ++line) __builtin_prefetch(spot.control + 64 * line);
 }
 
 // The children of a node that are still to be visited.
