@@ -42,13 +42,13 @@ class Stream {
     next_ray_ = 0;
     std::size_t nodes = 0, leaves = 0;
     const auto enqueue = [&](Slot* slot) {
-      nodes_[nodes] = slot;
-      leaves_[leaves] = slot;
-      const bool leaf = slot->at.ref.is_leaf();
-      nodes += !leaf;
-      leaves += leaf;
+      const std::size_t leaf = slot->at.ref.is_leaf();
       slot->spot = spot_of(*slot->bvh, slot->at, *slot->in);
       prefetch<kMovement>(slot->spot);
+      nodes_[nodes] = slot;
+      leaves_[leaves] = slot;
+      nodes += 1 - leaf;
+      leaves += leaf;
     };
     const auto done = [&](Slot* slot) {
       finish(slot->index, slot->query);
@@ -139,9 +139,11 @@ class Stream {
       }
       Frame& frame = slot.top[-1];
       if constexpr (kAnyHit) {
-        slot.at = child_of(*frame.node, static_cast<std::uint32_t>(std::countr_zero(frame.left)) % kWidth);
+        const NodeHeader& node = *frame.node;
+        const auto child = static_cast<std::uint32_t>(std::countr_zero(frame.left)) % kWidth;
         frame.left &= frame.left - 1;
         slot.top -= frame.left == 0;
+        slot.at = child_of(node, child);
         return true;
       }
       const ChildKey key = ChildKeys::load(frame.keys).take_nearest(frame.keys);
@@ -149,8 +151,9 @@ class Stream {
         --slot.top;
         continue;
       }
-      slot.at = child_of(*frame.node, ChildKeys::slot(key));
+      const NodeHeader& node = *frame.node;
       slot.top -= --frame.left == 0;
+      slot.at = child_of(node, ChildKeys::slot(key));
       return true;
     }
   }
