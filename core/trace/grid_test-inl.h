@@ -107,7 +107,7 @@ class GridTest {
   // An axis of quads' corners of one kind, at the ray's time and relative to its origin.
   HWY_INLINE V8 relative(const float* here, const float* below, int axis) const {
     const std::size_t plane = std::size_t(static_cast<std::uint32_t>(axis)) * grid_.plane_stride;
-    const std::size_t stride = moves_ ? 3 * std::size_t(grid_.plane_stride) : 0;  // as of a node's boxes
+    const std::size_t stride = std::size_t(moves_) * 3 * grid_.plane_stride;  // as of a node's boxes
     const auto control = [&](std::uint32_t c) {
       const std::size_t skip = plane + c * stride;
       return load(here + skip, below + skip);

@@ -98,7 +98,7 @@ class Packet {
   std::int64_t saved = 0;
 
  private:
-  static constexpr std::int64_t kOwnNode = 9, kSharedNode = 40, kAlone = 14;
+  static constexpr std::int64_t kOwnNode = 8, kSharedNode = 40, kAlone = 14;
   static constexpr bool kMoving = kMovement != Movement::kStill;
   // Rays that go on alone.
   static constexpr int kFew = 3;

@@ -9,6 +9,7 @@
 
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <hwy/highway.h>
 #include <limits>
@@ -100,6 +101,7 @@ struct RaySetup {
     const hn::FixedTag<float, 4> d;
     const hn::FixedTag<std::int32_t, 4> di;
     const auto one = hn::Set(d, 1.0f);
+    static_assert(offsetof(Ray, tfar) == offsetof(Ray, dir) + sizeof(Vec3f));
     const auto dir = hn::LoadU(d, &ray.dir.x);  // and tfar, which is not used
     HWY_ALIGN float inverse[4];
     hn::Store(hn::Div(one, dir), d, inverse);
