@@ -81,10 +81,10 @@ class Flattener {
  private:
   // What the first pass finds out about a subtree.
   struct Plan {
-    std::size_t bytes = 0;       // of the whole subtree; a multiple of 64 for inner nodes, of 16 for leaves
-    std::uint32_t gathered = 0;  // vertices of a leaf's first block, where they stand in it
-    TrackForm form;              // of the node itself
-    std::unique_ptr<NodeBounds[]> bounds;  // of inner nodes
+    std::size_t bytes = 0;  // of the whole subtree; a multiple of 64 for inner nodes, of 16 for leaves
+    TrackForm form;         // of the node itself
+    FormCode first_block = FormCode::of({});  // of a leaf, as its parent tells it
+    std::unique_ptr<NodeBounds[]> bounds;     // of inner nodes
   };
   // Summed over children in their order, so that the sums do not depend on threads.
   struct Tally {
@@ -157,11 +157,11 @@ class Flattener {
     return primitives_.slice.whole() || !form.moving() ? FormCode::of(form) : FormCode::of_slice(form.degree);
   }
 
-  // Where a leaf has nothing to fetch at a ray's own key, it is told as still.
+  // What a parent tells of a child. A leaf has nothing to fetch at a ray's own key where its first block's
+  // vertices stand elsewhere: it is told as still.
   FormCode child_code_of(std::uint32_t node) const {
     const Plan& p = plans_[node];
-    if (!is_leaf(node)) return code_of(p.form).of_node();
-    return p.gathered > 0 ? code_of(p.form).with_vertices(p.gathered) : FormCode::of({});
+    return is_leaf(node) ? p.first_block : code_of(p.form).of_node();
   }
 
   void keep(std::uint32_t node, const WideChildren& children, const SlotTracks& slots, Tally& tally) {
@@ -208,7 +208,8 @@ class Flattener {
     for (const Reference& r : refs) p.form = common_form(p.form, node_form_of(primitives_, r));
     for (std::span<const Reference> rest = refs; !rest.empty();) {
       const LeafBlock block = first_block(primitives_, rest);
-      if (p.bytes == 0 && block.kind == BlockKind::kGathered) p.gathered = block.vertex_count;
+      if (p.bytes == 0 && block.kind == BlockKind::kGathered)
+        p.first_block = FormCode::of(block.form).with_vertices(block.vertex_count);
       p.bytes += block.bytes();
       rest = rest.subspan(block.references);
       tally.indexed |= block.kind == BlockKind::kIndexed;

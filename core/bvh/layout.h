@@ -108,7 +108,8 @@ inline constexpr float kAbsent = 1e37f;
 
 struct alignas(64) NodeHeader {
   ChildRef child[kWidth];
-  // Of each child, so that a ray knows which of its boxes to read before it has touched the child.
+  // Of each child, or of a leaf's first block, so that a ray knows what it will read at its own key before it
+  // has touched the child.
   FormCode child_form[kWidth];
   FormCode form_code;
   std::uint8_t child_count;

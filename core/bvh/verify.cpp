@@ -75,19 +75,19 @@ class Verifier {
       }
       check_contains(ref, slot, child);
       const ChildRef inner = node.child[i];
-      if (node.child_form[i].bits != form_told_of(inner, node.child_form[i]).bits)
+      if (node.child_form[i].bits != code_told_of(inner).bits)
         fail(ref, "says another form of a child than the child itself");
       visit(inner, child, depth + 1);
     }
   }
 
-  // What a child's parent says of it. A leaf has a form for the motion of all its blocks, and the length of the
-  // first one's controls.
-  FormCode form_told_of(ChildRef child, FormCode told) const {
+  // What a parent tells of a child: how many keys it has and how long its controls are; of a leaf, its first
+  // block.
+  FormCode code_told_of(ChildRef child) const {
     if (!child.is_leaf()) return bvh_.node(child).form_code.of_node();
     const BlockHeader& first = bvh_.block(child);
     if (first.kind != BlockKind::kGathered) return FormCode::of({});
-    return FormCode{static_cast<std::uint8_t>(told.bits & 0x3fu)}.with_vertices(first.vertex_count);
+    return first.form_code.with_vertices(first.vertex_count);
   }
 
   Slot slot_of(const NodeHeader& node, std::uint32_t i) const {
