@@ -10,6 +10,7 @@
 #include "core/motion/bezier.h"
 #include "core/motion/bezier_fit.h"
 #include "delegate/translate/diagnostics.h"
+#include "delegate/translate/smooth_times.h"
 #include "delegate/translate/time_layout.h"
 #include "delegate/translate/time_samples.h"
 #include "delegate/translate/transform_samples.h"
@@ -18,6 +19,7 @@ namespace msbvh::translate {
 namespace {
 
 constexpr double kShareOfTolerance = 0.1;
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 // Depths at which projected points are compared, in multiples of the near distance (orthographic: of the
 // window's width); infinity comes on top.
 constexpr double kDepths[] = {1.0, 10.0, 100.0, 1000.0};
@@ -85,22 +87,26 @@ struct CameraValues {
   }
 };
 
-// The samples, rebased to the frame's origin and interpolated.
+// The samples, rebased to the frame's origin and interpolated (smooth_times.h).
 class CameraMotion {
  public:
-  CameraMotion(const CameraInput& camera, const Vec3d& origin) {
+  CameraMotion(const CameraInput& camera, const Vec3d& origin)
+      : smooth_({}, {}, false), periods01_(camera.periods01) {
     for (const CameraSample& sample : camera.samples) {
       times01_.push_back(sample.time01);
-      instants_.push_back({rebased(affine_from(sample.world_from_camera), {}, origin),
-                           window_of(sample.window), lens_of(sample.lens)});
+      instants_.emplace_back(CameraInstant{rebased(affine_from(sample.world_from_camera), {}, origin),
+                                           window_of(sample.window), lens_of(sample.lens)});
     }
+    smooth_ = SmoothTimes(times01_, camera.bends01, false);
     if (times01_.size() < 2) return;
     for (const double time01 : camera.bends01.value_or(times01_)) bends_.push_back({time01});
     bends_ = normalized_bends(std::move(bends_));
   }
   CameraInstant at(double time01) const {
-    const Bracket at = bracket(times01_, time01);
-    return lerp(instants_[at.first], instants_[at.second], at.w);
+    const SmoothTimes::Mix mix = smooth_.at(time01, time01);
+    CameraValues sum = instants_[mix.first] * mix.weight[0];
+    for (std::size_t i = 1; i < mix.count; ++i) sum = sum + instants_[mix.first + i] * mix.weight[i];
+    return sum.instant();
   }
   // Controls of a segment, degree + 1.
   std::vector<CameraInstant> controls(const LayoutSegment& segment, std::uint32_t degree) const {
@@ -113,11 +119,14 @@ class CameraMotion {
   }
   std::span<const Bend> bends() const { return bends_; }
   const std::vector<double>& times01() const { return times01_; }
+  const std::vector<double>& periods01() const { return periods01_; }
 
  private:
   std::vector<double> times01_;
-  std::vector<CameraInstant> instants_;
+  std::vector<CameraValues> instants_;
+  SmoothTimes smooth_;
   std::vector<Bend> bends_;
+  std::vector<double> periods01_;
 };
 
 // A point (or, at infinity, a direction) in camera space at a place of the window, (0, 0) to (1, 1).
@@ -196,32 +205,60 @@ bool is_usable(const CameraInstant& c) {
          c.window.bottom != c.window.top && c.lens.radius >= 0.0 && c.lens.focus_distance > 0.0;
 }
 
-double segment_error(const CameraMotion& motion, const CameraInput& camera,
-                     const TranslatorSettings& settings, const LayoutSegment& segment, std::uint32_t degree,
-                     double limit) {
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+TrackDeviation segment_deviation(const CameraMotion& motion, const CameraInput& camera,
+                                 const TranslatorSettings& settings, const LayoutSegment& segment,
+                                 std::uint32_t degree, double limit) {
+  constexpr TrackDeviation kUnusable{kInfinite, kInfinite};
   const bool perspective = camera.projection == Projection::kPerspective;
   const std::vector<CameraInstant> controls = motion.controls(segment, degree);
-  if (!std::ranges::all_of(controls, is_usable)) return kInfinite;
-  double worst = 0.0;
-  for (const double time01 : test_times01(segment, degree, motion.bends())) {
+  if (!std::ranges::all_of(controls, is_usable)) return kUnusable;
+  TrackDeviation result;
+  const std::vector<double> times01 = test_times01(segment, degree, motion.bends(), motion.times01());
+  for (const double time01 : times01) {
     const double w = (time01 - segment.begin01) / (segment.end01 - segment.begin01);
     const CameraInstant track = bezier([&](std::uint32_t i) { return controls[i]; }, degree, w);
-    if (is_singular(track.world_from_camera)) return kInfinite;
-    worst = std::max(worst, instant_error({motion.at(time01), track, settings, perspective}, camera));
+    if (is_singular(track.world_from_camera)) return kUnusable;
+    const double pixels = instant_error({motion.at(time01), track, settings, perspective}, camera);
+    result.largest = std::max(result.largest, pixels);
+    result.mean += pixels / double(times01.size());
+    if (result.largest > limit) break;
+  }
+  return result;
+}
+
+// By how much a motion fails to repeat.
+double period_error(const CameraMotion& motion, const CameraInput& camera, const TranslatorSettings& settings,
+                    double period01, double limit) {
+  const bool perspective = camera.projection == Projection::kPerspective;
+  double worst = 0.0;
+  const auto compare = [&](double time01) {
+    const CameraInstant first = motion.at(time01 - period01 * std::floor(time01 / period01));
+    worst = std::max(worst, instant_error({motion.at(time01), first, settings, perspective}, camera));
+  };
+  compare(1.0);
+  for (const double time01 : motion.times01()) {
     if (worst > limit) break;
+    if (time01 > period01 && time01 < 1.0) compare(time01);
   }
   return worst;
 }
 
-double track_error(const CameraMotion& motion, const CameraInput& camera, const TranslatorSettings& settings,
-                   const Candidate& track, double limit) {
-  double worst = 0.0;
-  for (std::uint32_t i = 0; i < track.layout.segments() && worst <= limit; ++i) {
-    worst = std::max(worst,
-                     segment_error(motion, camera, settings, track.layout.segment(i), track.degree, limit));
+TrackDeviation track_deviation(const CameraMotion& motion, const CameraInput& camera,
+                               const TranslatorSettings& settings, const Candidate& track, double limit) {
+  TrackDeviation result;
+  if (track.layout.repeats()) {
+    const double repeated = period_error(motion, camera, settings, track.layout.period01(), limit);
+    result = {repeated, repeated};
   }
-  return worst;
+  const double repeated = result.largest;
+  for (std::uint32_t i = 0; i < track.layout.segments() && result.largest <= limit; ++i) {
+    const LayoutSegment segment = track.layout.segment(i);
+    const TrackDeviation found =
+        segment_deviation(motion, camera, settings, segment, track.degree, limit - repeated);
+    result.largest = std::max(result.largest, repeated + found.largest);
+    result.mean += (segment.end01 - segment.begin01) * found.mean;
+  }
+  return result;
 }
 
 // From the pose at the shutter's centre.
@@ -247,9 +284,9 @@ CameraFit cheapest(const CameraMotion& motion, const CameraInput& input, const T
   result.error = still_error(motion, input, settings);
   if (result.error <= kStillShare * tolerance) return result;
   std::vector<Candidate> tracks =
-      candidates(motion.bends(), {tolerance, settings.max_segments, settings.choice});
-  const CandidateFit fit = cheapest_candidate(tracks.size(), tolerance, [&](std::size_t i, double limit) {
-    return track_error(motion, input, settings, tracks[i], limit);
+      candidates(motion.bends(), {tolerance, settings.max_segments, settings.choice}, motion.periods01());
+  const CandidateFit fit = cheapest_candidate(tracks, tolerance, [&](std::size_t i, double limit) {
+    return track_deviation(motion, input, settings, tracks[i], limit);
   });
   return {std::move(tracks[fit.index]), fit.error};
 }

@@ -27,9 +27,18 @@ void add_degrees(const TimeLayout& layout, std::uint32_t price, const TrackChoic
   }
 }
 
+void add_repeating(double period01, const FitSettings& settings, std::vector<Priced>& out) {
+  const TrackChoice& choice = settings.choice;
+  for (std::uint32_t split = 0; (1u << split) <= settings.max_segments; ++split) {
+    if (choice.segments != 0 && choice.segments != 1u << split) continue;
+    add_degrees(TimeLayout::repeating(period01, split), 2, choice, out);
+  }
+}
+
 }  // namespace
 
-std::vector<Candidate> candidates(std::span<const Bend> bends, const FitSettings& settings) {
+std::vector<Candidate> candidates(std::span<const Bend> bends, const FitSettings& settings,
+                                  std::span<const double> periods01) {
   const TrackChoice& choice = settings.choice;
   const bool jumps = std::ranges::any_of(bends, &Bend::jump);
   const bool dyadic = !jumps && std::ranges::all_of(bends, [&](const Bend& bend) {
@@ -53,6 +62,7 @@ std::vector<Candidate> candidates(std::span<const Bend> bends, const FitSettings
       if (segments == 0) break;
     }
   }
+  for (const double period01 : periods01) add_repeating(period01, settings, priced);
   std::ranges::stable_sort(priced, {}, [](const Priced& p) { return std::pair(p.cost, p.candidate.degree); });
   std::vector<Candidate> result;
   for (Priced& p : priced) result.push_back(std::move(p.candidate));
@@ -68,8 +78,15 @@ std::span<const double> test_places(std::uint32_t degree) {
   return degree == 2 ? std::span<const double>(kQuadratic) : std::span<const double>(kCubic);
 }
 
+std::span<const double> dense_inside(const LayoutSegment& segment, std::span<const double> dense01) {
+  const auto begin = std::ranges::upper_bound(dense01, segment.begin01 + kSameTime);
+  const auto end = std::lower_bound(begin, dense01.end(), segment.end01 - kSameTime);
+  const std::span<const double> inside(begin, end);
+  return inside.size() > kFewSamples ? inside : std::span<const double>{};
+}
+
 std::vector<double> test_times01(const LayoutSegment& segment, std::uint32_t degree,
-                                 std::span<const Bend> bends) {
+                                 std::span<const Bend> bends, std::span<const double> dense01) {
   std::vector<double> result;
   if (!segment.used) return result;
   for (const double place : test_places(degree)) result.push_back(segment.at(place));
@@ -83,6 +100,8 @@ std::vector<double> test_times01(const LayoutSegment& segment, std::uint32_t deg
     any = true;
   }
   if (any) result.push_back(0.5 * (before + segment.end01));
+  const std::span<const double> dense = dense_inside(segment, dense01);
+  result.insert(result.end(), dense.begin(), dense.end());
   return result;
 }
 

@@ -56,44 +56,83 @@ struct Candidate {
   TrackForm form() const { return {layout.segments(), layout.segments() == 0 ? 1 : degree}; }
 };
 
-// By what they cost, the cheapest first: control points (bytes, in the end), twice where it takes a clock and
-// with it a level of instancing; at equal cost the lower degree. Motion that jumps has layouts with bends
-// only, as long as there are fewer bends than a track has keys.
-std::vector<Candidate> candidates(std::span<const Bend> bends, const FitSettings& settings);
+// By what they cost, the cheapest first: control points (bytes, in the end), twice where it takes a time remap
+// and with it a level of instancing; at equal cost the lower degree. Motion that jumps has layouts with
+// breakpoints only, as long as there are fewer breakpoints than a track has keys. `periods01`: after which the
+// motion may repeat; whether it does is for the caller to test.
+std::vector<Candidate> candidates(std::span<const Bend> bends, const FitSettings& settings,
+                                  std::span<const double> periods01 = {});
+
+// How far a track strays from the stage over the shutter.
+struct TrackDeviation {
+  double largest = 0.0;  // at one instant
+  double mean = 0.0;     // over the shutter: what the blur shows
+};
 
 struct CandidateFit {
   std::size_t index = 0;  // among the candidates
-  double error = 0.0;
+  double error = 0.0;     // the largest deviation
 };
 
-// The first candidate within the tolerance, else the one that strays least. `error(i, limit)` as above.
-template <typename ErrorFunction>
-CandidateFit cheapest_candidate(std::size_t count, double tolerance, const ErrorFunction& error) {
-  CandidateFit best{0, std::numeric_limits<double>::infinity()};
-  for (std::size_t i = 0; i < count; ++i) {
-    const double deviation = error(i, tolerance);
-    if (deviation <= tolerance) return {i, deviation};
+// Tests find at least this share of the largest deviation of a track that is close to the stage.
+inline constexpr double kFoundShare = 0.97;
+
+// The first candidate within the tolerance; where none is, the one whose blur is closest, by the mean over the
+// shutter. `deviation(i, limit)` may return early once `largest` is above the limit; its mean counts only
+// where it did not.
+template <typename DeviationFunction>
+CandidateFit cheapest_candidate(std::span<const Candidate> tracks, double tolerance,
+                                const DeviationFunction& deviation) {
+  const double limit = kFoundShare * tolerance;
+  std::uint32_t most = 0;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    const double largest = deviation(i, limit).largest;
+    if (largest <= limit) return {i, largest};
+    if (!tracks[i].layout.repeats()) most = std::max(most, tracks[i].layout.segments());
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    const double deviation = error(i, best.error);
-    if (deviation < best.error) best = {i, deviation};
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  CandidateFit best{0, kInfinite};
+  double least = kInfinite;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    // With fewer segments of the same kind the blur is no closer; a motion that did not repeat does not now.
+    if (tracks[i].layout.repeats() || 2 * tracks[i].layout.segments() <= most) continue;
+    const TrackDeviation found = deviation(i, kInfinite);
+    if (found.mean < least || best.error == kInfinite) {
+      best = {i, found.largest};
+      least = found.mean;
+    }
   }
   return best;
 }
 
-// Where a segment's track is compared with the truth beside the bends in it: places at which interpolation at
-// fit_nodes() errs most.
+// Where a segment's track is compared with the truth beside the breakpoints in it: places at which
+// interpolation at fit_nodes() errs most.
 std::span<const double> test_places(std::uint32_t degree);
-// All such times of a segment: its test places, and the bends inside with the middles between them.
+// Between two neighbours of the times that a motion is sampled at it turns by a small part of a turn only. So
+// nothing that repeats hides from a test at all of them. A segment with no more than so many of them inside has
+// enough with its test places.
+inline constexpr std::size_t kFewSamples = 4;
+// All test times of a segment: its test places, the breakpoints inside with the middles between them, and
+// those of `dense01` (increasing) inside.
 std::vector<double> test_times01(const LayoutSegment& segment, std::uint32_t degree,
-                                 std::span<const Bend> bends);
+                                 std::span<const Bend> bends, std::span<const double> dense01);
+// Those of increasing times that lie inside a segment; empty where they are few.
+std::span<const double> dense_inside(const LayoutSegment& segment, std::span<const double> dense01);
 
-// Warns where not even the last track was within the tolerance. `what` moves, with `remark` on why or none.
-inline void report_fit(const Fit& fit, double tolerance_pixels, const std::string& attribute,
-                       const char* what, const char* remark, PrimLog& log) {
-  if (fit.error <= tolerance_pixels) return;
-  log.warn(attribute, message(what, " deviates by ", fit.error, " pixels at ", fit.segments, " segments",
-                              remark, "; expected at most ", tolerance_pixels));
+// What helps where no allowed track follows a motion.
+inline const char* advice(const TrackChoice& choice) {
+  if (choice.segments != 0) return "more --segments help, or none given";
+  if (choice.min_degree > 1 || choice.max_degree < kMaxDegree) return "--interpolation auto may help";
+  return "no track has more segments; a shorter shutter or a larger --motion-tolerance helps";
+}
+
+// Warns where not even the best track was within the tolerance. `what` moves.
+inline void report_fit(const Fit& fit, const FitSettings& settings, const std::string& attribute,
+                       const char* what, PrimLog& log) {
+  if (fit.error <= settings.tolerance) return;
+  log.warn(attribute, message(what, " deviates by up to ", fit.error, " pixels at ", fit.segments,
+                              " segments; expected at most ", settings.tolerance, "; ",
+                              advice(settings.choice)));
 }
 
 }  // namespace msbvh::translate

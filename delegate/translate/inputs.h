@@ -23,8 +23,8 @@ namespace msbvh::translate {
 using Matrix4d = std::array<double, 16>;
 
 // A transform at increasing times, to be interpolated by element between them and held outside; with `held`,
-// each holds until the next. The front-end evaluates the stage at as many times as that takes. One sample:
-// still.
+// each holds until the next. The front-end evaluates the stage at as many times as that takes, and at eight a
+// turn at least, so that no motion hides between two of them. One sample: still.
 struct TransformSamples {
   std::vector<double> times01;
   std::vector<Matrix4d> matrices;
@@ -33,6 +33,8 @@ struct TransformSamples {
   std::optional<std::vector<double>> bends01{};
   bool held = false;
   double error_pixels = 0.0;  // by which interpolation of the samples may stray from the stage
+  // After which the motion may repeat, as shares of the shutter: what a rotation at a constant rate suggests.
+  std::vector<double> periods01{};
 };
 
 // One authored sample of points (or normals).
@@ -143,6 +145,7 @@ struct InstanceLevel {
 
   const PointInstancerInput* points = nullptr;
   std::span<const int> selected;  // the instances of the arrays that count, by index; `points` only
+  std::vector<double> periods01{};  // as of TransformSamples; matrices only
 };
 
 struct InstancesInput {
@@ -166,9 +169,10 @@ struct CameraSample {
 struct CameraInput {
   std::string path;
   Projection projection = Projection::kPerspective;
-  std::vector<CameraSample> samples;  // increasing times, dense enough to be interpolated linearly
+  std::vector<CameraSample> samples;  // increasing times, as dense as TransformSamples
   // Where the motion may bend: authored times. The other samples lie on smooth curves. None given: anywhere.
   std::optional<std::vector<double>> bends01{};
+  std::vector<double> periods01{};  // as of TransformSamples
   float near_clip = 1.0f;
   float far_clip = 1.0e6f;
 };

@@ -32,6 +32,13 @@ class MatrixLevel final : public ChainLevel {
     }
     return normalized_bends(std::move(result));
   }
+  std::vector<double> dense_times01() const override {
+    if (still_) return {};
+    const auto first = level_.times01.begin() + std::ptrdiff_t(range_.first);
+    return {first, first + std::ptrdiff_t(range_.count())};
+  }
+  bool has_dense_times() const override { return !still_; }
+  std::vector<double> periods01() const override { return still_ ? std::vector<double>{} : level_.periods01; }
   std::unique_ptr<LevelInstant> at(double time01, double within) const override {
     return std::make_unique<Instant>(level_.matrices.subspan(range_.first * count_), count_,
                                      smooth_.at(time01, within));
@@ -105,6 +112,40 @@ std::vector<Bend> InstanceChain::bends() const {
     result.insert(result.end(), more.begin(), more.end());
   }
   return normalized_bends(std::move(result));
+}
+
+std::vector<double> InstanceChain::dense_times01() const {
+  std::vector<double> result;
+  for (const auto& level : levels_) {
+    const std::vector<double> more = level->dense_times01();
+    result.insert(result.end(), more.begin(), more.end());
+  }
+  std::erase_if(result, [](double time01) { return time01 < 0.0 || time01 > 1.0; });
+  std::ranges::sort(result);
+  result.erase(std::ranges::unique(result).begin(), result.end());
+  return result;
+}
+
+std::size_t InstanceChain::dense_stride(std::size_t instance) const {
+  // Merged times have no stride in common.
+  std::size_t stride = 1, dense_levels = 0;
+  for (const auto& level : levels_) {
+    if (level->has_dense_times() && ++dense_levels > 1) return 1;
+    if (level->has_dense_times()) stride = level->dense_stride(instance % level->count());
+    instance /= level->count();
+  }
+  return stride;
+}
+
+std::vector<double> InstanceChain::periods01() const {
+  std::vector<double> result;
+  for (const auto& level : levels_) {
+    const std::vector<double> more = level->periods01();
+    result.insert(result.end(), more.begin(), more.end());
+  }
+  std::ranges::sort(result);
+  result.erase(std::ranges::unique(result).begin(), result.end());
+  return result.size() > kMostPeriods ? std::vector<double>{} : result;
 }
 
 std::string InstanceChain::rule() const {

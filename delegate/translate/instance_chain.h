@@ -34,6 +34,14 @@ class ChainLevel {
   virtual std::size_t count() const = 0;
   virtual bool is_still() const = 0;
   virtual std::vector<Bend> bends() const = 0;
+  // Increasing times of the shutter between which nothing turns by more than an eighth of a turn.
+  virtual std::vector<double> dense_times01() const = 0;
+  virtual bool has_dense_times() const = 0;  // cheaper than asking for them
+  // Every how many of dense_times01() are as dense for one of the level's things, which may turn slower than
+  // others. A power of two.
+  virtual std::size_t dense_stride(std::size_t) const { return 1; }
+  // After which the motion of some of its things may repeat.
+  virtual std::vector<double> periods01() const = 0;
   // `within` is a time on the side of a jump that is meant.
   virtual std::unique_ptr<LevelInstant> at(double time01, double within) const = 0;
   // In words, for reports: which rule says how the level moves.
@@ -41,6 +49,9 @@ class ChainLevel {
   // Of a map that is not finite or too large; nothing where the level does not know.
   virtual std::optional<Blame> blame(std::size_t) const { return std::nullopt; }
 };
+
+// More periods than this in one chain are no design but chance (debris that spins): none of them is tried.
+inline constexpr std::size_t kMostPeriods = 64;
 
 // Borrows the input's arrays. Null, with an error in the log, for an input that cannot be used.
 std::unique_ptr<ChainLevel> make_matrix_level(const InstanceLevel& level, PrimLog& log);
@@ -54,6 +65,10 @@ class InstanceChain {
   std::size_t count() const { return count_; }
   bool is_still() const;
   std::vector<Bend> bends() const;
+  // Of all levels; see ChainLevel.
+  std::vector<double> dense_times01() const;
+  std::size_t dense_stride(std::size_t instance) const;
+  std::vector<double> periods01() const;
   std::string rule() const;
   std::optional<Blame> blame(std::size_t instance) const;
 

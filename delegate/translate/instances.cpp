@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/parallel.h"
 #include "delegate/translate/instance_chain.h"
@@ -42,7 +43,7 @@ void report_left_out(const InstanceChain& chain, const std::vector<Verdict>& ver
 }
 
 TrackReport report_track(const std::vector<Verdict>& verdicts, const InstanceChain& chain,
-                         const TransformFitter& fitter, double tolerance, PrimLog& log) {
+                         const TransformFitter& fitter, const FitSettings& settings, PrimLog& log) {
   TrackReport report;
   report.path = log.path();
   report.source = "instances";
@@ -55,14 +56,15 @@ TrackReport report_track(const std::vector<Verdict>& verdicts, const InstanceCha
     dearest = std::max(dearest, verdict.track);  // tracks are in the order of what they cost
     report.error_pixels = std::max(report.error_pixels, verdict.error);
     report.bytes += fitter.form(verdict.track).controls() * sizeof(Affine3f);
-    beyond += verdict.error > tolerance;
+    beyond += verdict.error > settings.tolerance;
   }
   report.set_form(fitter.form(dearest), fitter.clock(dearest));
   report.moving_transform = report.segments > 0;
   if (beyond > 0) {
     log.warn(kMatrices, message("the motion of ", beyond, " of ", verdicts.size(),
                                 " instances deviates by up to ", report.error_pixels, " pixels at ",
-                                report.segments, " segments; expected at most ", tolerance));
+                                report.segments, " segments; expected at most ", settings.tolerance, "; ",
+                                advice(settings.choice)));
   }
   return report;
 }
@@ -97,6 +99,20 @@ InstancesInput with_checked_colors(InstancesInput input, std::size_t count, Prim
   return input;
 }
 
+// When instances are looked at for how large they are seen: a few of the dense times, spread so that no period
+// meets them all.
+std::vector<double> times_of_size(const InstanceChain& chain) {
+  constexpr std::size_t kMost = 64;
+  if (chain.is_still()) return {0.5};
+  std::vector<double> times01{0.0, 0.5, 1.0};
+  const std::vector<double> dense01 = chain.dense_times01();
+  for (std::size_t i = 0; i < std::min(dense01.size(), kMost); ++i) {
+    const double place = dense01.size() <= kMost ? double(i) : std::fmod(i * std::numbers::phi, 1.0) * dense01.size();
+    times01.push_back(dense01[std::size_t(place)]);
+  }
+  return times01;
+}
+
 }  // namespace
 
 TranslatedInstances translate_instances(const InstancesInput& given, const InstanceTarget& target,
@@ -112,7 +128,7 @@ TranslatedInstances translate_instances(const InstancesInput& given, const Insta
   report_left_out(*chain, verdicts, Fate::kFlat, "are flattened to a plane", "an invertible matrix", log);
 
   TranslatedInstances result;
-  result.track = report_track(verdicts, *chain, fitter, target.settings.tolerance, log);
+  result.track = report_track(verdicts, *chain, fitter, target.settings, log);
   result.track.hidden_partly = input.visible.has_value();
   std::vector<std::vector<std::size_t>> members(fitter.track_count());
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
@@ -131,7 +147,7 @@ double pixels_per_unit(const InstancesInput& input, const InstanceTarget& target
   if (!chain || target.box.empty()) return 0.0;
   const BoxCorners corners = corners_of(target.box);
   std::vector<double> largest((chain->count() + kGrain - 1) / kGrain, 0.0);
-  for (const double time01 : chain->is_still() ? std::vector{0.5} : std::vector{0.0, 0.5, 1.0}) {
+  for (const double time01 : times_of_size(*chain)) {
     const InstanceChain::Instant instant = chain->at(time01, time01);
     const ScreenInstant screen = target.measure.at(time01);
     parallel_for_ranges(chain->count(), kGrain, [&](std::size_t begin, std::size_t end) {

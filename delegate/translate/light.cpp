@@ -104,7 +104,7 @@ std::optional<Light> translate_light(const LightInput& input, const ScreenMeasur
   }
   const LinearTransformFitter fitter(transform, seen, settings);
   const Fit fit = fitter.fit(corners_of(box));
-  report_fit(fit, settings.tolerance, "xformOpOrder", "the light's motion", "", log);
+  report_fit(fit, settings, "xformOpOrder", "the light's motion", log);
   light.segments = fit.segments;
   light.world_from_light.resize(key_count(fit.segments));
   fitter.keys(fit.segments, light.world_from_light.data());

@@ -94,7 +94,7 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
   }
   const TransformSamples& samples = input.world_from_object;
   const std::vector<InstanceLevel> levels{
-      {samples.times01, samples.matrices, samples.bends01, samples.held, nullptr, {}}};
+      {samples.times01, samples.matrices, samples.bends01, samples.held, nullptr, {}, samples.periods01}};
   const std::optional<InstanceChain> chain = InstanceChain::make(levels, log);
   if (!chain) return std::nullopt;
   const TransformFitter fitter(*chain, {shift, *target.origin, box, samples.error_pixels}, *target.measure,
@@ -107,7 +107,7 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
     return std::nullopt;
   }
   const TrackForm form = fitter.form(verdict.track);
-  report_fit({form.segments, verdict.error}, target.settings.tolerance, kTransform, "the motion", "", log);
+  report_fit({form.segments, verdict.error}, target.settings, kTransform, "the motion", log);
 
   TranslatedMesh result;
   result.mesh.shape = shape_of(still, {TimeLayout::even(0), 1}, topology, input.path);
@@ -144,7 +144,7 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
   if (!check_range(box, log)) return std::nullopt;
   const PointFit fit = fit_points(moving, measure_of(target, box), target.settings);
   const TrackForm form = fit.track.form();
-  report_fit({form.segments, fit.error}, target.settings.tolerance, kPoints, "the motion", "", log);
+  report_fit({form.segments, fit.error}, target.settings, kPoints, "the motion", log);
 
   TranslatedMesh result;
   result.mesh.shape = shape_of(moving, fit.track, topology, input.path);

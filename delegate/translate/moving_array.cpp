@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
+#include <limits>
 
 #include "core/base/lerp.h"
 #include "core/base/parallel.h"
@@ -16,6 +18,7 @@ namespace {
 
 // Elements handled at a time by one thread: enough to amortise the hand-over, few enough to stop early.
 constexpr std::size_t kGrain = 4096;
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 // What the stage says at one time.
 struct PointInstant {
@@ -47,16 +50,19 @@ struct TestedSegment {
     return c;
   }
   // In pixels, at the tests.
-  double deviation(std::size_t i) const {
+  TrackDeviation deviation(std::size_t i) const {
     const auto c = controls(i);
-    double worst = 0.0;
+    TrackDeviation result;
     for (const Test& test : tests) {
       const Vec3d truth = test.truth[i];
       const Vec3d track = bezier([&](std::uint32_t k) { return c[k]; }, degree, test.w);
       const double distance = length(truth - track);
-      if (distance > 0.0) worst = std::max(worst, test.screen.at_point(distance, truth));
+      if (distance == 0.0) continue;
+      const double pixels = test.screen.at_point(distance, truth);
+      result.largest = std::max(result.largest, pixels);
+      result.mean += pixels / double(tests.size());
     }
-    return worst;
+    return result;
   }
 };
 
@@ -71,10 +77,11 @@ TestedSegment nodes_of(const MovingArray& points, const Candidate& track, std::u
 }
 
 TestedSegment tested_segment(const MovingArray& points, const ScreenMeasure& measure, const Candidate& track,
-                             std::uint32_t index, std::span<const Bend> bends) {
+                             std::uint32_t index, std::span<const Bend> bends,
+                             std::span<const double> dense01) {
   const LayoutSegment segment = track.layout.segment(index);
   TestedSegment result = nodes_of(points, track, index);
-  for (const double time01 : test_times01(segment, track.degree, bends)) {
+  for (const double time01 : test_times01(segment, track.degree, bends, dense01)) {
     const double w = (time01 - segment.begin01) / (segment.end01 - segment.begin01);
     const double within = track.layout.is_even() ? time01 : segment.middle();
     result.tests.push_back({w, point_instant(points, time01, within), measure.at(time01)});
@@ -98,37 +105,78 @@ double largest(std::size_t count, double limit, const Deviation& deviation) {
   return worst.empty() ? 0.0 : *std::ranges::max_element(worst);
 }
 
+double distance_of(const PointInstant& a, const PointInstant& b, const ScreenInstant& screen, std::size_t i) {
+  const Vec3d truth = a[i];
+  const double distance = length(truth - b[i]);
+  return distance == 0.0 ? 0.0 : screen.at_point(distance, truth);
+}
+
 // From the pose at the shutter's centre.
 double still_error(const MovingArray& points, const ScreenMeasure& measure, std::span<const Bend> bends,
-                   double limit) {
+                   std::span<const double> dense01, double limit) {
   const PointInstant centre = point_instant(points, 0.5, 0.5);
   std::vector<double> times01{0.0, 1.0, 0.25, 0.75, 0.113, 0.371, 0.629, 0.887};
   for (const Bend& bend : bends) times01.push_back(bend.time01);
+  times01.insert(times01.end(), dense01.begin(), dense01.end());
   double worst = 0.0;
   for (const double time01 : times01) {
     const PointInstant other = point_instant(points, time01, time01);
     const ScreenInstant screen = measure.at(time01);
     worst = std::max(worst, largest(points.size(), limit, [&](std::size_t i) {
-                       const Vec3d truth = other[i];
-                       const double distance = length(truth - centre[i]);
-                       return distance == 0.0 ? 0.0 : screen.at_point(distance, truth);
+                       return distance_of(other, centre, screen, i);
                      }));
     if (worst > limit) break;
   }
   return worst;
 }
 
-double track_error(const MovingArray& points, const ScreenMeasure& measure, const Candidate& track,
-                   std::span<const Bend> bends, double limit) {
+// By how much a transform fails to repeat, at the corners of a box around the points.
+double period_error(const MovingArray& points, const ScreenMeasure& measure, double period01,
+                    std::span<const double> dense01, double limit) {
+  const BoxCorners corners = corners_of(bounds({points.values, TransformTrack(Affine3d{})}));
   double worst = 0.0;
-  for (std::uint32_t s = 0; s < track.layout.segments(); ++s) {
-    if (!track.layout.segment(s).used) continue;
-    const TestedSegment segment = tested_segment(points, measure, track, s, bends);
-    worst =
-        std::max(worst, largest(points.size(), limit, [&](std::size_t i) { return segment.deviation(i); }));
+  const auto compare = [&](double time01) {
+    const Affine3d truth = points.transform.at(time01);
+    const Affine3d first = points.transform.at(time01 - period01 * std::floor(time01 / period01));
+    const double distance = largest_distance(corners, truth, first);
+    if (distance == 0.0) return;
+    worst = std::max(worst, measure.at(time01).in_box(distance, bounds_of(corners, truth)));
+  };
+  compare(1.0);
+  for (const double time01 : dense01) {
     if (worst > limit) break;
+    if (time01 > period01) compare(time01);
   }
   return worst;
+}
+
+// The mean is the largest of all points' means.
+TrackDeviation track_deviation(const MovingArray& points, const ScreenMeasure& measure,
+                               const Candidate& track, std::span<const Bend> bends,
+                               std::span<const double> dense01, double limit) {
+  TrackDeviation result;
+  if (track.layout.repeats()) {
+    const double repeated = period_error(points, measure, track.layout.period01(), dense01, limit);
+    result = {repeated, repeated};
+    if (repeated > limit) return result;
+  }
+  const double allowed = limit - result.largest;
+  std::vector<double> means(allowed < kInfinite ? 0 : points.size());
+  double moving = 0.0;
+  for (std::uint32_t s = 0; s < track.layout.segments(); ++s) {
+    const LayoutSegment& layout = track.layout.segment(s);
+    if (!layout.used) continue;
+    const TestedSegment segment = tested_segment(points, measure, track, s, bends, dense01);
+    moving = std::max(moving, largest(points.size(), allowed, [&](std::size_t i) {
+                        const TrackDeviation found = segment.deviation(i);
+                        if (!means.empty()) means[i] += (layout.end01 - layout.begin01) * found.mean;
+                        return found.largest;
+                      }));
+    if (moving > allowed) break;
+  }
+  result.largest += moving;
+  if (!means.empty()) result.mean += *std::ranges::max_element(means);
+  return result;
 }
 
 // One time for all normals: brackets are found once.
@@ -144,15 +192,29 @@ struct NormalInstant {
   ArrayInstant values;
 };
 
+// Where linear keys are compared with the normals, in a span between two keys: thirds and quarters, and as
+// densely as the transform is sampled there.
+std::vector<double> normal_tests(std::span<const double> dense01, const TimeLayout& layout, double begin,
+                                 double end) {
+  std::vector<double> places{0.25, 0.5, 0.75};
+  const LayoutSegment span{layout.place(begin).time01, layout.place(end).time01};
+  const std::size_t dense = dense_inside(span, dense01).size();
+  for (std::size_t i = 0; i < 2 * dense; ++i) places.push_back((double(i) + 0.5) / (2.0 * double(dense)));
+  return places;
+}
+
 double normals_error(const MovingArray& normals, const TimeLayout& layout, std::uint32_t segments,
                      double limit) {
+  const std::vector<double> dense01 = normals.dense_times01();
   double worst = 0.0;
   const std::uint32_t spans = std::max(segments, 1u);
   for (std::uint32_t s = 0; s < spans; ++s) {
-    const NormalInstant a(normals, layout, segments == 0 ? 0.5 : double(s) / spans);
-    const NormalInstant b(normals, layout, segments == 0 ? 0.5 : double(s + 1) / spans);
-    for (const double w : segments == 0 ? std::vector{0.0, 0.13, 0.25, 0.37, 0.63, 0.75, 0.87, 1.0}
-                                        : std::vector{0.25, 0.5, 0.75}) {
+    const double begin = double(s) / spans, end = double(s + 1) / spans;
+    const NormalInstant a(normals, layout, segments == 0 ? 0.5 : begin);
+    const NormalInstant b(normals, layout, segments == 0 ? 0.5 : end);
+    std::vector<double> places = normal_tests(dense01, layout, begin, end);
+    if (segments == 0) places.insert(places.end(), {0.0, 0.13, 0.37, 0.63, 0.87, 1.0});
+    for (const double w : places) {
       const double local01 = (s + w) / spans;
       if (!layout.place(local01).segment.used) continue;
       const NormalInstant truth(normals, layout, local01);
@@ -174,6 +236,15 @@ std::vector<Bend> MovingArray::bends() const {
   return normalized_bends(std::move(result));
 }
 
+std::vector<double> MovingArray::dense_times01() const {
+  std::vector<double> result;
+  if (transform.is_still()) return result;
+  for (const double time01 : transform.times01()) {
+    if (time01 >= 0.0 && time01 <= 1.0) result.push_back(time01);
+  }
+  return result;
+}
+
 Box3d bounds(const Box3d& box, const TransformTrack& transform) {
   Box3d result;
   for (const Affine3d& map : transform.maps()) result.grow(bounds_of(corners_of(box), map));
@@ -193,14 +264,18 @@ PointFit fit_points(const MovingArray& points, const ScreenMeasure& measure, con
   PointFit result;
   if (points.is_still()) return result;
   const std::vector<Bend> bends = points.bends();
+  const std::vector<double> dense01 = points.dense_times01();
   const double still_limit = kStillShare * settings.tolerance;
-  result.error = still_error(points, measure, bends, still_limit);
+  result.error = still_error(points, measure, bends, dense01, still_limit);
   if (result.error <= still_limit) return result;
   const double sampling = points.transform.error_pixels();
   const double tolerance = std::max(settings.tolerance - sampling, 0.5 * settings.tolerance);
-  std::vector<Candidate> tracks = candidates(bends, settings);
-  const CandidateFit fit = cheapest_candidate(tracks.size(), tolerance, [&](std::size_t i, double limit) {
-    return track_error(points, measure, tracks[i], bends, limit);
+  // Points that move on their own do not repeat with the transform.
+  const std::vector<double> no_periods;
+  std::vector<Candidate> tracks =
+      candidates(bends, settings, points.values.is_still() ? points.transform.periods01() : no_periods);
+  const CandidateFit fit = cheapest_candidate(tracks, tolerance, [&](std::size_t i, double limit) {
+    return track_deviation(points, measure, tracks[i], bends, dense01, limit);
   });
   return {std::move(tracks[fit.index]), fit.error + sampling};
 }

@@ -171,8 +171,7 @@ Errors errors(const LightMotion& motion, const ScreenMeasure& measure, std::uint
 
 void report(const Errors& found, const LightMotion& motion, std::uint32_t segments,
             const FitSettings& settings, PrimLog& log) {
-  report_fit({segments, found.pixels}, settings.tolerance, "xformOpOrder", "the light's motion or size", "",
-             log);
+  report_fit({segments, found.pixels}, settings, "xformOpOrder", "the light's motion or size", log);
   if (found.power_share <= kPowerTolerance) return;
   const bool averaged = motion.keys() == Keys::kAveraged;
   log.warn("inputs:intensity",

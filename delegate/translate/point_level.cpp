@@ -3,6 +3,7 @@
 // angular velocity, then the position.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -15,6 +16,15 @@
 
 namespace msbvh::translate {
 namespace {
+
+// Times a turn at which a spin is compared with its track.
+constexpr double kTimesPerTurn = 16.0;
+// So few turns in a shutter hide from no test.
+constexpr double kFewTurns = 0.25;
+// Beyond, no shutter is long enough to see anything but a smear: tests no longer grow in number.
+constexpr double kMostTurns = 4096.0;
+// A motion that repeats less than twice in the shutter is kept as it is.
+constexpr double kLongestPeriod01 = 0.5;
 
 struct Quatd {
   double i, j, k, real;
@@ -89,6 +99,8 @@ class PointLevel final : public ChainLevel {
       }
     }
     warn_of_no_turn(log);
+    for (std::size_t i = 0; i < selected_.size(); ++i) most_turns_ = std::max(most_turns_, turns(i));
+    most_turns_ = std::min(most_turns_, kMostTurns);
   }
 
   std::size_t count() const override { return selected_.size(); }
@@ -106,6 +118,32 @@ class PointLevel final : public ChainLevel {
       for (const QuaternionSample& s : orientations_) result.push_back({s.time01, points_.orientations.held});
     }
     return normalized_bends(std::move(result));
+  }
+  // Interpolated orientations turn by half a turn at most between their samples, which are bends.
+  std::vector<double> dense_times01() const override {
+    const auto count = has_dense_times() ? std::size_t(std::ceil(kTimesPerTurn * most_turns_)) : 0;
+    std::vector<double> result;
+    // Not quite even, so that they have no period of their own.
+    for (std::size_t i = 0; i < count; ++i) {
+      const double place = double(i) + 0.25 + 0.5 * std::fmod(double(i) * std::numbers::phi, 1.0);
+      result.push_back(place / double(count));
+    }
+    return result;
+  }
+  bool has_dense_times() const override { return most_turns_ > kFewTurns; }
+  std::size_t dense_stride(std::size_t index) const override {
+    const double own = std::max(turns(index), kFewTurns / kTimesPerTurn);
+    return std::bit_floor(std::max<std::size_t>(1, std::size_t(most_turns_ / own)));
+  }
+  std::vector<double> periods01() const override {
+    std::vector<double> result;
+    for (std::size_t i = 0; i < selected_.size() && !angular_velocities_.empty(); ++i) {
+      const double period01 = 1.0 / turns(i);
+      if (period01 > kLongestPeriod01 || std::ranges::find(result, period01) != result.end()) continue;
+      result.push_back(period01);
+      if (result.size() > kMostPeriods) break;
+    }
+    return result;
   }
   std::unique_ptr<LevelInstant> at(double time01, double within) const override {
     auto instant = std::make_unique<Instant>(*this, positions_->at(time01, within));
@@ -174,6 +212,14 @@ class PointLevel final : public ChainLevel {
     double angular_dt = 0.0;
   };
 
+  // Of one thing over the shutter, by its angular velocity; 0 where that is no usable number.
+  double turns(std::size_t index) const {
+    if (angular_velocities_.empty()) return 0.0;
+    const Vec3d rate = Vec3d(angular_velocities_[std::size_t(selected_[index])]);
+    const double degrees =
+        length(rate) * std::abs(double(points_.clock.velocity_scale) * points_.clock.seconds_per_shutter);
+    return std::isfinite(degrees) ? degrees / 360.0 : 0.0;
+  }
   const ArraySample& base_of(const ArraySamples& samples) const {
     return samples.samples[base_sample(times_of(samples), points_.clock.frame01)];
   }
@@ -271,6 +317,7 @@ class PointLevel final : public ChainLevel {
   std::vector<QuaternionSample> orientations_;
   std::span<const Vec3f> velocities_, accelerations_, angular_velocities_;
   double angular_base01_ = 0.0;
+  double most_turns_ = 0.0;
   bool interpolated_ = true;
 };
 

@@ -56,6 +56,13 @@ std::optional<TimeLayout> TimeLayout::with_bends(std::span<const Bend> bends, st
   return layout;
 }
 
+TimeLayout TimeLayout::repeating(double period01, std::uint32_t split) {
+  TimeLayout layout(1u << split);
+  layout.uneven_ = split_evenly({{0.0, period01}}, split);
+  layout.period01_ = period01;
+  return layout;
+}
+
 LayoutSegment TimeLayout::segment(std::uint32_t i) const {
   if (!is_even()) return uneven_[i];
   if (segments_ == 0) return {0.0, 1.0};
@@ -74,7 +81,24 @@ TimeLayout::Place TimeLayout::place(double local01) const {
   return {uneven_[i].at(w), uneven_[i]};
 }
 
+namespace {
+
+// A piece for every period; the last one ends where the shutter closes.
+Clock repeating_clock(double period01) {
+  Clock clock;
+  const double periods = 1.0 / period01;
+  const auto whole = std::uint32_t(std::ceil(periods - kSameTime * periods));
+  for (std::uint32_t i = 0; i < whole; ++i) {
+    const float to = i + 1 < whole ? 1.0f : std::min(1.0f, float(periods - i));
+    clock.pieces.push_back({float(i * period01), 0.0f, to});
+  }
+  return clock;
+}
+
+}  // namespace
+
 Clock TimeLayout::clock() const {
+  if (repeats()) return repeating_clock(period01_);
   Clock clock;
   for (std::uint32_t i = 0; !is_even() && i < segments_; ++i) {
     const LayoutSegment& s = uneven_[i];

@@ -41,9 +41,15 @@ class TimeLayout {
   // Each stretch between bends takes 2^split segments. Nothing if that takes more than `max_segments`.
   static std::optional<TimeLayout> with_bends(std::span<const Bend> bends, std::uint32_t split,
                                               std::uint32_t max_segments);
+  // One period of a motion that repeats, on 2^split segments; the time remap runs through it again and again.
+  // `period01` in (0, 1).
+  static TimeLayout repeating(double period01, std::uint32_t split);
 
   std::uint32_t segments() const { return segments_; }
   bool is_even() const { return uneven_.empty(); }
+  // 1 for what does not repeat.
+  double period01() const { return period01_; }
+  bool repeats() const { return period01_ < 1.0; }
   LayoutSegment segment(std::uint32_t i) const;
   // Shutter time of a place of the track's own time, and the segment whose side of a jump it is on.
   struct Place {
@@ -59,6 +65,7 @@ class TimeLayout {
 
   std::uint32_t segments_;
   std::vector<LayoutSegment> uneven_;  // of them; empty: even
+  double period01_ = 1.0;
 };
 
 // `clock`, hidden outside the intervals.

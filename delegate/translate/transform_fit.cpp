@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/motion/bezier.h"
 #include "core/motion/bezier_fit.h"
@@ -10,7 +11,7 @@
 namespace msbvh::translate {
 namespace {
 
-// Where it is seen whether anything moves at all. Not even, so that no whole number of turns looks still.
+// Where it is seen whether anything moves at all, before the chain's dense times, from which nothing hides.
 constexpr std::array kProbes{0.5, 0.0, 1.0, 0.25, 0.75, 0.113, 0.371, 0.629, 0.887};
 
 // The four columns of a map as one value, for interpolation.
@@ -49,7 +50,9 @@ TransformFitter::TransformFitter(const InstanceChain& chain, const MapTarget& ta
       measure_(measure),
       settings_(settings),
       bends_(chain.bends()),
-      candidates_(chain.is_still() ? std::vector<Candidate>() : candidates(bends_, settings)),
+      dense01_(chain.is_still() ? std::vector<double>() : chain.dense_times01()),
+      candidates_(chain.is_still() ? std::vector<Candidate>()
+                                   : candidates(bends_, settings, chain.periods01())),
       prepared_(candidates_.size()) {
   settings_.tolerance = fit_tolerance(settings, target);
   const auto add = [&](double time01) {
@@ -65,6 +68,21 @@ TransformFitter::TransformFitter(const InstanceChain& chain, const MapTarget& ta
     add(bend.time01);
     add(0.5 * (before + bend.time01));
     before = bend.time01;
+  }
+  for (const double time01 : dense01_) dense_.push_back({chain_.at(time01, time01), measure_.at(time01)});
+  for (const double period01 : chain.periods01()) add_period(period01);
+}
+
+void TransformFitter::add_period(double period01) {
+  Period& period = periods_.emplace_back(Period{period01, {}});
+  const auto add = [&](double time01) {
+    const double place = time01 - period01 * std::floor(time01 / period01);
+    period.echoes.push_back({chain_.at(time01, time01), chain_.at(place, place), measure_.at(time01)});
+  };
+  add(1.0);
+  for (const Bend& bend : bends_) add(bend.time01);
+  for (const double time01 : dense01_) {
+    if (time01 > period01) add(time01);
   }
 }
 
@@ -86,14 +104,19 @@ void TransformFitter::prepare(std::size_t candidate) const {
   const auto& [layout, degree] = candidates_[candidate];
   for (std::uint32_t i = 0; i < layout.segments(); ++i) {
     const LayoutSegment segment = layout.segment(i);
-    Segment out{segment.used, {}, {}};
+    Segment out{segment.end01 - segment.begin01, segment.used, {}, {}};
     for (const double node : fit_nodes(degree)) {
       out.nodes.push_back(chain_.at(segment.at(node), segment.middle()));
     }
-    for (const double time01 : test_times01(segment, degree, bends_)) {
-      const double w = (time01 - segment.begin01) / (segment.end01 - segment.begin01);
-      out.tests.push_back(
-          {w, chain_.at(time01, layout.is_even() ? time01 : segment.middle()), measure_.at(time01)});
+    const auto add = [&](double time01, std::size_t dense) {
+      const double w = (time01 - segment.begin01) / out.length01;
+      const double within = layout.is_even() ? time01 : segment.middle();
+      out.tests.push_back({w, chain_.at(time01, within), measure_.at(time01), dense});
+    };
+    for (const double time01 : test_times01(segment, degree, bends_, {})) add(time01, 0);
+    if (segment.used) {
+      const std::span<const double> dense = dense_inside(segment, dense01_);
+      for (const double& time01 : dense) add(time01, std::size_t(&time01 - dense01_.data()));
     }
     prepared_[candidate].segments.push_back(std::move(out));
   }
@@ -109,35 +132,71 @@ std::vector<Affine3d> TransformFitter::probe_maps(std::size_t instance) const {
   return maps;
 }
 
-double TransformFitter::still_error(const std::vector<Affine3d>& maps) const {
+double TransformFitter::still_error(std::size_t instance, const std::vector<Affine3d>& maps,
+                                    double limit) const {
   double worst = 0.0;
-  for (std::size_t i = 1; i < maps.size(); ++i) {
-    if (maps[i] == maps[0]) continue;
-    const double deviation = largest_distance(corners_, maps[i], maps[0]);
-    if (deviation > 0.0)
-      worst = std::max(worst, probes_[i].screen.in_box(deviation, bounds_of(corners_, maps[i])));
+  const auto compare = [&](const Affine3d& other, const ScreenInstant& screen) {
+    if (other == maps[0]) return;
+    const double deviation = largest_distance(corners_, other, maps[0]);
+    if (deviation > 0.0) worst = std::max(worst, screen.in_box(deviation, bounds_of(corners_, other)));
+  };
+  for (std::size_t i = 1; i < maps.size() && worst <= limit; ++i) compare(maps[i], probes_[i].screen);
+  const std::size_t stride = chain_.dense_stride(instance);
+  for (std::size_t i = 0; i < dense_.size() && worst <= limit; i += stride) {
+    compare(map(dense_[i].instant, instance), dense_[i].screen);
   }
   return worst;
 }
 
-double TransformFitter::error(std::size_t instance, std::size_t candidate, double limit) const {
-  const std::uint32_t degree = candidates_[candidate].degree;
+double TransformFitter::period_error(std::size_t instance, double period01, double limit) const {
+  const auto period = std::ranges::find(periods_, period01, &Period::period01);
   double worst = 0.0;
+  for (const Echo& echo : period->echoes) {
+    const Affine3d truth = map(echo.instant, instance);
+    const double distance = largest_distance(corners_, truth, map(echo.first, instance));
+    if (distance > 0.0) worst = std::max(worst, echo.screen.in_box(distance, bounds_of(corners_, truth)));
+    if (worst > limit) break;
+  }
+  return worst;
+}
+
+// What a track in motion and its failure to repeat add up to.
+TrackDeviation TransformFitter::deviation(std::size_t instance, std::size_t candidate, double limit) const {
+  const TimeLayout& layout = candidates_[candidate].layout;
+  const double repeated =
+      layout.repeats() ? period_error(instance, layout.period01(), limit) : 0.0;
+  if (repeated > limit) return {repeated, repeated};
+  const TrackDeviation moving = moving_deviation(instance, candidate, limit - repeated);
+  return {moving.largest + repeated, moving.mean + repeated};
+}
+
+TrackDeviation TransformFitter::moving_deviation(std::size_t instance, std::size_t candidate,
+                                                 double limit) const {
+  const std::uint32_t degree = candidates_[candidate].degree;
+  const std::size_t stride = chain_.dense_stride(instance);
+  TrackDeviation result;
   for (const Segment& segment : prepared(candidate)) {
     if (!segment.used) continue;
     SegmentControls controls;
     for (std::uint32_t i = 0; i <= degree; ++i) controls[i].m = map(segment.nodes[i], instance);
     controls_from_values([&](std::uint32_t i) -> Columns& { return controls[i]; }, degree);
+    double sum = 0.0;
+    std::size_t count = 0;
     for (const Test& test : segment.tests) {
+      if (test.dense % stride != 0) continue;
       const Affine3d truth = map(test.instant, instance);
       const Affine3d track = bezier([&](std::uint32_t i) { return controls[i].m; }, degree, test.w);
-      const double deviation = largest_distance(corners_, truth, track);
-      if (deviation == 0.0) continue;
-      worst = std::max(worst, test.screen.in_box(deviation, bounds_of(corners_, truth)));
-      if (worst > limit) return worst;
+      const double distance = largest_distance(corners_, truth, track);
+      ++count;
+      if (distance == 0.0) continue;
+      const double pixels = test.screen.in_box(distance, bounds_of(corners_, truth));
+      sum += pixels;
+      result.largest = std::max(result.largest, pixels);
+      if (result.largest > limit) return result;
     }
+    if (count > 0) result.mean += segment.length01 * sum / double(count);
   }
-  return worst;
+  return result;
 }
 
 TransformFitter::Verdict TransformFitter::judge(std::size_t instance) const {
@@ -145,11 +204,12 @@ TransformFitter::Verdict TransformFitter::judge(std::size_t instance) const {
   Verdict verdict;
   verdict.fate = fate_of(maps);
   if (verdict.fate != Fate::kDrawn || candidates_.empty()) return verdict;
-  verdict.error = still_error(maps);
-  if (verdict.error > kStillShare * settings_.tolerance) {
+  const double still = kStillShare * settings_.tolerance;
+  verdict.error = still_error(instance, maps, still);
+  if (verdict.error > still) {
     const CandidateFit fit = cheapest_candidate(
-        candidates_.size(), settings_.tolerance,
-        [&](std::size_t candidate, double limit) { return error(instance, candidate, limit); });
+        candidates_, settings_.tolerance,
+        [&](std::size_t candidate, double limit) { return deviation(instance, candidate, limit); });
     verdict.track = std::uint32_t(fit.index + 1);
     verdict.error = fit.error;
   }

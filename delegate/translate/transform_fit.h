@@ -56,8 +56,10 @@ class TransformFitter {
     double w;  // in the segment
     InstanceChain::Instant instant;
     ScreenInstant screen;
+    std::size_t dense = 0;  // the number of the dense time that it is at, or 0, which counts for all strides
   };
   struct Segment {
+    double length01 = 0.0;
     bool used = true;
     std::vector<InstanceChain::Instant> nodes;
     std::vector<Test> tests;
@@ -70,12 +72,25 @@ class TransformFitter {
     InstanceChain::Instant instant;
     ScreenInstant screen;
   };
+  // Where it is seen whether a motion repeats: a time, and the same place in the first period.
+  struct Echo {
+    InstanceChain::Instant instant, first;
+    ScreenInstant screen;
+  };
+  struct Period {
+    double period01;
+    std::vector<Echo> echoes;
+  };
 
+  void add_period(double period01);
   const std::vector<Segment>& prepared(std::size_t candidate) const;
   void prepare(std::size_t candidate) const;
   Affine3d map(const InstanceChain::Instant& instant, std::size_t instance) const;
-  double still_error(const std::vector<Affine3d>& probes) const;
-  double error(std::size_t instance, std::size_t candidate, double limit) const;
+  double still_error(std::size_t instance, const std::vector<Affine3d>& probes, double limit) const;
+  // By how much a motion fails to repeat.
+  double period_error(std::size_t instance, double period01, double limit) const;
+  TrackDeviation deviation(std::size_t instance, std::size_t candidate, double limit) const;
+  TrackDeviation moving_deviation(std::size_t instance, std::size_t candidate, double limit) const;
   std::vector<Affine3d> probe_maps(std::size_t instance) const;
   bool has_representable_controls(std::size_t instance, std::uint32_t track) const;
 
@@ -85,8 +100,11 @@ class TransformFitter {
   const ScreenMeasure& measure_;
   FitSettings settings_;
   std::vector<Bend> bends_;
+  std::vector<double> dense01_;
   std::vector<Candidate> candidates_;
   std::vector<Probe> probes_;  // the first is the shutter's centre
+  std::vector<Probe> dense_;   // at dense01_
+  std::vector<Period> periods_;
   mutable std::vector<Prepared> prepared_;
 };
 

@@ -45,7 +45,8 @@ TransformTrack::TransformTrack(const TransformSamples& samples)
     : smooth_({}, {}, false),
       bends01_(samples.bends01.value_or(samples.times01)),
       held_(samples.held),
-      error_pixels_(samples.error_pixels) {
+      error_pixels_(samples.error_pixels),
+      periods01_(samples.periods01) {
   const SampleRange range = samples_of_shutter(samples.times01, held_);
   for (std::size_t i = range.first; i <= range.last; ++i) {
     times01_.push_back(samples.times01[i]);

@@ -42,6 +42,7 @@ class TransformTrack {
   const std::vector<Affine3d>& maps() const { return maps_; }
   std::vector<Bend> bends() const;
   double error_pixels() const { return error_pixels_; }
+  const std::vector<double>& periods01() const { return periods01_; }
 
  private:
   std::vector<double> times01_;
@@ -50,6 +51,7 @@ class TransformTrack {
   std::vector<double> bends01_;
   bool held_ = false;
   double error_pixels_ = 0.0;
+  std::vector<double> periods01_;
 };
 
 // As many matrices as increasing times, all representable; a projective column is left out with a warning.

@@ -147,8 +147,8 @@ Translator::Translator(const CameraInput& camera, const TranslatorSettings& sett
   track.rule = track.segments == 0 ? "still" : "transform and optics by the stage's own evaluation";
   data_->tracks.push_back(track);
   PrimLog log(data_->diagnostics, camera.path);
-  report_fit({track.segments, track.error_pixels}, settings.motion_tolerance_pixels, "xformOpOrder",
-             "the camera's motion, zoom or focus", "", log);
+  report_fit({track.segments, track.error_pixels}, data_->fit, "xformOpOrder",
+             "the camera's motion, zoom or focus", log);
 }
 
 Translator::~Translator() = default;

@@ -21,8 +21,6 @@ DENSE = 61
 FORTY_EIGHT = 48.0
 """Turns beyond which 128 cubics are too few for a blade that does not repeat."""
 
-FAILS = pytest.mark.xfail(strict=True, reason="what repeats at the tested places passes for rest")
-
 EVERY_QUARTER = np.arange(0.0, 100.25, 0.25)
 
 
@@ -47,11 +45,7 @@ def largest_error(stage: Usd.Stage, result: ReadResult, rng: np.random.Generator
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize(
-    "source",
-    [pytest.param(s, marks=() if s.name == "by_eased_spline" else FAILS) for s in SOURCES],
-    ids=lambda source: source.name,
-)
+@pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.name)
 def test_the_track_follows_or_says_by_how_much_it_does_not(source: Source) -> None:
     rng = np.random.default_rng(SEED)
     worst, lowest, turns = 0.0, np.inf, some_turns(rng, soak_count(6, len(EVERY_QUARTER)))
@@ -91,7 +85,6 @@ def swept_share(radius: np.ndarray) -> np.ndarray:
 PICTURED = [source for source in SOURCES if source.periodic] + [Source(turning.by_camera_roll, True)]
 
 
-@FAILS
 @pytest.mark.parametrize("turns", [4.0, 64.0, 100.0])
 @pytest.mark.parametrize("source", PICTURED, ids=lambda source: source.name)
 def test_whole_turns_are_a_smear_all_around(source: Source, turns: float) -> None:
@@ -121,7 +114,6 @@ def test_normals_of_a_turning_prototype_turn_with_it() -> None:
     assert track.segments > 0 and track.error_pixels <= TOLERANCE
 
 
-@FAILS
 def test_lights_that_turn_whole_turns_move() -> None:
     stage = turning.new_stage()
     turning.blade(stage)
@@ -135,7 +127,6 @@ def test_lights_that_turn_whole_turns_move() -> None:
     assert any("the light's motion deviates" in str(found) for found in diagnostics)
 
 
-@FAILS
 def test_knots_that_loops_repeat_are_breakpoints() -> None:
     """A piston that goes up and down four times in the shutter is where it was at its quarters."""
     stage = turning.new_stage()
@@ -163,7 +154,6 @@ def test_a_camera_that_rolls_whole_turns_moves() -> None:
     assert camera.segments > 0 and camera.error_pixels <= TOLERANCE
 
 
-@FAILS
 def test_turns_are_bounded_by_the_ops() -> None:
     from msbvh.turns import xform_turns
 

@@ -79,6 +79,7 @@ CameraInput camera_from(Arguments& arguments) {
   camera.near_clip = arguments.value<float>("near_clip", "a float");
   camera.far_clip = arguments.value<float>("far_clip", "a float");
   camera.bends01 = arguments.optional_times("bends01");
+  camera.periods01 = arguments.optional_times("periods01").value_or(std::vector<double>{});
   const TransformSamples transform = transform_from(arguments, "times01", "world_from_camera");
   const AnyArray windows =
       checked_array<float>(arguments.required("windows"), "windows", {transform.times01.size(), 4});
@@ -162,6 +163,8 @@ MeshInput mesh_from(Arguments& arguments) {
   mesh.visible = visible_from(arguments);
   mesh.world_from_object = transform_from(arguments, "transform_times01", "transforms");
   mesh.world_from_object.bends01 = arguments.optional_times("transform_bends01");
+  mesh.world_from_object.periods01 =
+      arguments.optional_times("transform_periods01").value_or(std::vector<double>{});
   mesh.world_from_object.held = arguments.value_or("transforms_held", false, "a bool");
   mesh.world_from_object.error_pixels = arguments.value_or("transform_error_pixels", 0.0, "a float");
   mesh.normals = arguments.samples("normals", held);
@@ -219,6 +222,7 @@ class LevelArguments {
     level_.matrices = elements<Matrix4d>(arguments_.keep(checked_array<double>(
         arguments_.required("matrices"), "matrices", {times01.size(), kAnySize, 4, 4})));
     level_.bends01 = arguments_.optional_times("bends01");
+    level_.periods01 = arguments_.optional_times("periods01").value_or(std::vector<double>{});
     level_.held = held;
   }
   void read_points(bool held) {

@@ -121,6 +121,8 @@ class MeshArguments(TypedDict, total=False):
     """[T, 4, 4]: stage from object space; prototype from object space for a prototype's mesh."""
     transform_bends01: F64 | None
     """Where the transform may change its course; None: at every sample."""
+    transform_periods01: F64 | None
+    """Shares of the shutter after which the transform may repeat; whether it does is tested."""
     transforms_held: bool
     transform_error_pixels: float
     """By which straight lines between the samples may stray from the stage."""
@@ -145,6 +147,7 @@ class InstanceLevel(TypedDict, total=False):
     times01: F64
     matrices: F64
     bends01: F64 | None
+    periods01: F64 | None
     selected: I32
     count: int
     """Of all its instances."""
@@ -174,6 +177,7 @@ class Translator:
         world_from_camera: F64,
         windows: F32,
         bends01: F64 | None = None,
+        periods01: F64 | None = None,
         lenses: F32 | None = None,
         near_clip: float,
         far_clip: float,
@@ -186,7 +190,8 @@ class Translator:
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
         bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one),
-        ``bends01``: where its motion may change its course; None: at every time.
+        ``bends01``: where its motion may change its course; None: at every time. ``periods01``: shares of the
+        shutter after which it may repeat.
         ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
 
         Raises Error for a camera or settings that cannot be used.

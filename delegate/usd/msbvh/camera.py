@@ -16,12 +16,15 @@ from .framing import framing_camera
 from .lens import read_lenses
 from .metadata import world_to_camera, world_to_ndc
 from .motion_scales import scales_at
-from .times import Shutter, TimeGrid, checked_shutter, is_held
+from .times import JUMP_TIME01, Shutter, breakpoints_of, checked_shutter, even_level, even_times01, is_held
 from .transform_faults import unusable_op
 from .transforms import LARGEST, authored_xform_times, xformables
+from .turns import NO_TURNS, Turns, total_turns, xform_turns
 
 CAMERA_LEVEL = 10
-"""2^10 intervals."""
+"""2^10 intervals at least."""
+TIMES_A_TURN = 64
+"""Of a camera that rolls or orbits: cubics between stay within a millionth of the radius."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,8 @@ class RenderCamera:
     """float32[T, 4]: left, right, bottom, top of the image at unit distance (orthographic: stage units)."""
     bends01: np.ndarray
     """float64[B]: where the camera may change its course."""
+    periods01: np.ndarray
+    """float64[P]: shares of the shutter after which its motion may repeat."""
     lenses: np.ndarray
     """float32[T, 2]: radius and focus distance, in the camera's space; radius 0: a pinhole."""
     near_clip: float
@@ -91,13 +96,14 @@ def read_camera(
     if prim is None:
         framing = framing_camera(stage, frame, purposes, diagnostics)
         shutter = checked_shutter(frame, 0.0, 0.0, "", diagnostics) if frame is None else Shutter(frame)
-        return _sampled("", shutter, TimeGrid(shutter), lambda _: framing, image_size, conform, diagnostics)
+        course = Course(shutter, (), NO_TURNS, False)
+        return _sampled("", shutter, course, lambda _: framing, image_size, conform, diagnostics)
     camera = UsdGeom.Camera(prim)
     code = Shutter(frame).frame_code
     opening, closing = camera.GetShutterOpenAttr().Get(code), camera.GetShutterCloseAttr().Get(code)
     shutter = checked_shutter(frame, opening or 0.0, closing or 0.0, str(prim.GetPath()), diagnostics)
     own = shutter.scaled(scales_at(prim, code, diagnostics).blur)
-    grid = TimeGrid(own, _authored_times(prim, own), is_held(stage))
+    course = _course(prim, own, is_held(stage))
 
     def camera_at(code: Usd.TimeCode) -> Gf.Camera:
         found = camera.GetCamera(code)
@@ -106,7 +112,7 @@ def read_camera(
             raise SceneError(f"{path}.{attribute}: {message}")
         return found
 
-    return _sampled(str(prim.GetPath()), shutter, grid, camera_at, image_size, conform, diagnostics)
+    return _sampled(str(prim.GetPath()), shutter, course, camera_at, image_size, conform, diagnostics)
 
 
 def find_camera(stage: Usd.Stage, name: str | None, diagnostics: Diagnostics) -> Usd.Prim | None:
@@ -139,13 +145,40 @@ def _named_camera(cameras: list[Usd.Prim], name: str) -> Usd.Prim:
     raise SceneError(f"camera: found no camera '{name}', expected one of the stage's cameras: {known}")
 
 
-def _authored_times(prim: Usd.Prim, shutter: Shutter) -> set[float]:
-    """Time codes within the shutter at which the camera's optics or an ancestor's transform are authored."""
+@dataclass(frozen=True)
+class Course:
+    """Where a camera may change its course, and how far it turns."""
+
+    shutter: Shutter
+    """The camera's own, scaled where it has a motion:blurScale."""
+    breakpoints01: tuple[float, ...]
+    turns: Turns
+    held: bool
+    """Values jump at the breakpoints."""
+
+    @property
+    def bends01(self) -> list[float]:
+        """The breakpoints; of a held stage with the instants before them."""
+        before = [time - JUMP_TIME01 for time in self.breakpoints01 if self.held and time > JUMP_TIME01]
+        return sorted([*self.breakpoints01, *before])
+
+    def times01(self) -> list[float]:
+        """Where the camera is evaluated: one time for a closed shutter."""
+        if not self.shutter.moving:
+            return [0.0]
+        level = max(CAMERA_LEVEL, even_level(TIMES_A_TURN * self.turns.rate))
+        return even_times01(level, self.breakpoints01, self.held)
+
+
+def _course(prim: Usd.Prim, shutter: Shutter, held: bool) -> Course:
+    """Of a camera's optics and its own and its ancestors' transforms."""
     if not shutter.moving:
-        return set()
-    ancestors = [UsdGeom.Xformable(prim.GetStage().GetPrimAtPath(p)) for p in prim.GetPath().GetPrefixes()]
-    times = authored_xform_times([xformable for xformable in ancestors if xformable], shutter)
-    return times.union(*(a.GetTimeSamplesInInterval(shutter.interval) for a in optics(UsdGeom.Camera(prim))))
+        return Course(shutter, (), NO_TURNS, held)
+    carriers = list(xformables(prim, None))
+    times = authored_xform_times(carriers, shutter)
+    times = times.union(*(breakpoints_of(each, shutter) for each in optics(UsdGeom.Camera(prim))))
+    breakpoints01 = tuple(sorted({shutter.time01(time) for time in times}))
+    return Course(shutter, breakpoints01, total_turns(xform_turns(each, shutter) for each in carriers), held)
 
 
 def optics(camera: UsdGeom.Camera) -> tuple[Usd.Attribute, ...]:
@@ -164,24 +197,22 @@ def optics(camera: UsdGeom.Camera) -> tuple[Usd.Attribute, ...]:
 def _sampled(
     path: str,
     shutter: Shutter,
-    grid: TimeGrid,
+    course: Course,
     camera_at: Callable[[Usd.TimeCode], Gf.Camera],
     image_size: tuple[int, int | None],
     conform: str,
     diagnostics: Diagnostics,
 ) -> RenderCamera:
-    """Evaluates `camera_at` as densely as straight lines between need for a quarter turn within the shutter, to a
-    thousandth of a pixel; or once if it does not move.
-
-    The grid's shutter is the camera's own, scaled where it has a motion:blurScale."""
+    """Evaluates `camera_at` as densely as interpolation between needs, to a thousandth of a pixel; or once if it does
+    not move."""
     at_frame = camera_at(shutter.frame_code)
     _check_optics(path, at_frame)
     width, height = image_size
     height = height or image_height(width, at_frame.aspectRatio)
     window, pixel_aspect = conformed(_window(at_frame), width / height, conform)
 
-    times01 = grid.times01(CAMERA_LEVEL)
-    cameras = [camera_at(grid.shutter.time_code(time01)) for time01 in times01]
+    times01 = course.times01()
+    cameras = [camera_at(course.shutter.time_code(time01)) for time01 in times01]
     for camera in cameras:
         _check_optics(path, camera)
     matrices = np.array([np.array(camera.transform) for camera in cameras])
@@ -197,7 +228,8 @@ def _sampled(
         times01=np.array(times01[:keep]),
         world_from_camera=matrices[:keep],
         windows=windows[:keep],
-        bends01=np.array(grid.bends01),
+        bends01=np.array(course.bends01),
+        periods01=np.array(course.turns.periods01),
         lenses=lenses[:keep],
         near_clip=at_frame.clippingRange.min,
         far_clip=at_frame.clippingRange.max,

@@ -153,7 +153,7 @@ def motion_command(
         print(motion_text(found, prim, verbose))
     if found.beyond:
         sys.stdout.flush()
-        Reporter.error(beyond_text(found))
+        Reporter.error(beyond_text(found, options["segments"], options["interpolation"]))
     return WRONG if found.beyond else DONE
 
 

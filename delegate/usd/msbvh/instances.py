@@ -91,8 +91,7 @@ class Placer:
 
     def placements(self) -> Iterator[Placement]:
         """Every group wherever it stands; the world first, once, at the identity."""
-        grid = self._caches.grid(self._caches.shutter)
-        identity = Motion(grid, 1, True, lambda _: np.eye(4)[None])
+        identity = Motion(self._caches.shutter, 1, True, lambda _: np.eye(4)[None])
         yield from self._below(Placement("/", WORLD, (), None, None, lambda: identity), ())
 
     def _below(self, outer: Placement, trail: tuple[Hashable, ...]) -> Iterator[Placement]:
@@ -213,6 +212,7 @@ def _keywords(samples: TransformSamples) -> dict:
         "times01": samples.times01,
         "matrices": np.ascontiguousarray(samples.matrices),
         "bends01": samples.bends01,
+        "periods01": np.array(sorted({period for periods in samples.periods01 for period in periods})),
         "held": samples.held,
     }
 
@@ -221,8 +221,8 @@ def coarse_keywords(level: Level) -> dict:
     """A few samples of a level: how large things are seen, not how they move."""
     if level.motion is None:
         return level.arrays
-    times01 = [0.0] if level.motion.still else [0.0, 0.5, 1.0]
-    matrices = np.array([level.motion.at_time(time01) for time01 in times01])
+    times01 = level.motion.few_times01()
+    matrices = level.motion.at_times(times01)
     return {"times01": np.array(times01), "matrices": np.ascontiguousarray(matrices)}
 
 
@@ -239,8 +239,7 @@ def _pixel_sizes(outer: list[dict], box: Box, level: Level, measure: Measure) ->
 def _image(level: Level, box: Box) -> Box:
     """Around a box under all maps of a level, roughly: at a few times."""
     if level.motion is not None:
-        times = (0.0,) if level.motion.still else (0.0, 0.5, 1.0)
-        corners = [box.corners() @ level.motion.at_time(time)[..., :3] for time in times]
+        corners = [box.corners() @ at[..., :3] for at in level.motion.at_times(level.motion.few_times01())]
         return Box.around(np.concatenate(corners).reshape(-1, 3))
     centres = Box.around(_usable(np.concatenate([values for _, values in level.arrays["positions"]])))
     scales = [np.abs(_usable(values)).max(initial=0.0) for _, values in level.arrays["scales"]] or [1.0]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
 
-from .times import FINEST_LEVEL, JUMP_TIME01, Shutter
+from .times import FINEST_LEVEL, JUMP_TIME01, Shutter, breakpoints_of
 
 SIZES = {"angle": 0.53, "radius": 0.5, "width": 1.0, "height": 1.0}
 """Inputs by which lights differ in size, with the values of those that have none. Degrees and stage units."""
@@ -138,19 +138,20 @@ def _codes(attributes: list[Usd.Attribute], shutter: Shutter) -> dict[float, Usd
     if not shutter.moving or not varying:
         return {}
     even = np.linspace(0.0, 1.0, 2**FINEST_LEVEL + 1)
-    authored = set().union(*(a.GetTimeSamplesInInterval(shutter.interval) for a in varying))
+    authored = set().union(*(breakpoints_of(attribute, shutter) for attribute in varying))
     codes = {1.0: shutter.time_code(1.0 - JUMP_TIME01)}
-    if len(authored) <= 2**FINEST_LEVEL:
-        for time in authored:
-            time01 = shutter.time01(time)
-            if time01 > 1.0 - JUMP_TIME01:
-                continue
-            codes[time01] = Usd.TimeCode(time)
-            if time01 > JUMP_TIME01:
-                codes[time01 - JUMP_TIME01] = shutter.time_code(time01 - JUMP_TIME01)
-    known = np.array(list(codes))
-    for time01 in even.tolist():
-        if np.abs(known - time01).min() > 1e-9:
+    for time in authored:
+        time01 = shutter.time01(time)
+        if time01 > 1.0 - JUMP_TIME01:
+            continue
+        codes[time01] = Usd.TimeCode(time)
+        if time01 > JUMP_TIME01:
+            codes[time01 - JUMP_TIME01] = shutter.time_code(time01 - JUMP_TIME01)
+    known = np.array(sorted(codes))
+    place = np.clip(np.searchsorted(known, even), 1, max(len(known) - 1, 1))
+    nearest = known[[place - 1, np.minimum(place, len(known) - 1)]]
+    for time01, distance in zip(even.tolist(), np.abs(nearest - even).min(axis=0).tolist(), strict=True):
+        if distance > 1e-9:
             codes[time01] = shutter.time_code(time01)
     return dict(sorted(codes.items()))
 

@@ -9,8 +9,11 @@ from pxr import Sdf, Usd, UsdLux
 
 from .context import FrameContext
 from .light_values import LightSamples, NotANumber, radiances, sample_light
-from .times import FINEST_LEVEL, Shutter
+from .times import FINEST_LEVEL
 from .transforms import Motion
+
+TIMES_A_TURN = 64
+"""Of a light that turns: chords leave the circle by a thousandth of its radius."""
 
 SUPPORTED_LIGHTS = {
     "DistantLight": "distant",
@@ -57,23 +60,29 @@ def add_lights(
         message = "found a transform that shears or scales unevenly; lit as the sphere of equal volume"
         context.diagnostics.group(path, "xformOpOrder", message)
     for index in range(motion.count):
-        light = _keywords(kind, samples, at_frame, motion, index, context.shutter)
-        translator.add_light(name=path, kind=kind, **light, **_place(motion, index))
+        light = _keywords(kind, samples, at_frame, motion, index, context)
+        translator.add_light(name=path, kind=kind, **light, **_place(motion, index, context.held))
     return motion.count
 
 
-def _place(motion: Motion, index: int) -> dict:
-    """One of the motion's transforms, at the grid's finest times."""
-    times01, place = motion.times01(FINEST_LEVEL), motion.at_level(FINEST_LEVEL)[:, index]
+def _times01(motion: Motion, held: bool) -> list[float]:
+    """Where the transform of a light is evaluated, for lines between."""
+    return motion.dense_times01(FINEST_LEVEL, TIMES_A_TURN, held)
+
+
+def _place(motion: Motion, index: int, held: bool) -> dict:
+    """One of the motion's transforms."""
+    times01 = _times01(motion, held)
+    place = motion.at_times(times01)[:, index]
     last = 1 if (place == place[0]).all() else len(times01)
     return {"times01": np.array(times01[:last]), "world_from_light": np.ascontiguousarray(place[:last])}
 
 
 def _keywords(
-    kind: str, samples: LightSamples, at_frame: LightSamples, motion: Motion, index: int, shutter: Shutter
+    kind: str, samples: LightSamples, at_frame: LightSamples, motion: Motion, index: int, context: FrameContext
 ) -> dict:
     """The values at the frame, and over the shutter where they change."""
-    frame_matrix = motion.at_time(shutter.frame01)[index]
+    frame_matrix = motion.at_time(context.shutter.frame01)[index]
     if samples.still:
         at_frame = samples
     radiance = radiances(kind, at_frame, frame_matrix[None])[0]
@@ -86,7 +95,7 @@ def _keywords(
         "height": height,
     }
     if samples.still and samples.normalize[0] and not motion.still:
-        samples = samples.at(motion.times01(FINEST_LEVEL))
+        samples = samples.at(_times01(motion, context.held))
     if samples.still:
         return light
     matrices = np.repeat(frame_matrix[None], len(samples.times01), axis=0)

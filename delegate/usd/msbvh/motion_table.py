@@ -31,14 +31,22 @@ def motion_text(report: MotionReport, prim: str | None, verbose: bool) -> str:
     return "\n".join([*lines, _sum(report, len(shown))])
 
 
-def beyond_text(report: MotionReport) -> str:
-    """One line on the tracks that miss the tolerance."""
+def beyond_text(report: MotionReport, segments: int | None, interpolation: str) -> str:
+    """One line on the tracks that miss the tolerance, and what helps given the settings that were asked for."""
     count, worst = len(report.beyond), report.beyond[0]
     what = "1 track misses" if count == 1 else f"{count} tracks miss"
     at = f"{worst.path} by {worst.error_pixels:.4g} px on {_plural(worst.segments, 'segment')}"
     which = at if count == 1 else f"the worst is {at}"
-    mend = "needs another --interpolation, more --segments or a larger --motion-tolerance"
-    return f"{what} the tolerance of {report.tolerance_pixels:g} px: {which}; {mend}"
+    return f"{what} the tolerance of {report.tolerance_pixels:g} px: {which}; {_advice(segments, interpolation)}"
+
+
+def _advice(segments: int | None, interpolation: str) -> str:
+    """What helps where no allowed track follows a motion (advice() in delegate/translate/fit.h)."""
+    if segments is not None:
+        return "more --segments help, or none given"
+    if interpolation != "auto":
+        return "--interpolation auto may help"
+    return "no track has more segments; a shorter shutter or a larger --motion-tolerance helps"
 
 
 def _plural(count: int, noun: str) -> str:

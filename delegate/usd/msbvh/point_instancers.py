@@ -13,6 +13,7 @@ from .points import changes, rate_clock, rates, raw_samples
 from .primvars import read_primvar, warn_of_change
 from .times import Shutter, xform_bends
 from .transforms import Motion, XformCaches
+from .turns import NO_TURNS, Turns, uniform_turns, xform_turns
 
 _NOT_DRAWN = -1
 
@@ -188,7 +189,17 @@ def _every_instance(
         )
         return np.array(computed[0])
 
-    return Motion(caches.grid(context.shutter), count, still, evaluate)
+    spin = _spin(instancer, context)
+    return Motion(context.shutter, count, still, evaluate, turns=lambda _: spin)
+
+
+def _spin(instancer: UsdGeom.PointInstancer, context: FrameContext) -> Turns:
+    """Of the fastest instance, by its angular velocity: degrees per second."""
+    rates = array(instancer.GetAngularVelocitiesAttr().Get(context.code), np.float64, 3)
+    if not len(rates) or not context.shutter.moving:
+        return NO_TURNS
+    seconds = (context.shutter.close - context.shutter.open) / context.stage.GetTimeCodesPerSecond()
+    return uniform_turns(float(np.linalg.norm(rates, axis=1).max()) * seconds / 360.0)
 
 
 def _selected(
@@ -204,7 +215,10 @@ def _selected(
         return own.at_time(time01) @ every.at_time(time01)[selected]
 
     still = every.still and own.still
-    return Motion(caches.grid(shutter), len(selected), still, evaluate, carriers=carriers)
+    def turns(index: int) -> Turns:
+        return own.turns(0) + every.turns(index)
+
+    return Motion(shutter, len(selected), still, evaluate, own.bends01, carriers=carriers, turns=turns)
 
 
 def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) -> Motion:
@@ -219,7 +233,10 @@ def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) ->
     def carriers(_: int) -> list[UsdGeom.Xformable]:
         return [xformable] if xformable else []
 
-    return Motion(caches.grid(shutter), 1, not moving, evaluate, tuple(bends), carriers=carriers)
+    def turns(_: int) -> Turns:
+        return xform_turns(xformable, shutter) if xformable else NO_TURNS
+
+    return Motion(shutter, 1, not moving, evaluate, tuple(bends), carriers=carriers, turns=turns)
 
 
 def _display_color(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> np.ndarray | None:

@@ -146,7 +146,7 @@ class _FrameReader:
             shutter = self._camera.shutter
             self._context = FrameContext(stage, shutter, is_held(stage), diagnostics, found=found)
             self._traversal = Traversal(self._context, purposes)
-            self._caches = XformCaches(shutter, self._traversal.authored_times, self._context.held)
+            self._caches = XformCaches(shutter)
         self._pixel = self._camera.pixel_size()
         self._translator = make_translator(**self._translator_settings())
         materials = Materials(self._translator, self._context)
@@ -199,6 +199,7 @@ class _FrameReader:
             "world_from_camera": camera.world_from_camera,
             "windows": camera.windows,
             "bends01": camera.bends01,
+            "periods01": camera.periods01,
             "lenses": camera.lenses,
             "near_clip": camera.near_clip,
             "far_clip": camera.far_clip,

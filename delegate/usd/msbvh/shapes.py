@@ -52,9 +52,9 @@ class Shape:
 
     def extent(self, caches: XformCaches, root: Usd.Prim | None) -> Box:
         """Around the points in the space of the group, at a few times."""
-        varying, _, shutter = self.course
-        times = (0.0, 0.5, 1.0) if varying and shutter.moving else (0.0,)
-        matrices = [caches.matrix(time, self.placed_by, root, shutter) for time in times]
+        varying, bends, shutter = self.course
+        motion = caches.motion([self.placed_by], root, varying, shutter, bends)
+        matrices = motion.at_times(motion.few_times01())[:, 0]
         return Box.around(np.concatenate([self.box.corners() @ matrix[:, :3] for matrix in matrices]))
 
 
@@ -134,6 +134,8 @@ class Shapes:
             "transforms_held": transform.held,
             "transform_error_pixels": transform.error_pixels,
         }
+        if transform.periods01 and transform.periods01[place]:
+            mesh["transform_periods01"] = np.array(transform.periods01[place])
         prim, parts = shape.part.prim, []
         if prim.IsA(UsdGeom.Mesh):
             parts = faces_by_material(UsdGeom.Mesh(prim), len(mesh["face_vertex_counts"]), self._context)
@@ -152,8 +154,8 @@ class Shapes:
         track has."""
 
         def tolerance(placed_by: Usd.Prim, box: Box) -> float:
-            times = (0.0, 0.5, 1.0)
-            matrices = np.array([self._caches.matrix(t, placed_by, root, context.shutter) for t in times])
+            motion = self._caches.motion([placed_by], root, True, context.shutter)
+            matrices = motion.at_times(motion.few_times01())[:, 0]
             stretch = np.linalg.norm(matrices[:, :3, :3], ord=2, axis=(1, 2)).max()
             corners = (box.corners() @ matrices[..., :3])[:, None]
             share = SAMPLING_SHARE * self._tolerance

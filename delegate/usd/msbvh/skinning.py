@@ -18,11 +18,17 @@ from .context import FrameContext, array
 from .points import Samples
 from .skel_bindings import SkelBinding, read_binding
 from .skel_faults import report_unusable_pose
-from .times import FINEST_LEVEL, TimeGrid
+from .skel_turns import joint_turns
+from .times import even_level, even_times01
+from .transform_sampling import TIMES_A_TURN
+from .turns import NO_TURNS, Turns
 
 COARSEST_LEVEL = 2
-"""Poses are sampled at 2^2 intervals at least: between authored samples a joint turns by less than half a
-turn."""
+"""Poses are sampled at 2^2 intervals at least, and at as many as joints turn for (skel_turns.py)."""
+FINEST_LEVEL = 10
+"""2^10 intervals at most."""
+MOST_POINTS = 2**26
+"""Of all poses of a mesh together, 800 MB: no finer level begins beyond it."""
 NORMAL_TOLERANCE = 0.005
 """Radians that a normal may stray between samples: half of what its track may (translate/normals.h)."""
 
@@ -82,22 +88,26 @@ def _sample(
     if not varying:
         poser.evaluate([0.0])
         return [0.0], False
-    grid = TimeGrid(context.shutter, authored)
-    times01 = grid.times01(COARSEST_LEVEL)
+    breakpoints01 = [context.shutter.time01(time) for time in authored]
     if context.held:
-        times01 = sorted({0.0, *map(context.shutter.time01, authored)})
+        times01 = sorted({0.0, *breakpoints01})
+        poser.evaluate(times01)
+        return (times01[:1], False) if poser.still(times01) else (times01, True)
+    coarsest = max(COARSEST_LEVEL, even_level(TIMES_A_TURN * poser.turns().rate))
+    times01 = even_times01(coarsest, breakpoints01)
     poser.evaluate(times01)
     if poser.still(times01):
         return times01[:1], False
-    if context.held:
-        return times01, True
     tolerance = tolerance_units(poser.box())
-    for level in range(COARSEST_LEVEL + 1, FINEST_LEVEL + 1):
-        finer = grid.times01(level)
+    for level in range(coarsest + 1, max(coarsest, FINEST_LEVEL) + 1):
+        finer = even_times01(level, breakpoints01)
+        if len(finer) * poser.point_count > MOST_POINTS:
+            break
         poser.evaluate(finer)
         if poser.follows(times01, finer, tolerance):
-            break
+            return times01, False
         times01 = finer
+    poser.warn_of_coarse_poses(len(times01))
     return times01, False
 
 
@@ -142,6 +152,23 @@ class _Poser:
             varying = True
             times.update(animation.GetBlendShapeWeightTimeSamplesInInterval(shutter.interval))
         return varying, sorted(times)
+
+    def turns(self) -> Turns:
+        """How far any joint turns at most within the shutter, with all that it hangs on."""
+        animation = self._binding.animation
+        if self._binding.joints is None or not animation or not animation.JointTransformsMightBeTimeVarying():
+            return NO_TURNS
+        return joint_turns(animation, self._context.shutter)
+
+    @property
+    def point_count(self) -> int:
+        """Of a pose."""
+        return len(self._rest)
+
+    def warn_of_coarse_poses(self, count: int) -> None:
+        """Where no affordable number of poses lets straight lines follow."""
+        message = f"poses are read at {count} times of the shutter, too few for --motion-tolerance; a shorter shutter helps"
+        self._context.diagnostics.group(str(self._binding.prim.GetPath()), "skel:animationSource", message)
 
     def evaluate(self, times01: list[float]) -> None:
         """Poses the mesh at those of the times that it has not been at. Raises _Rejected."""

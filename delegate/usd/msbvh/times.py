@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Ts, Usd, UsdGeom
 
 from .errors import Diagnostics
 
@@ -102,40 +103,29 @@ def checked_shutter(
     return Shutter(frame, open_frames, close_frames)
 
 
-class TimeGrid:
-    """Nested sets of times over the shutter: 2^level even intervals, and the times that are authored within
-    it.
+MOST_EVEN_LEVEL = 14
+"""2^14 even intervals are the most that anything is sampled at; what turns still faster is a smear at any place."""
 
-    With the authored times, motion that is linear between them is caught exactly; the even ones catch curves.
+
+def even_level(intervals: float) -> int:
+    """The power of two that makes at least so many even intervals, within reason."""
+    return min(max(0, math.ceil(math.log2(max(intervals, 1.0)))), MOST_EVEN_LEVEL)
+
+
+def even_times01(level: int, breakpoints01: Iterable[float], held: bool = False) -> list[float]:
+    """2^level even intervals of the shutter and the breakpoints inside, increasing from 0 to 1. Levels nest.
+
+    With the breakpoints, motion that is linear between them is caught exactly; the even times catch curves. `held`:
+    values jump at the breakpoints, so the instants before count too.
     """
-
-    def __init__(self, shutter: Shutter, authored: Iterable[float] = (), held: bool = False) -> None:
-        """`authored` are time codes, in any order. `held`: values jump at them, so the instants before count
-        too."""
-        self.shutter = shutter
-        self._authored: list[float] = []
-        self._levels: dict[int, list[float]] = {}
-        if shutter.moving:
-            inside = sorted({shutter.time01(time) for time in authored if shutter.interval.Contains(time)})
-            jumps = [time - JUMP_TIME01 for time in inside if held and time > JUMP_TIME01]
-            if len(inside) <= 2**FINEST_LEVEL:
-                self._authored = inside + jumps
-
-    @property
-    def bends01(self) -> list[float]:
-        """The authored times, on a held stage with the instants before them."""
-        return sorted(self._authored)
-
-    def times01(self, level: int) -> list[float]:
-        """Increasing, from 0 to 1; [0] alone for a closed shutter. Levels nest."""
-        if not self.shutter.moving:
-            return [0.0]
-        if level not in self._levels:
-            even = np.linspace(0.0, 1.0, 2**level + 1)
-            # Authored times that differ from an even one by rounding alone would make intervals of no length.
-            distant = (time for time in self._authored if np.min(np.abs(even - time)) > 1e-9)
-            self._levels[level] = sorted({*even.tolist(), *distant})
-        return self._levels[level]
+    own = np.array(sorted({time for time in breakpoints01 if 1e-9 < time < 1.0 - 1e-9}))
+    if held:
+        own = np.union1d(own, own[own > JUMP_TIME01] - JUMP_TIME01)
+    # Even times that differ from a breakpoint by rounding alone would make intervals of no length.
+    even = np.linspace(0.0, 1.0, 2**level + 1)
+    near = np.rint(own * 2**level).astype(int)
+    even = np.delete(even, near[np.abs(even[near] - own) <= 1e-9])
+    return np.union1d(even, own).tolist()
 
 
 def is_held(stage: Usd.Stage) -> bool:
@@ -196,17 +186,60 @@ STEP01 = 4e-8
 """How long before a jump its last old value is sampled: less than a ray's time can tell apart (kTimeResolution in
 delegate/translate/time_layout.h), which makes the two a jump."""
 
+MOST_KNOTS = 2**17
+"""A spline whose loops make more knots than this inside the shutter is sampled as if it had none there."""
+
+
+def _knots(spline: Ts.Spline, shutter: Shutter) -> list[Ts.Knot]:
+    """A spline's knots, in and around the shutter those that its loops repeat included."""
+    knots = spline.GetKnots()
+    length = shutter.close - shutter.open
+    if spline.HasLoops() and len(knots) > 1 and len(knots) * length <= MOST_KNOTS * loop_length(spline):
+        knots = spline.GetKnotsWithLoopsBaked(shutter.interval)
+    return list(knots.values())
+
+
+def _jumps(knots: list[Ts.Knot]) -> list[float]:
+    """Time codes of the knots at which the value comes at once."""
+    still = (Ts.InterpHeld, Ts.InterpValueBlock)
+    times = []
+    for before, knot in pairwise(knots):
+        held = before.GetNextInterpolation() in still
+        reached = before.GetValue() if held else knot.GetPreValue() if knot.IsDualValued() else knot.GetValue()
+        if reached != knot.GetValue():
+            times.append(knot.GetTime())
+    return times
+
+
+def loop_length(spline: Ts.Spline) -> float:
+    """Time codes after which a looping spline repeats, the shorter of its loops; infinite where it has none."""
+    lengths = []
+    if spline.HasInnerLoops():
+        loop = spline.GetInnerLoopParams()
+        lengths.append(loop.protoEnd - loop.protoStart)
+    if spline.HasExtrapolatingLoops():
+        knots = list(spline.GetKnots().keys())
+        modes = {spline.GetPreExtrapolation().mode, spline.GetPostExtrapolation().mode}
+        there_and_back = Ts.ExtrapLoopOscillate in modes
+        lengths.append((knots[-1] - knots[0]) * (2.0 if there_and_back else 1.0))
+    return min((length for length in lengths if length > 0.0), default=math.inf)
+
+
+def breakpoints_of(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
+    """Time codes inside the shutter at which an attribute's value may change its course: samples or knots."""
+    if attribute.HasSpline():
+        knots = _knots(attribute.GetSpline(), shutter)
+        return [knot.GetTime() for knot in knots if shutter.interval.Contains(knot.GetTime())]
+    return list(attribute.GetTimeSamplesInInterval(shutter.interval))
+
 
 def _bends_of(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
-    """Samples or knots inside the shutter, and the instants before values that come at once: held or two-valued
-    knots, blocks."""
+    """Breakpoints, and the instants before values that come at once: held or two-valued knots, blocks."""
     step = STEP01 * (shutter.close - shutter.open)
+    inside = breakpoints_of(attribute, shutter)
     if attribute.HasSpline():
-        spline = attribute.GetSpline()
-        inside = [time for time in spline.GetKnots().keys() if shutter.interval.Contains(time)]
-        jumps = [time for time in inside if spline.EvalPreValue(time) != spline.Eval(time)]
+        jumps = [time for time in _jumps(_knots(attribute.GetSpline(), shutter)) if shutter.interval.Contains(time)]
         return [*inside, *(time - step for time in jumps)]
-    inside = list(attribute.GetTimeSamplesInInterval(shutter.interval))
     if not inside or all(attribute.Get(time) is not None for time in (shutter.interval.min, *inside)):
         return inside
     return [*inside, *(time - step for time in inside)]

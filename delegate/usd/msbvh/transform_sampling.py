@@ -9,6 +9,7 @@ import numpy as np
 
 from .boxes import Box, corners_of
 from .transforms import LARGEST, Motion
+from .turns import Turns
 
 SAMPLING_SHARE = 0.1
 """Of the tolerance: by how much interpolation between samples may stray from the stage. The rest is the track's."""
@@ -22,8 +23,10 @@ JUMP01 = 6e-8
 """Bends within this of each other are a jump (kTimeResolution in delegate/translate/time_layout.h)."""
 SAME_TIME01 = 1e-12
 """Times that are nearer are one: the translator's kSameTime."""
+TIMES_A_TURN = 8
+"""What is sampled so densely at least cannot pass for something slower, or for rest (turns.py)."""
 _PROBE = 0.381966
-"""Of a stretch: off the even places, so that no whole number of turns looks straight."""
+"""Of a stretch: off the even places, for what is no turn and yet repeats."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,8 @@ class TransformSamples:
     held: bool = False
     error_pixels: float = 0.0
     """By which interpolation between the samples may stray from the stage."""
+    periods01: tuple[tuple[float, ...], ...] = ()
+    """Of each thing, the shares of the shutter after which its motion may repeat; empty where none does."""
     usable: bool = True
     """False for those things of which a matrix is not finite or too large; nothing can be drawn there."""
 
@@ -109,9 +114,13 @@ def _smooth_samples(
         if len(samples.indices) == motion.count:
             return
     course = Course(ends)
+    needed = _needed_splits([motion.turns(index) for index in remaining.tolist()], ends)
     probes = ends[:-1] + _PROBE * np.diff(ends)
     probed = _evaluated(motion, probes, remaining)
-    for split in range(FINEST_SPLIT):
+    first = min(int(needed.min()), FINEST_SPLIT - 1)
+    if first > 0:
+        coarse = _evaluated(motion, course.times01(first), remaining)
+    for split in range(first, FINEST_SPLIT):
         times01 = course.times01(split + 1)
         fine = _refined(motion, course, split, coarse, remaining)
         corners = local @ fine[..., :3]
@@ -125,14 +134,29 @@ def _smooth_samples(
             gain = 4.0 if split < CUBIC_SPLIT else 8.0
             good = (bent <= gain * limit) & (beside <= limit) & (split > 1)
             kept_times, kept, error = times01, fine, bent / gain
-        good = good | (split + 1 == FINEST_SPLIT or 2 * fine.size > 16 * LARGEST_SAMPLES)
+        good &= needed <= split
+        good |= split + 1 == FINEST_SPLIT or 2 * fine.size > 16 * LARGEST_SAMPLES
         if good.any():
-            found = float(error[good].max())
-            yield TransformSamples(remaining[good], kept_times, kept[:, good], bends, False, found)
+            found = float(np.maximum(error, _missed(corners, needed > split) / size)[good].max())
+            periods = tuple(motion.turns(index).periods01 for index in remaining[good].tolist())
+            yield TransformSamples(remaining[good], kept_times, kept[:, good], bends, False, found, periods)
         if good.all():
             return
-        remaining, coarse, probed = remaining[~good], fine[:, ~good], probed[:, ~good]
+        remaining, coarse, probed, needed = remaining[~good], fine[:, ~good], probed[:, ~good], needed[~good]
         local = local if len(local) == 1 else local[~good]
+
+
+def _needed_splits(turns: list[Turns], ends: np.ndarray) -> np.ndarray:
+    """int[N]: how often the stretches between ends are to be halved for TIMES_A_TURN."""
+    most = np.array([each.within(ends).max() for each in turns])
+    return np.ceil(np.log2(np.maximum(TIMES_A_TURN * most, 1.0))).astype(int)
+
+
+def _missed(corners: np.ndarray, too_fast: np.ndarray) -> np.ndarray:
+    """float64[N]: by which float64[T, N, 8, 3] corners may be elsewhere than sampled, where a thing turns faster than it
+    is sampled: as far as they ever are from each other."""
+    reach = np.linalg.norm(np.ptp(corners, axis=(0, 2)), axis=-1)
+    return np.where(too_fast, reach, 0.0)
 
 
 class Course:

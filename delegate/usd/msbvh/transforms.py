@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom
 
-from .times import Shutter, TimeGrid, xform_bends
+from .times import Shutter, even_level, even_times01, xform_bends
+from .turns import NO_TURNS, Turns, total_turns, xform_turns
 
 LARGEST = 2.0**60
 """The largest element of a usable matrix: kMaxCoordinate (core/geometry), so that products do not overflow."""
@@ -22,25 +23,28 @@ class Motion:
 
     def __init__(
         self,
-        grid: TimeGrid,
+        shutter: Shutter,
         count: int,
         still: bool,
         evaluate: Callable[[float], np.ndarray],
         bends01: tuple[float, ...] = (),
         evaluate_some: Callable[[float, np.ndarray], np.ndarray] | None = None,
         carriers: Callable[[int], list[UsdGeom.Xformable]] | None = None,
+        turns: Callable[[int], Turns] | None = None,
     ) -> None:
         """`evaluate(time01)` gives float64[count, 4, 4]; `evaluate_some(time01, indices)` those of some things,
         where that is cheaper. `still`: it is the same at any time. `bends01`: times inside the shutter at which
         the motion may change its course (or, on a held stage, its place). `carriers(index)`: the prims whose ops
-        move a thing, the innermost first, for messages."""
+        move a thing, the innermost first, for messages. `turns(index)`: how far a thing turns at most; none where
+        nobody says."""
         self.count = count
         self.still = still
         self.bends01 = bends01
-        self._grid = grid
+        self._shutter = shutter
         self._evaluate = evaluate
         self._evaluate_some = evaluate_some
         self._carriers = carriers
+        self._turns = turns
         self._known: dict[float, np.ndarray] = {}
 
     def some(self, time01: float, indices: np.ndarray) -> np.ndarray:
@@ -59,19 +63,35 @@ class Motion:
     @property
     def shutter(self) -> Shutter:
         """Of the things."""
-        return self._grid.shutter
+        return self._shutter
 
     def carriers(self, index: int) -> list[UsdGeom.Xformable]:
         """The prims whose ops move a thing, the innermost first; [] where nobody said."""
         return self._carriers(index) if self._carriers else []
 
-    def times01(self, level: int) -> list[float]:
-        """The times of a level of the grid; [0] where still."""
-        return [0.0] if self.still else self._grid.times01(level)
+    def turns(self, index: int) -> Turns:
+        """How far a thing turns at most."""
+        return NO_TURNS if self.still or self._turns is None else self._turns(index)
 
-    def at_level(self, level: int) -> np.ndarray:
-        """float64[T, count, 4, 4] for the T times of times01(level)."""
-        return np.array([self.at_time(time) for time in self.times01(level)])
+    def every_turns(self) -> list[Turns]:
+        """Of each thing."""
+        return [self.turns(index) for index in range(self.count)]
+
+    def dense_times01(self, level: int, per_turn: int, held: bool = False) -> list[float]:
+        """2^level even intervals or more, so that a turn has at least `per_turn`, and the times at which the motion may
+        change its course (`held`: its place); [0] where still."""
+        if self.still:
+            return [0.0]
+        fastest = max((turns.rate for turns in self.every_turns()), default=0.0)
+        return even_times01(max(level, even_level(per_turn * fastest)), self.bends01, held)
+
+    def few_times01(self) -> list[float]:
+        """A few times that show where things are: at least four a turn."""
+        return [0.0] if self.still else self.dense_times01(1, 4)
+
+    def at_times(self, times01: Iterable[float]) -> np.ndarray:
+        """float64[T, count, 4, 4]."""
+        return np.array([self.at_time(time01) for time01 in times01])
 
     def inside(self, outer: Motion) -> Motion:
         """Each of these under each of `outer`: count = outer.count * self.count, the outer index first."""
@@ -80,26 +100,22 @@ class Motion:
             products = self.at_time(time01)[None, :] @ outer.at_time(time01)[:, None]
             return products.reshape(-1, 4, 4)
 
-        return Motion(self._grid, outer.count * self.count, outer.still and self.still, evaluate)
+        def turns(index: int) -> Turns:
+            return self.turns(index % self.count) + outer.turns(index // self.count)
+
+        bends01 = tuple(sorted({*self.bends01, *outer.bends01}))
+        still = outer.still and self.still
+        return Motion(self._shutter, outer.count * self.count, still, evaluate, bends01, turns=turns)
 
 
 class XformCaches:
     """One UsdGeom.XformCache a time, shared by all prims: ancestors are evaluated once a time, not once a
     prim."""
 
-    def __init__(self, shutter: Shutter, authored: Iterable[float] = (), held: bool = False) -> None:
-        """`authored` are the time codes at which any transform has a sample."""
+    def __init__(self, shutter: Shutter) -> None:
         self.shutter = shutter
-        self.held = held
-        self._authored = sorted(authored)
         self._caches: dict[float | None, UsdGeom.XformCache] = {}
-        self._grids: dict[Shutter, TimeGrid] = {}
-
-    def grid(self, shutter: Shutter) -> TimeGrid:
-        """The times at which a prim with this shutter of its own (Shutter.scaled) is evaluated."""
-        if shutter not in self._grids:
-            self._grids[shutter] = TimeGrid(shutter, self._authored, self.held)
-        return self._grids[shutter]
+        self._turns: dict[tuple[Sdf.Path, Shutter], Turns] = {}
 
     def cache(self, time01: float, shutter: Shutter | None = None) -> UsdGeom.XformCache:
         """The cache of a time; a closed shutter has one, the frame's."""
@@ -154,9 +170,19 @@ class XformCaches:
         def carriers(index: int) -> list[UsdGeom.Xformable]:
             return list(xformables(prims[index], root))
 
+        def turns(index: int) -> Turns:
+            return total_turns(self._own_turns(xformable, own) for xformable in xformables(prims[index], root))
+
         still = not (varying and own.moving)
         bends01 = () if still else tuple(sorted({own.time01(time) for time in bends}))
-        return Motion(self.grid(own), len(prims), still, evaluate, bends01, evaluate_some, carriers)
+        return Motion(own, len(prims), still, evaluate, bends01, evaluate_some, carriers, turns)
+
+    def _own_turns(self, xformable: UsdGeom.Xformable, shutter: Shutter) -> Turns:
+        """xform_turns(), remembered: siblings have the same ancestors."""
+        key = xformable.GetPath(), shutter
+        if key not in self._turns:
+            self._turns[key] = xform_turns(xformable, shutter)
+        return self._turns[key]
 
 
 def may_move(prim: Usd.Prim, root: Usd.Prim | None) -> bool:

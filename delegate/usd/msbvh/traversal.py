@@ -15,7 +15,7 @@ from .context import FrameContext
 from .lights import is_light
 from .meshes import is_shape
 from .motion_scales import MOTION_PROPERTIES, MotionScales, scales_at
-from .point_instancers import moving_attributes, prototypes
+from .point_instancers import prototypes
 from .primvars import primvar_source
 from .times import Shutter, xform_bends
 from .transforms import bends_of
@@ -77,8 +77,6 @@ class Traversal:
     def __init__(self, context: FrameContext, purposes: list[str]) -> None:
         """`purposes` are drawn beside the default one."""
         self.groups: dict[Hashable, Group] = {}
-        self.authored_times: set[float] = set()
-        """Time codes within the shutter at which a transform or an instancer has a sample."""
         self._context = context
         self._purposes = {"default", *purposes}
         self._add_group(WORLD, None, _State(False, "default"), context.stage.GetPseudoRoot(), _DEFINED)
@@ -165,7 +163,6 @@ class Traversal:
             bends.update(xform_bends(xformable, shutter))
         if inherits and state.scales.blur > above.scales.blur:  # Its shutter is open for longer.
             bends = bends_of(xformable.GetPrim(), group_root, shutter)
-        self.authored_times.update(bends)
         return replace(state, varying=True, bends=tuple(sorted(bends)))
 
     def _sort(self, prim: Usd.Prim, state: _State, group: Group) -> None:
@@ -191,15 +188,9 @@ class Traversal:
 
     def _add_instancer(self, part: Part, group: Group) -> None:
         group.instancers.append(part)
-        instancer, shutter = UsdGeom.PointInstancer(part.prim), self._context.shutter
-        if shutter.moving:
-            for attribute in moving_attributes(instancer):
-                self.authored_times.update(attribute.GetTimeSamplesInInterval(shutter.interval))
-        for prim in prototypes(instancer):
+        for prim in prototypes(UsdGeom.PointInstancer(part.prim)):
             key = self.prototype_key(prim)
             if prim and key not in self.groups:
-                # The root's own transform counts with the instancer's.
-                self.authored_times.update(bends_of(prim, prim.GetParent(), shutter))
                 purpose = (
                     UsdGeom.Imageable(prim).ComputePurpose() if prim.IsA(UsdGeom.Imageable) else "default"
                 )
