@@ -9,6 +9,7 @@
 #include "core/base/lerp.h"
 #include "core/motion/bezier.h"
 #include "core/motion/bezier_fit.h"
+#include "delegate/translate/blur.h"
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/smooth_times.h"
 #include "delegate/translate/time_layout.h"
@@ -205,25 +206,21 @@ bool is_usable(const CameraInstant& c) {
          c.window.bottom != c.window.top && c.lens.radius >= 0.0 && c.lens.focus_distance > 0.0;
 }
 
-TrackDeviation segment_deviation(const CameraMotion& motion, const CameraInput& camera,
-                                 const TranslatorSettings& settings, const LayoutSegment& segment,
-                                 std::uint32_t degree, double limit) {
-  constexpr TrackDeviation kUnusable{kInfinite, kInfinite};
+double segment_error(const CameraMotion& motion, const CameraInput& camera,
+                     const TranslatorSettings& settings, const LayoutSegment& segment, std::uint32_t degree,
+                     double limit) {
   const bool perspective = camera.projection == Projection::kPerspective;
   const std::vector<CameraInstant> controls = motion.controls(segment, degree);
-  if (!std::ranges::all_of(controls, is_usable)) return kUnusable;
-  TrackDeviation result;
-  const std::vector<double> times01 = test_times01(segment, degree, motion.bends(), motion.times01());
-  for (const double time01 : times01) {
+  if (!std::ranges::all_of(controls, is_usable)) return kInfinite;
+  double worst = 0.0;
+  for (const double time01 : test_times01(segment, degree, motion.bends(), motion.times01())) {
     const double w = (time01 - segment.begin01) / (segment.end01 - segment.begin01);
     const CameraInstant track = bezier([&](std::uint32_t i) { return controls[i]; }, degree, w);
-    if (is_singular(track.world_from_camera)) return kUnusable;
-    const double pixels = instant_error({motion.at(time01), track, settings, perspective}, camera);
-    result.largest = std::max(result.largest, pixels);
-    result.mean += pixels / double(times01.size());
-    if (result.largest > limit) break;
+    if (is_singular(track.world_from_camera)) return kInfinite;
+    worst = std::max(worst, instant_error({motion.at(time01), track, settings, perspective}, camera));
+    if (worst > limit) break;
   }
-  return result;
+  return worst;
 }
 
 // By how much a motion fails to repeat.
@@ -243,22 +240,59 @@ double period_error(const CameraMotion& motion, const CameraInput& camera, const
   return worst;
 }
 
-TrackDeviation track_deviation(const CameraMotion& motion, const CameraInput& camera,
-                               const TranslatorSettings& settings, const Candidate& track, double limit) {
-  TrackDeviation result;
+double track_error(const CameraMotion& motion, const CameraInput& camera, const TranslatorSettings& settings,
+                   const Candidate& track, double limit) {
+  double repeated = 0.0;
   if (track.layout.repeats()) {
-    const double repeated = period_error(motion, camera, settings, track.layout.period01(), limit);
-    result = {repeated, repeated};
+    repeated = period_error(motion, camera, settings, track.layout.period01(), limit);
+    if (repeated > limit) return repeated;
   }
-  const double repeated = result.largest;
-  for (std::uint32_t i = 0; i < track.layout.segments() && result.largest <= limit; ++i) {
+  double worst = 0.0;
+  for (std::uint32_t i = 0; i < track.layout.segments() && worst <= limit - repeated; ++i) {
     const LayoutSegment segment = track.layout.segment(i);
-    const TrackDeviation found =
-        segment_deviation(motion, camera, settings, segment, track.degree, limit - repeated);
-    result.largest = std::max(result.largest, repeated + found.largest);
-    result.mean += (segment.end01 - segment.begin01) * found.mean;
+    worst = std::max(worst, segment_error(motion, camera, settings, segment, track.degree, limit - repeated));
   }
-  return result;
+  return repeated + worst;
+}
+
+// Where a camera sees a point of the world, in pixels; far away where it is behind it.
+Vec3d seen(const CameraInstant& camera, const Vec3d& point, const TranslatorSettings& settings,
+           bool perspective) {
+  constexpr double kBehind = 1e6;
+  const Vec3d p = inverse(camera.world_from_camera).point(point);
+  if (perspective && !(p.z < 0.0)) return {kBehind, kBehind, 0.0};
+  const double divisor = perspective ? -p.z : 1.0;
+  const WindowD& w = camera.window;
+  return {(p.x / divisor - w.left) / (w.right - w.left) * settings.width,
+          (p.y / divisor - w.bottom) / (w.top - w.bottom) * settings.height, 0.0};
+}
+
+// Of points that fill the image at the shutter's centre.
+double track_blur(const CameraMotion& motion, const CameraInput& input, const TranslatorSettings& settings,
+                  const Candidate& track) {
+  const bool perspective = input.projection == Projection::kPerspective;
+  std::vector<std::vector<CameraInstant>> controls;
+  for (std::uint32_t i = 0; i < track.layout.segments(); ++i) {
+    controls.push_back(motion.controls(track.layout.segment(i), track.degree));
+    if (!std::ranges::all_of(controls.back(), is_usable)) return kInfinite;
+  }
+  const CameraInstant centre = motion.at(0.5);
+  const double depth = 10.0 * (perspective ? input.near_clip : 1.0);
+  double worst = 0.0;
+  for (const auto& [x01, y01] : {std::pair{0.5, 0.5}, {0.1, 0.1}, {0.9, 0.1}, {0.1, 0.9}, {0.9, 0.9}}) {
+    const Vec3d point =
+        centre.world_from_camera.point(camera_point(centre.window, x01, y01, depth, perspective));
+    std::vector<Vec3d> truth, shown;
+    for (std::size_t t = 0; t < kBlurTimes; ++t) {
+      const PlaceInLayout place = locate(track.layout, blur_time01(t));
+      const auto& c = controls[place.segment];
+      const CameraInstant at = bezier([&](std::uint32_t k) { return c[k]; }, track.degree, place.w);
+      truth.push_back(seen(motion.at(blur_time01(t)), point, settings, perspective));
+      shown.push_back(seen(at, point, settings, perspective));
+    }
+    worst = std::max(worst, blur_distance(truth, shown));
+  }
+  return worst;
 }
 
 // From the pose at the shutter's centre.
@@ -285,9 +319,10 @@ CameraFit cheapest(const CameraMotion& motion, const CameraInput& input, const T
   if (result.error <= kStillShare * tolerance) return result;
   std::vector<Candidate> tracks =
       candidates(motion.bends(), {tolerance, settings.max_segments, settings.choice}, motion.periods01());
-  const CandidateFit fit = cheapest_candidate(tracks, tolerance, [&](std::size_t i, double limit) {
-    return track_deviation(motion, input, settings, tracks[i], limit);
-  });
+  const CandidateFit fit = cheapest_candidate(
+      tracks, tolerance,
+      [&](std::size_t i, double limit) { return track_error(motion, input, settings, tracks[i], limit); },
+      [&](std::size_t i) { return track_blur(motion, input, settings, tracks[i]); });
   return {std::move(tracks[fit.index]), fit.error};
 }
 

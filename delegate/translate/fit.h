@@ -63,46 +63,44 @@ struct Candidate {
 std::vector<Candidate> candidates(std::span<const Bend> bends, const FitSettings& settings,
                                   std::span<const double> periods01 = {});
 
-// How far a track strays from the stage over the shutter.
-struct TrackDeviation {
-  double largest = 0.0;  // at one instant
-  double mean = 0.0;     // over the shutter: what the blur shows
-};
-
 struct CandidateFit {
   std::size_t index = 0;  // among the candidates
-  double error = 0.0;     // the largest deviation
+  double error = 0.0;     // the largest deviation at one instant
 };
 
 // Tests find at least this share of the largest deviation of a track that is close to the stage.
 inline constexpr double kFoundShare = 0.97;
 
-// The first candidate within the tolerance; where none is, the one whose blur is closest, by the mean over the
-// shutter. `deviation(i, limit)` may return early once `largest` is above the limit; its mean counts only
-// where it did not.
-template <typename DeviationFunction>
+// The first candidate within the tolerance; where none is, the one whose blur is closest (blur.h). `error(i,
+// limit)` is the largest deviation at an instant, or any value above the limit; `blur(i)` how far the blur is off.
+template <typename ErrorFunction, typename BlurFunction>
 CandidateFit cheapest_candidate(std::span<const Candidate> tracks, double tolerance,
-                                const DeviationFunction& deviation) {
+                                const ErrorFunction& error, const BlurFunction& blur) {
   const double limit = kFoundShare * tolerance;
-  std::uint32_t most = 0;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
-    const double largest = deviation(i, limit).largest;
+    const double largest = error(i, limit);
     if (largest <= limit) return {i, largest};
-    if (!tracks[i].layout.repeats()) most = std::max(most, tracks[i].layout.segments());
+  }
+  std::uint32_t most = 0;
+  for (const Candidate& track : tracks) {
+    if (!track.layout.repeats()) most = std::max(most, track.layout.segments());
   }
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  CandidateFit best{0, kInfinite};
-  double least = kInfinite;
+  std::vector<std::size_t> finest;
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     // With fewer segments of the same kind the blur is no closer; a motion that did not repeat does not now.
-    if (tracks[i].layout.repeats() || 2 * tracks[i].layout.segments() <= most) continue;
-    const TrackDeviation found = deviation(i, kInfinite);
-    if (found.mean < least || best.error == kInfinite) {
-      best = {i, found.largest};
-      least = found.mean;
+    if (!tracks[i].layout.repeats() && 2 * tracks[i].layout.segments() > most) finest.push_back(i);
+  }
+  std::size_t best = finest.front();
+  double least = kInfinite;
+  for (const std::size_t i : finest) {
+    const double off = finest.size() == 1 ? 0.0 : blur(i);
+    if (off < least) {
+      best = i;
+      least = off;
     }
   }
-  return best;
+  return {best, error(best, kInfinite)};
 }
 
 // Where a segment's track is compared with the truth beside the breakpoints in it: places at which

@@ -4,13 +4,13 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <limits>
 
 #include "core/base/lerp.h"
 #include "core/base/parallel.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/motion/bezier.h"
 #include "core/motion/bezier_fit.h"
+#include "delegate/translate/blur.h"
 #include "delegate/translate/box_corners.h"
 
 namespace msbvh::translate {
@@ -18,7 +18,6 @@ namespace {
 
 // Elements handled at a time by one thread: enough to amortise the hand-over, few enough to stop early.
 constexpr std::size_t kGrain = 4096;
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 // What the stage says at one time.
 struct PointInstant {
@@ -50,19 +49,16 @@ struct TestedSegment {
     return c;
   }
   // In pixels, at the tests.
-  TrackDeviation deviation(std::size_t i) const {
+  double deviation(std::size_t i) const {
     const auto c = controls(i);
-    TrackDeviation result;
+    double worst = 0.0;
     for (const Test& test : tests) {
       const Vec3d truth = test.truth[i];
       const Vec3d track = bezier([&](std::uint32_t k) { return c[k]; }, degree, test.w);
       const double distance = length(truth - track);
-      if (distance == 0.0) continue;
-      const double pixels = test.screen.at_point(distance, truth);
-      result.largest = std::max(result.largest, pixels);
-      result.mean += pixels / double(tests.size());
+      if (distance > 0.0) worst = std::max(worst, test.screen.at_point(distance, truth));
     }
-    return result;
+    return worst;
   }
 };
 
@@ -150,33 +146,47 @@ double period_error(const MovingArray& points, const ScreenMeasure& measure, dou
   return worst;
 }
 
-// The mean is the largest of all points' means.
-TrackDeviation track_deviation(const MovingArray& points, const ScreenMeasure& measure,
-                               const Candidate& track, std::span<const Bend> bends,
-                               std::span<const double> dense01, double limit) {
-  TrackDeviation result;
+double track_error(const MovingArray& points, const ScreenMeasure& measure, const Candidate& track,
+                   std::span<const Bend> bends, std::span<const double> dense01, double limit) {
+  double repeated = 0.0;
   if (track.layout.repeats()) {
-    const double repeated = period_error(points, measure, track.layout.period01(), dense01, limit);
-    result = {repeated, repeated};
-    if (repeated > limit) return result;
+    repeated = period_error(points, measure, track.layout.period01(), dense01, limit);
+    if (repeated > limit) return repeated;
   }
-  const double allowed = limit - result.largest;
-  std::vector<double> means(allowed < kInfinite ? 0 : points.size());
-  double moving = 0.0;
-  for (std::uint32_t s = 0; s < track.layout.segments(); ++s) {
-    const LayoutSegment& layout = track.layout.segment(s);
-    if (!layout.used) continue;
+  const double allowed = limit - repeated;
+  double worst = 0.0;
+  for (std::uint32_t s = 0; s < track.layout.segments() && worst <= allowed; ++s) {
+    if (!track.layout.segment(s).used) continue;
     const TestedSegment segment = tested_segment(points, measure, track, s, bends, dense01);
-    moving = std::max(moving, largest(points.size(), allowed, [&](std::size_t i) {
-                        const TrackDeviation found = segment.deviation(i);
-                        if (!means.empty()) means[i] += (layout.end01 - layout.begin01) * found.mean;
-                        return found.largest;
-                      }));
-    if (moving > allowed) break;
+    worst =
+        std::max(worst, largest(points.size(), allowed, [&](std::size_t i) { return segment.deviation(i); }));
   }
-  result.largest += moving;
-  if (!means.empty()) result.mean += *std::ranges::max_element(means);
-  return result;
+  return repeated + worst;
+}
+
+// Of some of the points, evenly picked.
+double track_blur(const MovingArray& points, const ScreenMeasure& measure, const Candidate& track) {
+  constexpr std::size_t kMostPoints = 64;
+  const std::size_t count = std::min(points.size(), kMostPoints);
+  const auto picked = [&](std::size_t p) { return p * points.size() / count; };
+  std::vector<TestedSegment> segments;
+  for (std::uint32_t s = 0; s < track.layout.segments(); ++s) segments.push_back(nodes_of(points, track, s));
+  std::vector<std::vector<Vec3d>> truth(count), shown(count);
+  for (std::size_t t = 0; t < kBlurTimes; ++t) {
+    const PlaceInLayout place = locate(track.layout, blur_time01(t));
+    const PointInstant there = point_instant(points, blur_time01(t), blur_time01(t));
+    for (std::size_t p = 0; p < count; ++p) {
+      const auto c = segments[place.segment].controls(picked(p));
+      truth[p].push_back(there[picked(p)]);
+      shown[p].push_back(bezier([&](std::uint32_t k) { return c[k]; }, track.degree, place.w));
+    }
+  }
+  const PointInstant centre = point_instant(points, 0.5, 0.5);
+  double worst = 0.0;
+  for (std::size_t p = 0; p < count; ++p) {
+    worst = std::max(worst, measure.at(0.5).at_point(blur_distance(truth[p], shown[p]), centre[picked(p)]));
+  }
+  return worst;
 }
 
 // One time for all normals: brackets are found once.
@@ -274,9 +284,12 @@ PointFit fit_points(const MovingArray& points, const ScreenMeasure& measure, con
   const std::vector<double> no_periods;
   std::vector<Candidate> tracks =
       candidates(bends, settings, points.values.is_still() ? points.transform.periods01() : no_periods);
-  const CandidateFit fit = cheapest_candidate(tracks, tolerance, [&](std::size_t i, double limit) {
-    return track_deviation(points, measure, tracks[i], bends, dense01, limit);
-  });
+  const CandidateFit fit = cheapest_candidate(
+      tracks, tolerance,
+      [&](std::size_t i, double limit) {
+        return track_error(points, measure, tracks[i], bends, dense01, limit);
+      },
+      [&](std::size_t i) { return track_blur(points, measure, tracks[i]); });
   return {std::move(tracks[fit.index]), fit.error + sampling};
 }
 

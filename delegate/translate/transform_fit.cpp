@@ -6,6 +6,7 @@
 
 #include "core/motion/bezier.h"
 #include "core/motion/bezier_fit.h"
+#include "delegate/translate/blur.h"
 #include "delegate/translate/transform_samples.h"
 
 namespace msbvh::translate {
@@ -104,12 +105,12 @@ void TransformFitter::prepare(std::size_t candidate) const {
   const auto& [layout, degree] = candidates_[candidate];
   for (std::uint32_t i = 0; i < layout.segments(); ++i) {
     const LayoutSegment segment = layout.segment(i);
-    Segment out{segment.end01 - segment.begin01, segment.used, {}, {}};
+    Segment out{segment.used, {}, {}};
     for (const double node : fit_nodes(degree)) {
       out.nodes.push_back(chain_.at(segment.at(node), segment.middle()));
     }
     const auto add = [&](double time01, std::size_t dense) {
-      const double w = (time01 - segment.begin01) / out.length01;
+      const double w = (time01 - segment.begin01) / (segment.end01 - segment.begin01);
       const double within = layout.is_even() ? time01 : segment.middle();
       out.tests.push_back({w, chain_.at(time01, within), measure_.at(time01), dense});
     };
@@ -161,42 +162,64 @@ double TransformFitter::period_error(std::size_t instance, double period01, doub
 }
 
 // What a track in motion and its failure to repeat add up to.
-TrackDeviation TransformFitter::deviation(std::size_t instance, std::size_t candidate, double limit) const {
+double TransformFitter::error(std::size_t instance, std::size_t candidate, double limit) const {
   const TimeLayout& layout = candidates_[candidate].layout;
-  const double repeated =
-      layout.repeats() ? period_error(instance, layout.period01(), limit) : 0.0;
-  if (repeated > limit) return {repeated, repeated};
-  const TrackDeviation moving = moving_deviation(instance, candidate, limit - repeated);
-  return {moving.largest + repeated, moving.mean + repeated};
+  const double repeated = layout.repeats() ? period_error(instance, layout.period01(), limit) : 0.0;
+  return repeated > limit ? repeated : repeated + moving_error(instance, candidate, limit - repeated);
 }
 
-TrackDeviation TransformFitter::moving_deviation(std::size_t instance, std::size_t candidate,
-                                                 double limit) const {
+double TransformFitter::moving_error(std::size_t instance, std::size_t candidate, double limit) const {
   const std::uint32_t degree = candidates_[candidate].degree;
   const std::size_t stride = chain_.dense_stride(instance);
-  TrackDeviation result;
+  double worst = 0.0;
   for (const Segment& segment : prepared(candidate)) {
     if (!segment.used) continue;
     SegmentControls controls;
     for (std::uint32_t i = 0; i <= degree; ++i) controls[i].m = map(segment.nodes[i], instance);
     controls_from_values([&](std::uint32_t i) -> Columns& { return controls[i]; }, degree);
-    double sum = 0.0;
-    std::size_t count = 0;
     for (const Test& test : segment.tests) {
       if (test.dense % stride != 0) continue;
       const Affine3d truth = map(test.instant, instance);
       const Affine3d track = bezier([&](std::uint32_t i) { return controls[i].m; }, degree, test.w);
-      const double distance = largest_distance(corners_, truth, track);
-      ++count;
-      if (distance == 0.0) continue;
-      const double pixels = test.screen.in_box(distance, bounds_of(corners_, truth));
-      sum += pixels;
-      result.largest = std::max(result.largest, pixels);
-      if (result.largest > limit) return result;
+      const double deviation = largest_distance(corners_, truth, track);
+      if (deviation == 0.0) continue;
+      worst = std::max(worst, test.screen.in_box(deviation, bounds_of(corners_, truth)));
+      if (worst > limit) return worst;
     }
-    if (count > 0) result.mean += segment.length01 * sum / double(count);
   }
-  return result;
+  return worst;
+}
+
+// Of many instances each is looked at less closely: together they make the picture.
+const std::vector<InstanceChain::Instant>& TransformFitter::blur_instants() const {
+  constexpr std::size_t kMany = 1024;
+  std::call_once(blur_once_, [&] {
+    const std::size_t count = chain_.count() > kMany ? kBlurTimes / 8 : kBlurTimes;
+    for (std::size_t t = 0; t < count; ++t) blur_.push_back(chain_.at(blur_time01(t), blur_time01(t)));
+  });
+  return blur_;
+}
+
+double TransformFitter::blur(std::size_t instance, std::size_t candidate) const {
+  const auto& [layout, degree] = candidates_[candidate];
+  const std::vector<InstanceChain::Instant>& instants = blur_instants();
+  std::vector<std::vector<Vec3d>> truth(corners_.size()), track(corners_.size());
+  for (std::size_t t = 0; t < instants.size(); ++t) {
+    const PlaceInLayout place = locate(layout, blur_time01(t));
+    const Segment& segment = prepared(candidate)[place.segment];
+    SegmentControls controls;
+    for (std::uint32_t i = 0; i <= degree; ++i) controls[i].m = map(segment.nodes[i], instance);
+    controls_from_values([&](std::uint32_t i) -> Columns& { return controls[i]; }, degree);
+    const Affine3d shown = bezier([&](std::uint32_t i) { return controls[i].m; }, degree, place.w);
+    const Affine3d there = map(instants[t], instance);
+    for (std::size_t c = 0; c < corners_.size(); ++c) {
+      truth[c].push_back(there.point(corners_[c]));
+      track[c].push_back(shown.point(corners_[c]));
+    }
+  }
+  double worst = 0.0;
+  for (std::size_t c = 0; c < corners_.size(); ++c) worst = std::max(worst, blur_distance(truth[c], track[c]));
+  return probes_[0].screen.in_box(worst, bounds_of(corners_, map(probes_[0].instant, instance)));
 }
 
 TransformFitter::Verdict TransformFitter::judge(std::size_t instance) const {
@@ -209,7 +232,8 @@ TransformFitter::Verdict TransformFitter::judge(std::size_t instance) const {
   if (verdict.error > still) {
     const CandidateFit fit = cheapest_candidate(
         candidates_, settings_.tolerance,
-        [&](std::size_t candidate, double limit) { return deviation(instance, candidate, limit); });
+        [&](std::size_t candidate, double limit) { return error(instance, candidate, limit); },
+        [&](std::size_t candidate) { return blur(instance, candidate); });
     verdict.track = std::uint32_t(fit.index + 1);
     verdict.error = fit.error;
   }

@@ -59,7 +59,6 @@ class TransformFitter {
     std::size_t dense = 0;  // the number of the dense time that it is at, or 0, which counts for all strides
   };
   struct Segment {
-    double length01 = 0.0;
     bool used = true;
     std::vector<InstanceChain::Instant> nodes;
     std::vector<Test> tests;
@@ -89,8 +88,10 @@ class TransformFitter {
   double still_error(std::size_t instance, const std::vector<Affine3d>& probes, double limit) const;
   // By how much a motion fails to repeat.
   double period_error(std::size_t instance, double period01, double limit) const;
-  TrackDeviation deviation(std::size_t instance, std::size_t candidate, double limit) const;
-  TrackDeviation moving_deviation(std::size_t instance, std::size_t candidate, double limit) const;
+  double error(std::size_t instance, std::size_t candidate, double limit) const;
+  double moving_error(std::size_t instance, std::size_t candidate, double limit) const;
+  double blur(std::size_t instance, std::size_t candidate) const;
+  const std::vector<InstanceChain::Instant>& blur_instants() const;
   std::vector<Affine3d> probe_maps(std::size_t instance) const;
   bool has_representable_controls(std::size_t instance, std::uint32_t track) const;
 
@@ -106,6 +107,8 @@ class TransformFitter {
   std::vector<Probe> dense_;   // at dense01_
   std::vector<Period> periods_;
   mutable std::vector<Prepared> prepared_;
+  mutable std::once_flag blur_once_;
+  mutable std::vector<InstanceChain::Instant> blur_;  // at blur_time01(0), (1), ...
 };
 
 }  // namespace msbvh::translate

@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom
 
 from .boxes import Box
 from .context import FrameContext, array
-from .times import bracketing_times, sample_times
+from .times import bracketing_times, sample_times, thinned
 
 RawSamples = list[tuple[float | None, np.ndarray]]
 """(time01, values) at increasing times, the sizes as they are; the time is None for a value that is authored for
@@ -53,8 +53,12 @@ def raw_samples(
     does not change is a time sample, as for what velocities move.
     """
     shutter = context.shutter
-    times = sample_times([attribute], shutter)
-    if times:
+    every = sample_times([attribute], shutter)
+    if every:
+        times = thinned(every, len(attribute.Get(context.code) or ()))
+        if len(times) < len(every):
+            message = f"found {len(every)} samples in the shutter, too many to hold; {len(times)} of them are read"
+            context.diagnostics.group(str(attribute.GetPrimPath()), attribute.GetName(), message)
         return [(shutter.time01(time), array(attribute.Get(time), np.float32, columns)) for time in times]
     value = attribute.Get(context.code)
     if value is None and not attribute.HasAuthoredValue():

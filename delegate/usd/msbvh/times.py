@@ -158,19 +158,34 @@ def sample_times(attributes: Iterable[Usd.Attribute], shutter: Shutter) -> list[
     """Time codes that say all about how several attributes move together over the shutter; [] where they do
     not.
 
-    The union of their bracketing samples; many even ones for splines and where there are more samples than a
-    track has keys.
+    The union of their bracketing samples, and many even times for splines.
     """
     varying = [attribute for attribute in attributes if attribute.ValueMightBeTimeVarying()]
     if not shutter.moving or not varying:
         return []
-    authored = [bracketing_times(attribute, shutter) for attribute in varying]
-    times = sorted(set().union(*authored))
-    if all(authored) and len(times) <= 2**FINEST_LEVEL + 4:
+    times: set[float] = set()
+    for attribute in varying:
+        if attribute.HasSpline():
+            breakpoints01 = [shutter.time01(time) for time in breakpoints_of(attribute, shutter)]
+            even = even_times01(FINEST_LEVEL, breakpoints01)
+            times.update(shutter.time_code(time01).GetValue() for time01 in even)
+        else:
+            times.update(bracketing_times(attribute, shutter))
+    return sorted(times)
+
+
+MOST_VALUES = 2**26
+"""Of an array that are held at all its times together, 800 MB of points."""
+FEWEST_THINNED = 2**FINEST_LEVEL + 4
+"""So many times of an array are read, however large it is."""
+
+
+def thinned(times: list[float], size: int) -> list[float]:
+    """As many of an array's sample times, evenly picked, as its size allows to hold."""
+    most = max(FEWEST_THINNED, MOST_VALUES // max(size, 1))
+    if len(times) <= most:
         return times
-    return [
-        shutter.time_code(time).GetValue() for time in np.linspace(0.0, 1.0, 2**FINEST_LEVEL + 1).tolist()
-    ]
+    return [times[index] for index in np.linspace(0, len(times) - 1, most).round().astype(int).tolist()]
 
 
 def xform_bends(xformable: UsdGeom.Xformable, shutter: Shutter) -> list[float]:
