@@ -160,5 +160,6 @@ def test_turns_are_bounded_by_the_ops() -> None:
     shutter = Shutter(turning.FRAME, *turning.SHUTTER)
     for number in (0.25, 4.0, 99.75):
         for make in (turning.by_op, turning.by_three_angles, turning.by_spline, turning.by_looping_spline):
-            mesh = UsdGeom.Mesh.Get(make(number), "/blade")
+            stage = make(number)
+            mesh = UsdGeom.Mesh.Get(stage, "/blade")
             assert xform_turns(mesh, shutter).total[-1] >= number * (1.0 - 1e-9)

@@ -114,7 +114,8 @@ def _smooth_samples(
         if len(samples.indices) == motion.count:
             return
     course = Course(ends)
-    needed = _needed_splits([motion.turns(index) for index in remaining.tolist()], ends)
+    turns = motion.every_turns()
+    needed = _needed_splits([turns[index] for index in remaining.tolist()], ends)
     probes = ends[:-1] + _PROBE * np.diff(ends)
     probed = _evaluated(motion, probes, remaining)
     first = min(int(needed.min()), FINEST_SPLIT - 1)
@@ -138,7 +139,7 @@ def _smooth_samples(
         good |= split + 1 == FINEST_SPLIT or 2 * fine.size > 16 * LARGEST_SAMPLES
         if good.any():
             found = float(np.maximum(error, _missed(corners, needed > split) / size)[good].max())
-            periods = tuple(motion.turns(index).periods01 for index in remaining[good].tolist())
+            periods = tuple(turns[index].periods01 for index in remaining[good].tolist())
             yield TransformSamples(remaining[good], kept_times, kept[:, good], bends, False, found, periods)
         if good.all():
             return

@@ -57,8 +57,8 @@ class Turns:
     def within(self, ends01: np.ndarray) -> np.ndarray:
         """float64[N - 1]: turns between neighbours of float64[N] increasing times, as if each stretch had throughout
         the largest rate that occurs in it: how fast it is to be sampled evenly."""
-        if self is NO_TURNS:
-            return np.zeros(len(ends01) - 1)
+        if len(self.times01) == 2:
+            return self.total[-1] * np.diff(ends01)
         times01 = np.union1d(self.times01, ends01)
         lengths = np.diff(times01)
         # Between times that differ by rounding alone there is no rate.
@@ -102,12 +102,10 @@ def xform_turns(xformable: UsdGeom.Xformable, shutter: Shutter) -> Turns:
 
 def _op_turns(op: UsdGeom.XformOp, shutter: Shutter) -> Turns:
     attribute, kind = op.GetAttr(), op.GetOpType()
-    if not attribute.ValueMightBeTimeVarying():
-        return NO_TURNS
     if kind == UsdGeom.XformOp.TypeOrient:
-        return _of_orientations(attribute, shutter)
+        return _of_orientations(attribute, shutter) if attribute.ValueMightBeTimeVarying() else NO_TURNS
     if kind in _ROTATIONS:
-        return _of_angles(attribute, shutter)
+        return _of_angles(attribute, shutter) if attribute.ValueMightBeTimeVarying() else NO_TURNS
     loops = _loop_periods(attribute, shutter)
     return Turns(NO_TURNS.times01, NO_TURNS.total, loops) if loops else NO_TURNS
 
@@ -138,6 +136,8 @@ def _values(attribute: Usd.Attribute, times: np.ndarray) -> np.ndarray | None:
 
 def _of_angles(attribute: Usd.Attribute, shutter: Shutter) -> Turns:
     """Degrees about one axis or three."""
+    if not attribute.HasSpline() and not attribute.GetTimeSamplesInInterval(shutter.interval):
+        return _of_two_angles(attribute, shutter)
     times = _times(attribute, shutter)
     degrees = _values(attribute, times)
     if degrees is None:
@@ -153,6 +153,20 @@ def _of_angles(attribute: Usd.Attribute, shutter: Shutter) -> Turns:
         if turned >= SHORTEST_REPEAT and np.ptp(rate) <= _SAME_RATE * turned:
             periods.add(1.0 / turned)
     return Turns(times01, total, tuple(sorted(periods)))
+
+
+def _of_two_angles(attribute: Usd.Attribute, shutter: Shutter) -> Turns:
+    """Where nothing but the ends counts, as for most prims that turn."""
+    first, last = attribute.Get(shutter.interval.min), attribute.Get(shutter.interval.max)
+    try:
+        steps = [last - first] if isinstance(first, float) else [b - a for a, b in zip(first, last, strict=True)]
+        turned = [abs(step) / 360.0 for step in steps]
+    except TypeError:
+        return NO_TURNS
+    if not 0.0 < sum(turned) < math.inf:
+        return NO_TURNS
+    periods01 = sorted(1.0 / turns for turns in turned if turns >= SHORTEST_REPEAT)
+    return Turns(NO_TURNS.times01, np.array([0.0, sum(turned)]), tuple(periods01))
 
 
 def _of_orientations(attribute: Usd.Attribute, shutter: Shutter) -> Turns:
