@@ -39,8 +39,9 @@ def largest_error(stage: Usd.Stage, result: ReadResult, rng: np.random.Generator
     """Pixels between the tracks as they are traced and usd-core's evaluation, at times that no period meets."""
     worst = 0.0
     for time01 in rng.random(DENSE).astype(np.float32).tolist():
-        ((_, _, points),) = result.scene.poses(time01)
-        worst = max(worst, float(np.linalg.norm(points[0] - turning.true_points(stage, time01), axis=1).max()))
+        places = np.concatenate([points for _, _, points in result.scene.poses(time01)])
+        seen = places[np.abs(places[:, 0, 2]).argmin()]
+        worst = max(worst, float(np.linalg.norm(seen - turning.true_points(stage, time01), axis=1).max()))
     return worst * turning.pixels_per_unit(WIDTH)
 
 

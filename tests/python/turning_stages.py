@@ -144,6 +144,20 @@ def by_native_instance(turns: float) -> Usd.Stage:
     return stage
 
 
+def by_turning_instances(turns: float) -> Usd.Stage:
+    """Native instances turn, this one beside others at other rates (out of sight)."""
+    stage = new_stage()
+    stage.CreateClassPrim("/rotor")
+    blade(stage, "/rotor/blade")
+    for index, rate in enumerate((turns, 0.3 * turns, 7.0)):
+        instance = UsdGeom.Xform.Define(stage, f"/instance{index}")
+        instance.AddTranslateOp().Set(Gf.Vec3d(0, 0, 1000 * index))
+        turn(instance, rate)
+        instance.GetPrim().GetReferences().AddInternalReference("/rotor")
+        instance.GetPrim().SetInstanceable(True)
+    return stage
+
+
 def by_skeleton(turns: float) -> Usd.Stage:
     """One joint; its samples are a third of a turn apart, since joints turn along the shorter arc."""
     stage = new_stage()
@@ -217,7 +231,7 @@ SOURCES = [
         Source(stage, True)
         for stage in (
             by_op, by_three_angles, by_parent, by_two_parents, by_spline, by_looping_spline, by_angular_velocity,
-            by_native_instance,
+            by_native_instance, by_turning_instances,
         )
     ),
     *(Source(stage, False) for stage in (by_eased_spline, by_skeleton, on_the_way, while_it_grows)),
