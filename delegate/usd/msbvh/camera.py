@@ -10,6 +10,7 @@ import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdUtils
 
 from .boxes import Box, PixelSize
+from .camera_values import CameraValues
 from .conform import Window, conformed
 from .errors import Diagnostics, SceneError
 from .framing import framing_camera
@@ -19,6 +20,8 @@ from .motion_scales import scales_at
 from .times import Shutter, TimeGrid, checked_shutter, is_held
 from .transform_faults import unusable_op
 from .transforms import LARGEST, authored_xform_times, xformables
+from .value_types import FLOAT
+from .values import value
 
 CAMERA_LEVEL = 10
 """2^10 intervals."""
@@ -94,13 +97,16 @@ def read_camera(
         return _sampled("", shutter, TimeGrid(shutter), lambda _: framing, image_size, conform, diagnostics)
     camera = UsdGeom.Camera(prim)
     code = Shutter(frame).frame_code
-    opening, closing = camera.GetShutterOpenAttr().Get(code), camera.GetShutterCloseAttr().Get(code)
+    opening = value(camera.GetShutterOpenAttr(), code, FLOAT)
+    closing = value(camera.GetShutterCloseAttr(), code, FLOAT)
     shutter = checked_shutter(frame, opening or 0.0, closing or 0.0, str(prim.GetPath()), diagnostics)
     own = shutter.scaled(scales_at(prim, code, diagnostics).blur)
     grid = TimeGrid(own, _authored_times(prim, own), is_held(stage))
 
+    values_at = CameraValues(camera).at
+
     def camera_at(code: Usd.TimeCode) -> Gf.Camera:
-        found = camera.GetCamera(code)
+        found = values_at(code)
         if not (np.abs(np.array(found.transform)) <= LARGEST).all():
             path, attribute, message = unusable_op(list(xformables(prim, None)), own)
             raise SceneError(f"{path}.{attribute}: {message}")

@@ -20,6 +20,7 @@ from .transform_faults import report_unusable
 from .transform_sampling import PixelSizes, TransformSamples, transform_samples
 from .transforms import LARGEST, Motion, XformCaches
 from .traversal import WORLD, Group, Part, Traversal
+from .usd_faults import leaving_out
 from .visibility import common_intervals, visible_intervals
 
 
@@ -123,7 +124,8 @@ class Placer:
                 path = str(same[0].prim.GetPath())
                 yield Placement(path, key, (Level(motion),), visible, None, lambda motion=motion: motion)
         for part in group.instancers:
-            yield from self._points(part, group)
+            with leaving_out(part.prim, self._context.code):
+                yield from self._points(part, group)
 
     def _motion(self, parts: list[Part], group: Group) -> Motion:
         first = parts[0]

@@ -8,6 +8,7 @@ from typing import Any
 from pxr import Gf, Usd, UsdShade
 
 from .context import FrameContext
+from .values import raw
 
 PREVIEW_SURFACE = "UsdPreviewSurface"
 
@@ -79,7 +80,7 @@ class Materials:
         for name, neutral in (("normal", Gf.Vec3f(0, 0, 1)), ("displacement", 0.0)):
             unsupported = shader.GetInput(name)
             sources = unsupported.GetValueProducingAttributes() if unsupported else ()
-            if sources and (_is_output(sources[0]) or sources[0].Get(self._context.code) != neutral):
+            if sources and (_is_output(sources[0]) or raw(sources[0], self._context.code) != neutral):
                 diagnostics.group(path, unsupported.GetFullName(), "not supported yet; drawn without it")
 
     def _input(self, shader: UsdShade.Shader, name: str, default: Number) -> Input:
@@ -92,7 +93,7 @@ class Materials:
             return Input(default)
         source = sources[0]
         if not _is_output(source):
-            value = source.Get(self._context.code)
+            value = raw(source, self._context.code)
             return Input(default if value is None else self._number(value, default, source))
         return self._connected(shader_input, UsdShade.Shader(source.GetPrim()), default)
 
@@ -139,7 +140,7 @@ class Materials:
     def _constant(self, node: UsdShade.Shader, name: str, default: Any) -> Any:
         node_input = node.GetInput(name)
         sources = node_input.GetValueProducingAttributes() if node_input else ()
-        value = sources[0].Get(self._context.code) if sources else None
+        value = raw(sources[0], self._context.code) if sources else None
         return default if value is None else value
 
 

@@ -13,6 +13,8 @@ from .errors import Diagnostics, SceneError
 from .motion_scales import scales_at
 from .reader import ReadResult
 from .samples import FoundSamples, SampleLog
+from .value_types import INT
+from .values import value
 
 DEGREES = {1: "linear", 2: "quadratic", 3: "cubic"}
 _EVERY_PRIM = Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)
@@ -190,7 +192,7 @@ def _remarks(prim: Usd.Prim) -> list[str]:
         count = UsdGeom.MotionAPI(above).GetNonlinearSampleCountAttr()
         if above.HasAPI(UsdGeom.MotionAPI) and count.HasAuthoredValue():
             exact = "is not needed: accelerations and angular velocities are exact here"
-            remarks.append(f"motion:nonlinearSampleCount {count.Get()} {exact}")
+            remarks.append(f"motion:nonlinearSampleCount {value(count, Usd.TimeCode.Default(), INT)} {exact}")
             break
         above = above.GetParent()
     return remarks

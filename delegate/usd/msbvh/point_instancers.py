@@ -9,10 +9,13 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
-from .points import changes, rate_clock, rates, raw_samples
+from .points import changes, optional_samples, rate_clock, rates, raw_samples
 from .primvars import read_primvar, warn_of_change
 from .times import Shutter, xform_bends
 from .transforms import Motion, XformCaches
+from .value_types import FLOAT3S, INTS, QUATERNIONS
+from .values import required, value
+from .xform_ops import local_transform
 
 _NOT_DRAWN = -1
 
@@ -87,10 +90,10 @@ def _arrays(
         "count": count,
         "held": context.held,
         "positions": raw_samples(instancer.GetPositionsAttr(), context, needs_times=bool(carried_by)),
-        "scales": raw_samples(instancer.GetScalesAttr(), context),
-        "orientations": raw_samples(orientations, context, columns=4, needs_times=spun),
+        "scales": optional_samples(instancer.GetScalesAttr(), context),
+        "orientations": optional_samples(orientations, context, columns=4, needs_times=spun),
         "orientations_name": orientations.GetName(),
-        **({"angular_velocities": raw_samples(angular, context, needs_times=True)} if spun else {}),
+        **({"angular_velocities": optional_samples(angular, context, needs_times=True)} if spun else {}),
         **carried_by,
         **rate_clock(context, velocity_scale),
     }
@@ -100,7 +103,7 @@ def _prototype_indices(
     instancer: UsdGeom.PointInstancer, prims: list[Usd.Prim], context: FrameContext
 ) -> np.ndarray:
     """int32[N]: one an instance, _NOT_DRAWN for some."""
-    indices = array(instancer.GetProtoIndicesAttr().Get(context.code), np.int32)
+    indices = array(required(instancer.GetProtoIndicesAttr(), context.code, INTS), np.int32)
     path, diagnostics = str(instancer.GetPath()), context.diagnostics
     if not len(indices):
         diagnostics.group(path, "", "empty: it has no instances at this frame", "note")
@@ -165,8 +168,10 @@ def _base_count(attribute: Usd.Attribute, context: FrameContext) -> int:
     """The length of an array at the sample at or before the frame, which is where USD starts from."""
     frame = context.shutter.frame
     around = () if frame is None else attribute.GetBracketingTimeSamples(frame)
-    value = attribute.Get(around[0]) if around else attribute.Get(context.code)
-    return 0 if value is None else len(value)
+    code = around[0] if around else context.code
+    if attribute.GetName() == "positions":
+        return len(required(attribute, code, FLOAT3S) or ())
+    return len(value(attribute, code, QUATERNIONS if "orientations" in attribute.GetName() else FLOAT3S) or ())
 
 
 def _every_instance(
@@ -214,7 +219,7 @@ def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) ->
     bends = sorted({shutter.time01(time) for time in xform_bends(xformable, shutter)}) if moving else ()
 
     def evaluate(time01: float) -> np.ndarray:
-        return np.array(caches.cache(time01, shutter).GetLocalTransformation(prototype)[0])[None]
+        return np.array(local_transform(caches.cache(time01, shutter), prototype))[None]
 
     def carriers(_: int) -> list[UsdGeom.Xformable]:
         return [xformable] if xformable else []

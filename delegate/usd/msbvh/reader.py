@@ -26,6 +26,7 @@ from .stage import tf_messages
 from .times import is_held
 from .transforms import XformCaches
 from .traversal import WORLD, Group, Traversal
+from .values import reported_to
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ def read_frame(
     """
     diagnostics = Diagnostics() if diagnostics is None else diagnostics
     make_translator = make_translator or _core_translator
-    with tf_messages(diagnostics), _no_collection():
+    with reported_to(diagnostics), tf_messages(diagnostics), _no_collection():
         return _FrameReader(stage, frame, settings, diagnostics, make_translator, progress, found).read()
 
 

@@ -88,14 +88,18 @@ class Skeletons:
 
     def _binds_at_or_above(self, prim: Usd.Prim) -> bool:
         """Remembered for parents: instances come by the thousand."""
-        if not prim or prim.IsPseudoRoot():
-            return False
-        if prim.IsA(UsdSkel.Root) or not BINDING_PROPERTIES.isdisjoint(prim.GetAuthoredPropertyNames()):
-            return True
-        parent = prim.GetParent()
-        if parent.GetPath() not in self._binding_parents:
-            self._binding_parents[parent.GetPath()] = self._binds_at_or_above(parent)
-        return self._binding_parents[parent.GetPath()]
+        passed, binds = [], False
+        at = prim
+        while at and not at.IsPseudoRoot() and not binds:
+            known = self._binding_parents.get(at.GetPath()) if at != prim else None
+            if known is not None:
+                binds = known
+                break
+            passed.append(at.GetPath())
+            binds = at.IsA(UsdSkel.Root) or not BINDING_PROPERTIES.isdisjoint(at.GetAuthoredPropertyNames())
+            at = at.GetParent()
+        self._binding_parents.update(dict.fromkeys(passed[1:], binds))
+        return binds
 
 
 def _skel_root(prim: Usd.Prim) -> Usd.Prim | None:

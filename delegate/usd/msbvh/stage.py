@@ -26,7 +26,7 @@ def open_stage(path: str, diagnostics: Diagnostics, mask: Sequence[str] = ()) ->
         try:
             stage = Usd.Stage.OpenMasked(path, population) if mask else Usd.Stage.Open(path)
         except Tf.ErrorException as error:
-            reason = _reason(error).replace(f"{resolved}:", "line ", 1)
+            reason = tf_reason(error).replace(f"{resolved}:", "line ", 1)
             raise SceneError(f"{path}: cannot be read as USD: {reason}") from None
     if not stage.GetPseudoRoot().GetAllChildren():
         limits = f" under the mask {', '.join(mask)}" if mask else ""
@@ -80,7 +80,7 @@ _GRAMMAR_RULE = re.compile(r" matching pxrInternal.*?(?= at ')")
 """The C++ type of the grammar rule that USD's text parser stopped in."""
 
 
-def _reason(error: Tf.ErrorException) -> str:
+def tf_reason(error: Tf.ErrorException) -> str:
     """The first message of a Tf error without the source locations of USD's own code."""
     for line in str(error).replace("\n'", "'").splitlines():
         found = _TF_ERROR.search(line)

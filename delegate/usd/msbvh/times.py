@@ -14,6 +14,7 @@ import numpy as np
 from pxr import Gf, Usd, UsdGeom
 
 from .errors import Diagnostics
+from .values import raw
 
 ABSURD_SHUTTER_FRAMES = 16.0
 """A shutter that is open for longer is taken as authored, with a warning: one exporter writes the length of
@@ -207,6 +208,6 @@ def _bends_of(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
         jumps = [time for time in inside if spline.EvalPreValue(time) != spline.Eval(time)]
         return [*inside, *(time - step for time in jumps)]
     inside = list(attribute.GetTimeSamplesInInterval(shutter.interval))
-    if not inside or all(attribute.Get(time) is not None for time in (shutter.interval.min, *inside)):
+    if not inside or all(raw(attribute, time) is not None for time in (shutter.interval.min, *inside)):
         return inside
     return [*inside, *(time - step for time in inside)]

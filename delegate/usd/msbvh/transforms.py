@@ -12,6 +12,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .times import Shutter, TimeGrid, xform_bends
+from .xform_ops import relative_transform, world_transform
 
 LARGEST = 2.0**60
 """The largest element of a usable matrix: kMaxCoordinate (core/geometry), so that products do not overflow."""
@@ -115,8 +116,8 @@ class XformCaches:
         """matrix() of several prims: float64[N, 4, 4]."""
         if root is not None:
             return np.array([self.matrix(time01, prim, root, shutter) for prim in prims])
-        to_world = self.cache(time01, shutter).GetLocalToWorldTransform
-        return np.array([np.array(to_world(prim)) for prim in prims])
+        cache = self.cache(time01, shutter)
+        return np.array([np.array(world_transform(cache, prim)) for prim in prims])
 
     def matrix(
         self, time01: float, prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter | None = None
@@ -127,11 +128,11 @@ class XformCaches:
         """
         cache = self.cache(time01, shutter)
         if root is None:
-            return np.array(cache.GetLocalToWorldTransform(prim))
+            return np.array(world_transform(cache, prim))
         if not prim.GetPath().HasPrefix(root.GetPath()):
-            root_from_world = cache.GetLocalToWorldTransform(root).GetInverse()
-            return np.array(cache.GetLocalToWorldTransform(prim) * root_from_world)
-        return np.array(cache.ComputeRelativeTransform(prim, root)[0])
+            root_from_world = world_transform(cache, root).GetInverse()
+            return np.array(world_transform(cache, prim) * root_from_world)
+        return np.array(relative_transform(cache, prim, root))
 
     def motion(
         self,

@@ -18,8 +18,12 @@ from .motion_scales import MOTION_PROPERTIES, MotionScales, scales_at
 from .point_instancers import moving_attributes, prototypes
 from .primvars import primvar_source
 from .times import Shutter, xform_bends
+from .tokens import draw_mode, inherited_purpose
 from .transforms import bends_of
+from .value_types import BOOL, TOKEN
+from .values import value
 from .visibility import changes_inside, visible_at_opening
+from .xform_ops import check_order
 
 WORLD: Hashable = "world"
 
@@ -140,10 +144,11 @@ class Traversal:
             elif not visible_at_opening(visibility, self._context.shutter):
                 return None
         if "purpose" in authored:
-            purpose = str(imageable.GetPurposeAttr().Get())
+            purpose = value(imageable.GetPurposeAttr(), Usd.TimeCode.Default(), TOKEN) or UsdGeom.Tokens.default_
         state = _State(above.varying, purpose, blinking, above.bends, scales, authored)
         if is_root or "xformOpOrder" not in authored or not prim.IsA(UsdGeom.Xformable):
             return state
+        check_order(prim, authored)
         shutter = self._context.shutter.scaled(scales.blur)
         return self._moved(state, above, UsdGeom.Xformable(prim), group_root, shutter)
 
@@ -200,11 +205,9 @@ class Traversal:
             if prim and key not in self.groups:
                 # The root's own transform counts with the instancer's.
                 self.authored_times.update(bends_of(prim, prim.GetParent(), shutter))
-                purpose = (
-                    UsdGeom.Imageable(prim).ComputePurpose() if prim.IsA(UsdGeom.Imageable) else "default"
-                )
+                purpose = inherited_purpose(prim)
                 scales = scales_at(prim.GetParent(), self._context.code, self._context.diagnostics)
-                state = _State(False, str(purpose), scales=scales)
+                state = _State(False, purpose, scales=scales)
                 self._add_group(key, prim, state, prim, _PROTOTYPE)
 
     def _warn_of_reset(self, prim: Usd.Prim, group: Group, is_root: bool) -> None:
@@ -219,8 +222,8 @@ class Traversal:
         if not prim.IsModel():
             return
         model = UsdGeom.ModelAPI(prim)
-        mode = model.ComputeModelDrawMode()
-        applied = prim.IsComponent() or model.GetModelApplyDrawModeAttr().Get()
+        mode = draw_mode(prim)
+        applied = prim.IsComponent() or value(model.GetModelApplyDrawModeAttr(), Usd.TimeCode.Default(), BOOL)
         if applied and mode != UsdGeom.Tokens.default_:
             message = f"draw mode '{mode}' is not supported yet; drawn in full"
             self._context.diagnostics.group(str(prim.GetPath()), "model:drawMode", message)

@@ -1,0 +1,43 @@
+"""Errors that USD raises while a prim is evaluated, in terms of the prim's attributes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from pxr import Tf, Usd
+
+from .stage import tf_reason
+from .values import Unreadable, leave_out, raw, type_name
+
+
+@contextmanager
+def leaving_out(prim: Usd.Prim, code: Usd.TimeCode) -> Iterator[None]:
+    """What cannot be read of a prim inside is reported, and the prim left out."""
+    try:
+        yield
+    except Unreadable as fault:
+        leave_out(fault)
+    except Tf.ErrorException as error:
+        leave_out(usd_fault(prim, error, code))
+
+
+def usd_fault(prim: Usd.Prim, error: Tf.ErrorException, code: Usd.TimeCode) -> Unreadable:
+    """The first attribute of a type that the prim's schema does not have, else what USD says."""
+    fault = wrong_type(prim, code)
+    return fault or Unreadable(str(prim.GetPath()), "", f"USD cannot evaluate it: {tf_reason(error)}")
+
+
+def wrong_type(prim: Usd.Prim, code: Usd.TimeCode) -> Unreadable | None:
+    """The first authored attribute with a value of another type than the prim's schema has for it."""
+    definition = prim.GetPrimDefinition()
+    for attribute in prim.GetAuthoredAttributes():
+        known = definition.GetAttributeDefinition(attribute.GetName())
+        found = raw(attribute, code)
+        if not known or found is None:
+            continue
+        expected = known.GetTypeName()
+        if expected.defaultValue is not None and type(expected.defaultValue) is not type(found):
+            message = f"found {type_name(attribute, found)}, expected {expected}"
+            return Unreadable(str(prim.GetPath()), attribute.GetName(), message)
+    return None
