@@ -23,6 +23,8 @@ from .transforms import LARGEST, authored_xform_times, xformables
 from .value_types import FLOAT
 from .values import value
 
+LARGEST_OFFSET = 1e6
+"""Apertures by which an aperture's offset may shift it: beyond, single precision has no pixels left to tell apart."""
 CAMERA_LEVEL = 10
 """2^10 intervals."""
 
@@ -251,8 +253,10 @@ def _check_optics(path: str, camera: Gf.Camera) -> None:
         "verticalApertureOffset": camera.verticalApertureOffset,
     }
     for attribute, value in offsets.items():
-        if not math.isfinite(value):
-            raise SceneError(f"{path}.{attribute}: found {value:g}, expected a finite number")
+        largest = LARGEST_OFFSET * max(camera.horizontalAperture, camera.verticalAperture)
+        if not abs(value) <= largest:
+            expected = f"a finite number of at most {largest:g} in size, {LARGEST_OFFSET:g} times the aperture"
+            raise SceneError(f"{path}.{attribute}: found {value:g}, expected {expected}")
     near, far = camera.clippingRange.min, camera.clippingRange.max
     if not near < far:
         raise SceneError(f"{path}.clippingRange: found ({near:g}, {far:g}), expected near < far")

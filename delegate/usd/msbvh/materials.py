@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from pxr import Gf, Usd, UsdShade
+from pxr import Gf, Tf, Usd, UsdShade
 
 from .context import FrameContext
+from .stage import tf_reason
 from .values import raw
 
 PREVIEW_SURFACE = "UsdPreviewSurface"
@@ -35,12 +36,17 @@ class Materials:
 
     def bound_to(self, prim: Usd.Prim) -> int | None:
         """The translator's id of the material that a prim or subset is bound to; None: displayColor shows."""
-        material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
-        if not material:
+        try:
+            material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
+            if not material:
+                return None
+            path = str(material.GetPath())
+            if path not in self._ids:
+                self._ids[path] = self._read(material)
+        except Tf.ErrorException as error:
+            message = f"USD cannot evaluate the material: {tf_reason(error)}; displayColor shows instead"
+            self._context.diagnostics.warning(str(prim.GetPath()), "material:binding", message)
             return None
-        path = str(material.GetPath())
-        if path not in self._ids:
-            self._ids[path] = self._read(material)
         return self._ids[path]
 
     def _read(self, material: UsdShade.Material) -> int | None:

@@ -87,6 +87,7 @@ def _arrays(
     carried_by = rates(instancer.GetVelocitiesAttr(), instancer.GetAccelerationsAttr(), context)
     spun = context.shutter.moving and angular.HasAuthoredValue()
     return {
+        "path": str(instancer.GetPath()),
         "count": count,
         "held": context.held,
         "positions": raw_samples(instancer.GetPositionsAttr(), context, needs_times=bool(carried_by)),

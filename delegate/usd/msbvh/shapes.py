@@ -8,7 +8,7 @@ from functools import cached_property
 from operator import itemgetter
 
 import numpy as np
-from pxr import Tf, Usd, UsdGeom
+from pxr import Usd, UsdGeom
 
 from .boxes import Box
 from .context import FrameContext
@@ -21,8 +21,7 @@ from .transform_faults import report_unusable
 from .transform_sampling import SAMPLING_SHARE, PixelSizes, TransformSamples, transform_samples
 from .transforms import XformCaches, bends_of, may_move
 from .traversal import Part
-from .usd_faults import usd_fault
-from .values import Unreadable, leave_out
+from .usd_faults import FAULTS, report_left_out
 from .visibility import visible_intervals
 
 BATCH_WEIGHT = 2**22
@@ -75,11 +74,9 @@ class Shapes:
         """A mesh and how it moves; None if it is not drawn."""
         try:
             return self._read(part, root, pixel_sizes)
-        except Unreadable as fault:
-            leave_out(fault)
-        except Tf.ErrorException as error:
-            leave_out(usd_fault(part.prim, error, self._context.code))
-        return None
+        except FAULTS as error:
+            report_left_out(part.prim, error, self._context.code)
+            return None
 
     def _read(self, part: Part, root: Usd.Prim | None, pixel_sizes: PixelSizes) -> Shape | None:
         context = self._context.scaled(part.scales.blur)

@@ -6,7 +6,7 @@ import math
 
 from pxr import Usd
 
-from .errors import Diagnostics
+from .errors import Diagnostics, SceneError
 from .values import diagnostics
 
 USUAL_RATE = 24.0
@@ -33,7 +33,9 @@ def _rate(found: float, name: str, report: Diagnostics) -> float:
     return USUAL_RATE
 
 
-def finite_time(stage: Usd.Stage) -> float:
-    """The stage's start time; 0 where that is no number."""
+def start_time(stage: Usd.Stage) -> float:
+    """The frame that is read where none is asked for. Raises SceneError for a start time that is no number."""
     start = stage.GetStartTimeCode()
-    return start if math.isfinite(start) else 0.0
+    if not math.isfinite(start):
+        raise SceneError(f"startTimeCode: found {start:g}, expected a finite number; --frames says another")
+    return start

@@ -20,6 +20,7 @@ from .primvars import primvar_source
 from .times import Shutter, xform_bends
 from .tokens import draw_mode, inherited_purpose
 from .transforms import bends_of
+from .usd_faults import FAULTS, report_left_out
 from .value_types import BOOL, TOKEN
 from .values import value
 from .visibility import changes_inside, visible_at_opening
@@ -98,7 +99,10 @@ class Traversal:
         group = Group(str(top.GetPath()), root)
         self.groups[key] = group
         for prim, prim_state in self._descend(top, state, group, predicate):
-            self._sort(prim, prim_state, group)
+            try:
+                self._sort(prim, prim_state, group)
+            except FAULTS as error:
+                report_left_out(prim, error, self._context.code)
 
     def _descend(
         self, top: Usd.Prim, state: _State, group: Group, predicate: object
@@ -108,11 +112,15 @@ class Traversal:
         while pending:
             prim, above = pending.pop()
             is_root = group.root is not None and prim == group.root
-            here = self._state(prim, above, is_root, group.root)
-            if here is None:
+            try:
+                here = self._state(prim, above, is_root, group.root)
+                if here is None:
+                    continue
+                self._warn_of_reset(prim, group, is_root)
+                self._warn_of_draw_mode(prim)
+            except FAULTS as error:
+                report_left_out(prim, error, self._context.code)
                 continue
-            self._warn_of_reset(prim, group, is_root)
-            self._warn_of_draw_mode(prim)
             yield prim, here
             if (prim.IsInstance() and not is_root) or prim.IsA(UsdGeom.PointInstancer):
                 continue
@@ -219,7 +227,7 @@ class Traversal:
 
     def _warn_of_draw_mode(self, prim: Usd.Prim) -> None:
         """They take effect on models: on components, on others by model:applyDrawMode (UsdGeomModelAPI)."""
-        if not prim.IsModel():
+        if not prim.IsModel() or prim.IsPseudoRoot():
             return
         model = UsdGeom.ModelAPI(prim)
         mode = draw_mode(prim)

@@ -16,19 +16,24 @@ def leaving_out(prim: Usd.Prim, code: Usd.TimeCode) -> Iterator[None]:
     """What cannot be read of a prim inside is reported, and the prim left out."""
     try:
         yield
-    except Unreadable as fault:
-        leave_out(fault)
-    except Tf.ErrorException as error:
-        leave_out(usd_fault(prim, error, code))
+    except FAULTS as error:
+        report_left_out(prim, error, code)
 
 
-def usd_fault(prim: Usd.Prim, error: Tf.ErrorException, code: Usd.TimeCode) -> Unreadable:
-    """The first attribute of a type that the prim's schema does not have, else what USD says."""
-    fault = wrong_type(prim, code)
-    return fault or Unreadable(str(prim.GetPath()), "", f"USD cannot evaluate it: {tf_reason(error)}")
+FAULTS = (Unreadable, Tf.ErrorException)
+"""What may be raised while a prim is evaluated, through no fault of ours."""
 
 
-def wrong_type(prim: Usd.Prim, code: Usd.TimeCode) -> Unreadable | None:
+def report_left_out(prim: Usd.Prim, error: Unreadable | Tf.ErrorException, code: Usd.TimeCode) -> None:
+    """Names the attribute that a prim is left out for: that of the first value of a type that the prim's schema does
+    not have, where USD itself does not say."""
+    if isinstance(error, Tf.ErrorException):
+        message = f"USD cannot evaluate it: {tf_reason(error)}"
+        error = _wrong_type(prim, code) or Unreadable(str(prim.GetPath()), "", message)
+    leave_out(error)
+
+
+def _wrong_type(prim: Usd.Prim, code: Usd.TimeCode) -> Unreadable | None:
     """The first authored attribute with a value of another type than the prim's schema has for it."""
     definition = prim.GetPrimDefinition()
     for attribute in prim.GetAuthoredAttributes():

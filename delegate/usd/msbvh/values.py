@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-from pxr import Sdf, Usd
+from pxr import Sdf, Tf, Usd
 
 from .errors import Diagnostics
 from .value_types import Kind, Lossy
@@ -52,7 +52,7 @@ def required(attribute: Usd.Attribute, code: Usd.TimeCode | float, kind: Kind) -
     """A value as `kind.exact`; None where the attribute has none. Raises Unreadable for another type."""
     if asked is not None:
         asked[str(attribute.GetPrim().GetTypeName()), attribute.GetName()] = kind
-    found = attribute.Get(code)
+    found = _get(attribute, code)
     if found is None or type(found) is kind.exact:
         return found
     return _converted(attribute, found, kind)
@@ -71,7 +71,21 @@ def raw(attribute: Usd.Attribute, code: Usd.TimeCode | float) -> object:
     """A value of any type, for those who look at the type themselves."""
     if asked is not None:
         asked.setdefault((str(attribute.GetPrim().GetTypeName()), attribute.GetName()), ANY)
-    return attribute.Get(code)
+    try:
+        return _get(attribute, code)
+    except Unreadable as fault:
+        ignore(fault)
+        return None
+
+
+def _get(attribute: Usd.Attribute, code: Usd.TimeCode | float) -> object:
+    try:
+        return attribute.Get(code)
+    except UnicodeDecodeError as error:
+        return error.object.decode("utf-8", "replace")
+    except (Tf.ErrorException, RuntimeError) as error:  # A damaged file.
+        message = f"found a value that USD cannot read ({' '.join(str(error).split())[-120:]}), expected one"
+        raise Unreadable(str(attribute.GetPrimPath()), attribute.GetName(), message) from None
 
 
 ANY = Kind("any", object)
