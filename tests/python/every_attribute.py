@@ -16,8 +16,8 @@ def Scope "Looks" {{
         token outputs:surface.connect = </Looks/Red/Surface.outputs:surface>
         def Shader "Surface" {{
             uniform token info:id = "UsdPreviewSurface"
-            color3f inputs:diffuseColor.connect = </Looks/Red/Reader.outputs:result>
-            color3f inputs:emissiveColor = (0.1, 0, 0)
+            color3f inputs:diffuseColor = (1, 0, 0)
+            color3f inputs:emissiveColor.connect = </Looks/Red/Reader.outputs:result>
             float inputs:opacity = 1
             float inputs:opacityThreshold = 0
             normal3f inputs:normal = (0, 0, 1)
@@ -32,7 +32,7 @@ def Scope "Looks" {{
         }}
     }}
 }}
-def Xform "World" (prepend apiSchemas = ["MotionAPI"] kind = "component") {{
+def Xform "World" (prepend apiSchemas = ["MotionAPI"]; kind = "group") {{
     token purpose = "default"
     token visibility = "inherited"
     uniform token model:drawMode = "default"
@@ -40,7 +40,7 @@ def Xform "World" (prepend apiSchemas = ["MotionAPI"] kind = "component") {{
     float motion:blurScale = 1
     float motion:velocityScale = 1
     int motion:nonlinearSampleCount = 3
-    double3 xformOp:translate = (0, 0.5, 0)
+    double3 xformOp:translate.timeSamples = {{ 0: (0, 0.5, 0), 2: (0, 0.6, 0) }}
     float3 xformOp:rotateXYZ = (0, 0, 10)
     float3 xformOp:scale = (1, 1, 1)
     matrix4d xformOp:transform = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
@@ -89,7 +89,6 @@ def PointInstancer "Bad" {
     rel prototypes = [</Bad/P>]
     int[] protoIndices = [0, 0]
     point3f[] positions = [(-5, 0, 0), (-5, 2, 0)]
-    quath[] orientations = [(1, 0, 0, 0), (1, 0, 0, 0)]
     quatf[] orientationsf = [(1, 0, 0, 0), (1, 0, 0, 0)]
     float3[] scales = [(1, 1, 1), (1, 1, 1)]
     vector3f[] velocities = [(1, 0, 0), (1, 0, 0)]
@@ -104,10 +103,18 @@ def PointInstancer "Bad" {
         uniform token[] xformOpOrder = ["xformOp:translate"]
         token purpose = "default"
         def Cube "C" {}
-        def SphereLight "L" { float inputs:intensity = 1\n}
+        def SphereLight "L" {
+            float inputs:intensity = 1
+        }
     }
 }
-""".replace("\\n", "\n")
+def PointInstancer "Half" {
+    rel prototypes = [</Bad/P>]
+    int[] protoIndices = [0]
+    point3f[] positions = [(-5, 0, 0)]
+    quath[] orientations = [(1, 0, 0, 0)]
+}
+"""
 
 LIGHTS = "\n".join(
     f'def {kind} "{kind}Bad" {{ float inputs:intensity = 1\n float inputs:exposure = 0\n'
@@ -146,8 +153,8 @@ def SkelRoot "Root" {{
     }}
     def Mesh "Bad" (prepend apiSchemas = ["SkelBindingAPI"]) {{ {_MESH}
         uniform token subdivisionScheme = "none"
-        int[] primvars:skel:jointIndices = [0, 0, 1, 1] (elementSize = 1 interpolation = "vertex")
-        float[] primvars:skel:jointWeights = [1, 1, 1, 1] (elementSize = 1 interpolation = "vertex")
+        int[] primvars:skel:jointIndices = [0, 0, 1, 1] (elementSize = 1; interpolation = "vertex")
+        float[] primvars:skel:jointWeights = [1, 1, 1, 1] (elementSize = 1; interpolation = "vertex")
         matrix4d primvars:skel:geomBindTransform = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))
         uniform token primvars:skel:skinningMethod = "classicLinear"
         uniform token[] skel:joints = ["a", "a/b"]
@@ -165,6 +172,7 @@ def SkelRoot "Root" {{
 """
 
 LENS = """
+    float xformOp:rotateX = 0
     token projection = "perspective"
     float horizontalAperture = 20.955
     float verticalAperture = 15.2908
@@ -182,5 +190,5 @@ SCENES = {
     "instancer": CAMERA + GOOD + INSTANCER,
     "lights": CAMERA + GOOD + LIGHTS,
     "skinned": CAMERA + GOOD + SKINNED,
-    "camera": CAMERA.replace("}\n", LENS + "}\n") + GOOD,
+    "camera": CAMERA.replace('translate"]', 'translate", "xformOp:rotateX"]').replace("}\n", LENS + "}\n") + GOOD,
 }

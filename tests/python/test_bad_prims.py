@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from msbvh.errors import SceneError
 from sound_neighbour import CAMERA, GOOD, messages, render, shows_good, stage_of
 
 ROOTED = 'uniform token[] xformOpOrder = ["xformOp:transform"]'
@@ -106,3 +107,75 @@ def test_a_deep_hierarchy(kind: str):
     result, pixels = render(stage_of(CAMERA + GOOD + deep))
     assert shows_good(pixels)
     assert messages(result) == []
+
+
+def test_absurd_extents_do_not_unframe_the_rest():
+    square = 'int[] faceVertexCounts = [4]\n int[] faceVertexIndices = [0, 1, 2, 3]\n uniform token subdivisionScheme = "none"'
+    text = "\n".join(
+        f'def Mesh "{name}" {{ float3[] extent = [{extent}]\n {square}\n'
+        f" point3f[] points = [({x}, -1, 0), ({x + 2}, -1, 0), ({x + 2}, 1, 0), ({x}, 1, 0)]\n}}"
+        for name, extent, x in (
+            ("A", "(3e38, 3e38, 3e38), (-3e38, -3e38, -3e38)", -3),
+            ("B", "(-inf, -inf, -inf), (inf, inf, inf)", 1),
+            ("C", "(nan, 0, 0), (1, 1, 1)", 5),
+        )
+    )
+    result, pixels = render(stage_of(text))
+    drawn = pixels[:, :, 3].max(axis=0)
+    assert drawn[2:5].all() and drawn[14:18].all() and drawn[-5:-2].all()
+    assert [m.split(":")[0] for m in messages(result)] == ["/A.extent", "/B.extent", "/C.extent"]
+
+
+@pytest.mark.parametrize("w", ["1.0000000000000002", "0.9999999403953552"])
+def test_rounding_in_the_last_column_is_no_projection(w: str):
+    matrix = f"matrix4d xformOp:transform = ((1,0,0,0),(0,1,0,0),(0,0,1,0),(0,0,20,{w}))"
+    camera = CAMERA.replace("double3 xformOp:translate = (0, 0, 20)", matrix).replace("translate", "transform")
+    result, pixels = render(stage_of(camera + GOOD))
+    assert shows_good(pixels) and messages(result) == []
+
+
+def test_a_fault_of_an_outer_instancer_names_it():
+    nested = """def PointInstancer "top" {
+        quath[] orientations = [(0, 0, 0, 0)]\n point3f[] positions = [(-4, 0, 0)]\n int[] protoIndices = [0]
+        rel prototypes = </top/nest>
+        def PointInstancer "nest" {
+            point3f[] positions = [(0, 0, 0)]\n int[] protoIndices = [0]\n rel prototypes = </top/nest/c>
+            def Cube "c" {}\n }\n}"""
+    result, pixels = render(stage_of(CAMERA + GOOD + nested))
+    assert shows_good(pixels)
+    (message,) = messages(result)
+    assert message.startswith("/top.orientations: value 0")
+
+
+def test_a_value_of_an_outer_instancer_that_is_no_number_names_it():
+    nested = """def PointInstancer "top" {
+        point3f[] positions = [(-4, 0, nan)]\n int[] protoIndices = [0]\n rel prototypes = </top/nest>
+        def PointInstancer "nest" {
+            point3f[] positions = [(0, 0, 0)]\n int[] protoIndices = [0]\n rel prototypes = </top/nest/c>
+            def Cube "c" {}\n }\n}"""
+    result, pixels = render(stage_of(CAMERA + GOOD + nested))
+    assert shows_good(pixels)
+    (message,) = messages(result)
+    assert message.startswith("/top.positions: value 0")
+
+
+def test_what_is_only_an_over_is_named():
+    result, _ = render(stage_of(CAMERA + 'over "x" {\n def Cube "c" {}\n}'))
+    found = messages(result)
+    assert any(m.startswith("/x: found an over, expected a def") for m in found)
+    assert not any("(/)" in m for m in found)
+
+
+@pytest.mark.parametrize("name", ["horizontalApertureOffset", "verticalApertureOffset"])
+@pytest.mark.parametrize("found", ["1e30", "-1e30", "inf", "nan"])
+def test_an_aperture_offset_beyond_all_pixels_ends_the_run_with_its_name(name: str, found: str):
+    camera = CAMERA.replace("}\n", f" float {name} = {found}\n}}\n")
+    with pytest.raises(SceneError, match=rf"^/Cam\.{name}: found .*, expected a finite number"):
+        render(stage_of(camera + GOOD))
+
+
+def test_double_precision_and_integers_stand_for_single_precision():
+    converted = GOOD.replace("point3f[]", "double3[]").replace("int[] face", "int64[] face")
+    camera = CAMERA.replace("}\n", " int focalLength = 50\n double2 clippingRange = (1, 100)\n}\n")
+    result, pixels = render(stage_of(camera + converted))
+    assert shows_good(pixels) and messages(result) == []

@@ -9,6 +9,7 @@ from .errors import Diagnostics
 from .tokens import inherited_purpose
 from .value_types import FLOAT3S
 from .values import value
+from .xform_ops import world_transform
 
 LARGEST_COORDINATE = 2.0**60
 """What single precision can square and multiply; see core/geometry/triangle_mesh.h."""
@@ -68,10 +69,7 @@ def _from_points(
     if extent.HasAuthoredValue():
         message = "found no finite box, expected the box around the points; framed these"
         diagnostics.warning(str(prim.GetPath()), "extent", message)
-    try:
-        to_world = UsdGeom.XformCache(code).GetLocalToWorldTransform(prim)
-    except Tf.ErrorException:
-        return None
+    to_world = world_transform(UsdGeom.XformCache(code), prim)
     box = Gf.Range3d(Gf.Vec3d(*map(float, points.min(axis=0))), Gf.Vec3d(*map(float, points.max(axis=0))))
     bounds = Gf.BBox3d(box, to_world).ComputeAlignedRange()
     return bounds if all(abs(x) < LARGEST_COORDINATE for x in (*bounds.min, *bounds.max)) else None

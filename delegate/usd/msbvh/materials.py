@@ -9,7 +9,8 @@ from pxr import Gf, Tf, Usd, UsdShade
 
 from .context import FrameContext
 from .stage import tf_reason
-from .values import raw
+from .value_types import TOKEN
+from .values import raw, value
 
 PREVIEW_SURFACE = "UsdPreviewSurface"
 
@@ -52,7 +53,7 @@ class Materials:
     def _read(self, material: UsdShade.Material) -> int | None:
         path = str(material.GetPath())
         shader, _, _ = material.ComputeSurfaceSource()
-        identifier = shader.GetShaderId() if shader else None
+        identifier = _shader_id(shader) if shader else None
         if identifier != PREVIEW_SURFACE:
             found = "no surface shader that can be read"
             if shader:
@@ -106,10 +107,10 @@ class Materials:
     def _connected(self, shader_input: UsdShade.Input, node: UsdShade.Shader, default: Number) -> Input:
         """An input that another node drives: readers of displayColor and displayOpacity are drawn, others
         fall back."""
-        identifier = node.GetShaderId() or "node of no known type"
+        identifier = _shader_id(node) or "node of no known type"
         fallback = self._fallback(node, default)
         if identifier.startswith("UsdPrimvarReader"):
-            primvar = str(self._constant(node, "varname", ""))
+            primvar = self._name(node, "varname")
             if (shader_input.GetBaseName(), primvar) in (
                 ("diffuseColor", "displayColor"),
                 ("emissiveColor", "displayColor"),
@@ -143,11 +144,24 @@ class Materials:
         self._context.diagnostics.warning(str(source.GetPrimPath()), source.GetName(), message)
         return default
 
+    def _name(self, node: UsdShade.Shader, name: str) -> str:
+        node_input = node.GetInput(name)
+        sources = node_input.GetValueProducingAttributes() if node_input else ()
+        return (value(sources[0], self._context.code, TOKEN) if sources else None) or ""
+
     def _constant(self, node: UsdShade.Shader, name: str, default: Any) -> Any:
         node_input = node.GetInput(name)
         sources = node_input.GetValueProducingAttributes() if node_input else ()
         value = raw(sources[0], self._context.code) if sources else None
         return default if value is None else value
+
+
+def _shader_id(shader: UsdShade.Shader) -> str | None:
+    """shader.GetShaderId(), and a report where its type is what is wrong with it."""
+    attribute = shader.GetIdAttr()
+    if attribute and attribute.HasAuthoredValue():
+        value(attribute, Usd.TimeCode.Default(), TOKEN)
+    return shader.GetShaderId()
 
 
 def _is_output(attribute: Usd.Attribute) -> bool:

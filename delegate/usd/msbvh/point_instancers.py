@@ -9,13 +9,14 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
+from .instance_mask import instance_mask
 from .points import changes, optional_samples, rate_clock, rates, raw_samples
 from .primvars import read_primvar, warn_of_change
 from .times import Shutter, xform_bends
 from .transforms import Motion, XformCaches
 from .value_types import FLOAT3S, INTS, QUATERNIONS
 from .values import required, value
-from .xform_ops import local_transform
+from .xform_ops import check_order, local_transform
 
 _NOT_DRAWN = -1
 
@@ -141,7 +142,7 @@ def _orientations(instancer: UsdGeom.PointInstancer, context: FrameContext) -> U
 
 def _mask(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> np.ndarray:
     """bool[count]: neither invisible nor inactive at the frame."""
-    mask = np.array(instancer.ComputeMaskAtTime(context.code), bool)
+    mask = instance_mask(instancer, count, context.code)
     if len(mask) not in (0, count):
         found = f"found {len(mask)} ids, expected {count}, one an instance; nothing is masked"
         context.diagnostics.warning(str(instancer.GetPath()), "ids", found)
@@ -216,6 +217,9 @@ def _selected(
 def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) -> Motion:
     """A prototype's root's own transform: it counts with the instancer's. `shutter`: the prototype's own."""
     xformable = UsdGeom.Xformable(prototype)
+    authored = frozenset(prototype.GetAuthoredPropertyNames())
+    if "xformOpOrder" in authored:
+        check_order(prototype, authored)
     moving = bool(xformable) and xformable.TransformMightBeTimeVarying() and shutter.moving
     bends = sorted({shutter.time01(time) for time in xform_bends(xformable, shutter)}) if moving else ()
 

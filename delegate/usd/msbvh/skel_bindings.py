@@ -44,6 +44,8 @@ def read_binding(prim: Usd.Prim, context: FrameContext, authored: frozenset[str]
         if not authored.isdisjoint(_BINDING):
             _warn_outside_root(prim, context)
         return None
+    if not context.skeletons.types.check(prim, context.code):
+        return None
     if not query or not (query.HasJointInfluences() or query.HasBlendShapes()):
         _warn_of_half_a_binding(prim, context)
         return None

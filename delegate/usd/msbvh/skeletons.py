@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Hashable
 
 import numpy as np
-from pxr import Sdf, Usd, UsdSkel
+from pxr import Sdf, Tf, Usd, UsdSkel
+
+from .skel_types import SkelTypes
+from .stage import tf_reason
+from .values import diagnostics
 
 EVERY_PRIM = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
 """Prototypes of point instancers may be mere overs."""
@@ -25,6 +29,7 @@ class Skeletons:
 
     def __init__(self) -> None:
         self._cache = UsdSkel.Cache()
+        self.types = SkelTypes()
         self._populated: set[Sdf.Path] = set()
         self._binding_parents: dict[Sdf.Path, bool] = {}
         self._roots: dict[Sdf.Path, Usd.Prim | None] = {}
@@ -37,8 +42,12 @@ class Skeletons:
         if root is None:
             return None
         if root.GetPath() not in self._populated:
-            self._cache.Populate(UsdSkel.Root(root), EVERY_PRIM)
             self._populated.add(root.GetPath())
+            try:
+                self._cache.Populate(UsdSkel.Root(root), EVERY_PRIM)
+            except Tf.ErrorException as error:  # On some prims; the others' bindings are there.
+                message = f"USD cannot evaluate all of its skeletons: {tf_reason(error)}"
+                diagnostics().warning(str(root.GetPath()), "", message)
         return self._cache.GetSkinningQuery(prim)
 
     def _root(self, prim: Usd.Prim) -> Usd.Prim | None:
