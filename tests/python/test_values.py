@@ -35,6 +35,9 @@ EVALUATORS = {
     r"\.ComputeRelativeTransform\(": {"xform_ops"},
     r"BlackbodyTemperatureAsRgb\(": {"light_values"},
     r"\.ComputeWorldBound\(": {"bounds"},
+    r"\.GetOrderedXformOps\(": {"xform_ops"},
+    r"\.GetResetXformStack\(": {"xform_ops"},
+    r"\.TransformMightBeTimeVarying\(": {"xform_ops"},
     r"\.GetTimeCodesPerSecond\(": {"stage_metadata"},
     r"\.GetFramesPerSecond\(": {"stage_metadata"},
     r"\.GetStartTimeCode\(": {"stage_metadata", "bench"},
@@ -203,8 +206,9 @@ def _fault(scene: str, attribute: Usd.Attribute, kind: Kind, typed: Sdf.ValueTyp
     if not shows_good(pixels):
         return f"{label}: the neighbour is missing"
     stage = retyped(scene, path, typed)
-    found = type(stage.GetAttributeAtPath(path).Get(1.0))
-    takes = found is kind.exact or found in kind.conversions
+    composed = stage.GetAttributeAtPath(path)  # A few types leave the weaker layer's value where it is.
+    found = {type(composed.Get(code)) for code in (Usd.TimeCode.Default(), 1.0)}
+    takes = not found.isdisjoint({kind.exact, *kind.conversions})
     if not takes and not any(str(path) in message for message in messages(result)):
         return f"{label}: not a word; said {messages(result)}"
     return ""

@@ -247,7 +247,8 @@ def _image(level: Level, box: Box) -> Box:
     centres = Box.around(_usable(np.concatenate([values for _, values in level.arrays["positions"]])))
     scales = [np.abs(_usable(values)).max(initial=0.0) for _, values in level.arrays["scales"]] or [1.0]
     reach = float(max(scales)) * float(np.linalg.norm(box.corners()[:, :3], axis=1).max())
-    return Box(centres.lo - reach, centres.hi + reach)
+    with np.errstate(over="ignore"):  # What is too large is left out by the translator.
+        return Box(centres.lo - reach, centres.hi + reach)
 
 
 def _usable(values: np.ndarray) -> np.ndarray:

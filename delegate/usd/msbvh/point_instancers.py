@@ -16,7 +16,7 @@ from .times import Shutter, xform_bends
 from .transforms import Motion, XformCaches
 from .value_types import FLOAT3S, INTS, QUATERNIONS
 from .values import required, value
-from .xform_ops import check_order, local_transform
+from .xform_ops import check_order, local_transform, may_vary
 
 _NOT_DRAWN = -1
 
@@ -220,7 +220,7 @@ def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) ->
     authored = frozenset(prototype.GetAuthoredPropertyNames())
     if "xformOpOrder" in authored:
         check_order(prototype, authored)
-    moving = bool(xformable) and xformable.TransformMightBeTimeVarying() and shutter.moving
+    moving = bool(xformable) and may_vary(xformable) and shutter.moving
     bends = sorted({shutter.time01(time) for time in xform_bends(xformable, shutter)}) if moving else ()
 
     def evaluate(time01: float) -> np.ndarray:

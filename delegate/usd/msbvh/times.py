@@ -15,6 +15,7 @@ from pxr import Gf, Usd, UsdGeom
 
 from .errors import Diagnostics
 from .values import raw
+from .xform_ops import ordered_ops
 
 ABSURD_SHUTTER_FRAMES = 16.0
 """A shutter that is open for longer is taken as authored, with a warning: one exporter writes the length of
@@ -188,7 +189,7 @@ def xform_bends(xformable: UsdGeom.Xformable, shutter: Shutter) -> list[float]:
     """Time codes inside the shutter at which a transform may change its course: its ops' samples and the knots
     of their splines."""
     times: list[float] = []
-    for op in xformable.GetOrderedXformOps():
+    for op in ordered_ops(xformable):
         times.extend(_bends_of(op.GetAttr(), shutter))
     return times
 

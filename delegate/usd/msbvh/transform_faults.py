@@ -9,7 +9,7 @@ from .errors import Diagnostics
 from .times import Shutter, bracketing_times
 from .transforms import LARGEST, Motion
 from .values import raw
-from .xform_ops import singular_op
+from .xform_ops import ordered_ops, singular_op
 
 _EXPECTED = f"expected finite numbers of at most 2^{int(np.log2(LARGEST))} in size"
 
@@ -23,7 +23,7 @@ def report_unusable(motion: Motion, index: int, diagnostics: Diagnostics) -> Non
 def unusable_op(carriers: list[UsdGeom.Xformable], shutter: Shutter) -> tuple[str, str, str]:
     """Prim, attribute, and what was found and expected there. `carriers`: the innermost first."""
     for xformable in reversed(carriers):
-        for op in xformable.GetOrderedXformOps():
+        for op in ordered_ops(xformable):
             found = _bad_value(op.GetAttr(), shutter)
             if found:
                 return str(xformable.GetPath()), op.GetAttr().GetName(), f"{found}, {_EXPECTED}"

@@ -12,7 +12,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .times import Shutter, TimeGrid, xform_bends
-from .xform_ops import relative_transform, world_transform
+from .xform_ops import may_vary, relative_transform, resets, world_transform
 
 LARGEST = 2.0**60
 """The largest element of a usable matrix: kMaxCoordinate (core/geometry), so that products do not overflow."""
@@ -165,7 +165,7 @@ def may_move(prim: Usd.Prim, root: Usd.Prim | None) -> bool:
     has come by."""
     if root is not None and not prim.GetPath().HasPrefix(root.GetPath()):
         return may_move(prim, None) or may_move(root, None)
-    return any(xformable.TransformMightBeTimeVarying() for xformable in xformables(prim, root))
+    return any(may_vary(xformable) for xformable in xformables(prim, root))
 
 
 def bends_of(prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter) -> set[float]:
@@ -184,7 +184,7 @@ def xformables(prim: Usd.Prim, root: Usd.Prim | None) -> Iterator[UsdGeom.Xforma
         xformable = UsdGeom.Xformable(prim)
         if xformable:
             yield xformable
-            if xformable.GetResetXformStack():
+            if resets(xformable):
                 return
         prim = prim.GetParent()
 

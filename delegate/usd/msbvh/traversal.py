@@ -24,7 +24,7 @@ from .usd_faults import FAULTS, report_left_out
 from .value_types import BOOL, TOKEN
 from .values import value
 from .visibility import changes_inside, visible_at_opening
-from .xform_ops import check_order
+from .xform_ops import check_order, may_vary, resets
 
 WORLD: Hashable = "world"
 
@@ -169,8 +169,8 @@ class Traversal:
         shutter: Shutter,
     ) -> _State:
         """The state below a transform, which may vary or leave what is above."""
-        own = shutter.moving and xformable.TransformMightBeTimeVarying()
-        inherits = above.varying and not xformable.GetResetXformStack()
+        own = shutter.moving and may_vary(xformable)
+        inherits = above.varying and not resets(xformable)
         if not (own or inherits):
             return state if not (state.varying or state.bends) else replace(state, varying=False, bends=())
         bends = set(above.bends) if inherits else set()
@@ -221,7 +221,7 @@ class Traversal:
     def _warn_of_reset(self, prim: Usd.Prim, group: Group, is_root: bool) -> None:
         """No two-level hierarchy holds what leaves its instance's place."""
         if group.root is not None and not is_root and prim.IsA(UsdGeom.Xformable):
-            if UsdGeom.Xformable(prim).GetResetXformStack():
+            if resets(UsdGeom.Xformable(prim)):
                 message = "!resetXformStack! inside an instance is not supported; it moves with the instance"
                 self._context.diagnostics.group(str(prim.GetPath()), "xformOpOrder", message)
 

@@ -48,6 +48,48 @@ def relative_transform(cache: UsdGeom.XformCache, prim: Usd.Prim, root: Usd.Prim
         return matrix
 
 
+def ordered_ops(xformable: UsdGeom.Xformable) -> list[UsdGeom.XformOp]:
+    """xformable.GetOrderedXformOps(), which leaves out names without an attribute but raises on some."""
+    try:
+        return xformable.GetOrderedXformOps()
+    except Tf.ErrorException:
+        ops: list[UsdGeom.XformOp] = []
+        for name in _order(xformable.GetPrim()):
+            op = None if name == RESET else _op(xformable.GetPrim(), name)
+            ops = [] if name == RESET else [*ops, *([op] if op else [])]
+        return ops
+
+
+def resets(xformable: UsdGeom.Xformable) -> bool:
+    """xformable.GetResetXformStack()."""
+    try:
+        return xformable.GetResetXformStack()
+    except Tf.ErrorException:
+        return RESET in _order(xformable.GetPrim())
+
+
+def may_vary(xformable: UsdGeom.Xformable) -> bool:
+    """xformable.TransformMightBeTimeVarying()."""
+    try:
+        return xformable.TransformMightBeTimeVarying()
+    except Tf.ErrorException:
+        return any(op.MightBeTimeVarying() for op in ordered_ops(xformable))
+
+
+def _order(prim: Usd.Prim) -> list[str]:
+    found = raw(prim.GetAttribute("xformOpOrder"), Usd.TimeCode.Default())
+    return list(found) if type(found) is TOKENS.exact else []
+
+
+def _op(prim: Usd.Prim, name: str) -> UsdGeom.XformOp | None:
+    """None where the prim has no such op."""
+    try:
+        attribute = prim.GetAttribute(name.removeprefix(INVERT))
+        return UsdGeom.XformOp(attribute, name.startswith(INVERT)) if attribute else None
+    except Tf.ErrorException:
+        return None
+
+
 def check_order(prim: Usd.Prim, authored: frozenset[str]) -> None:
     """Reports ops that USD passes over: an order of another type, names without an attribute. `authored` are the
     names of the prim's properties."""
@@ -62,7 +104,7 @@ def _is_known(name: str, authored: frozenset[str]) -> bool:
 
 def _product(prim: Usd.Prim, code: Usd.TimeCode) -> Gf.Matrix4d:
     matrix = Gf.Matrix4d(1.0)
-    for op in UsdGeom.Xformable(prim).GetOrderedXformOps():
+    for op in ordered_ops(UsdGeom.Xformable(prim)):
         matrix = _op_transform(op, code) * matrix
     return matrix
 
@@ -95,29 +137,30 @@ def report_ops(prim: Usd.Prim, code: Usd.TimeCode) -> None:
         diagnostics().warning(path, "xformOpOrder", message)
         return
     for name in found or ():
-        attribute = prim.GetAttribute(name.removeprefix(INVERT))
-        if name == RESET:
-            continue
-        if not attribute or not _is_op(attribute):
+        if name != RESET and not _op(prim, name):
             message = f"found '{name}', expected the name of one of the prim's xformOp attributes; left out, as USD has it"
             diagnostics().warning(path, "xformOpOrder", message)
-    for op in xformable.GetOrderedXformOps():
+    for op in ordered_ops(xformable):
         _report_op(op, path, code)
-
-
-def _is_op(attribute: Usd.Attribute) -> bool:
-    try:
-        return bool(UsdGeom.XformOp(attribute))
-    except Tf.ErrorException:
-        return False
 
 
 def singular_op(xformable: UsdGeom.Xformable, code: Usd.TimeCode, largest: float) -> Usd.Attribute | None:
     """The attribute of the first op whose inverse is no usable matrix."""
-    for op in xformable.GetOrderedXformOps():
+    for op in ordered_ops(xformable):
         if op.IsInverseOp() and not (np.abs(np.array(_op_transform(op, code))) <= largest).all():
             return op.GetAttr()
     return None
+
+
+def _expected(op: UsdGeom.XformOp) -> str:
+    """The types that an op takes."""
+    name = UsdGeom.XformOp.GetOpTypeToken(op.GetOpType())
+    if name == "transform":
+        return "matrix4d"
+    if name == "orient":
+        return "quatd, quatf or quath"
+    single = name[-1] in "XYZ" and name[-2].islower()
+    return "double, float or half" if single else "double3, float3 or half3"
 
 
 def _report_op(op: UsdGeom.XformOp, path: str, code: Usd.TimeCode) -> None:
@@ -127,6 +170,5 @@ def _report_op(op: UsdGeom.XformOp, path: str, code: Usd.TimeCode) -> None:
         if found is not None and not (op.IsInverseOp() and isinstance(found, Gf.Matrix4d)):
             op.GetOpTransform(code)
     except Tf.ErrorException:
-        kind = op.GetOpType().displayName.removeprefix("Type")
-        message = f"found {type_name(attribute, found)}, expected a value of an op that is called {kind}; left out, as USD has it"
+        message = f"found {type_name(attribute, found)}, expected {_expected(op)}; left out, as USD has it"
         diagnostics().warning(path, attribute.GetName(), message)
