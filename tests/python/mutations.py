@@ -145,7 +145,8 @@ def outcome(text: str) -> str:
         )
         pixels = renderer.render()
     except (SceneError, _core.Error) as error:
-        return f"refused: {error}"
+        caught = "WRONG: USD's error is nobody's prim" if "cannot be read as USD" in str(error) else "refused"
+        return f"{caught}: {error}"
     except Exception as error:
         return f"WRONG: internal error: {type(error).__name__}: {error}"
     return "drawn" if np.isfinite(pixels).all() else "WRONG: a pixel is no number"

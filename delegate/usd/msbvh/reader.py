@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Tf, Usd, UsdGeom
 
 from .boxes import Box
 from .camera import RenderCamera, optics, read_camera
@@ -24,7 +24,7 @@ from .motion_scales import scales_at
 from .overs import report_overs
 from .samples import SampleLog
 from .shapes import BATCH_WEIGHT, Shape, Shapes
-from .stage import tf_messages
+from .stage import tf_messages, tf_reason
 from .times import is_held
 from .transforms import XformCaches
 from .traversal import WORLD, Group, Traversal
@@ -92,7 +92,10 @@ def read_frame(
     make_translator = make_translator or _core_translator
     where = stage.GetRootLayer().realPath or stage.GetRootLayer().identifier
     with crash_line(where), reported_to(diagnostics), tf_messages(diagnostics), _no_collection():
-        return _FrameReader(stage, frame, settings, diagnostics, make_translator, progress, found).read()
+        try:
+            return _FrameReader(stage, frame, settings, diagnostics, make_translator, progress, found).read()
+        except Tf.ErrorException as error:
+            raise SceneError(f"{where}: cannot be read as USD: {tf_reason(error)}") from error
 
 
 @contextmanager

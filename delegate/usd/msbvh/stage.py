@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
 from .crash_line import crash_line
+from .crate_check import crate_fault
 from .errors import Diagnostics, SceneError
 
 
@@ -22,6 +23,8 @@ def open_stage(path: str, diagnostics: Diagnostics, mask: Sequence[str] = ()) ->
     resolved = Ar.GetResolver().Resolve(path)
     if not resolved:
         raise SceneError(f"{path}: no such file; expected a USD scene (usd, usda, usdc, usdz)")
+    if fault := crate_fault(str(resolved)):
+        raise SceneError(f"{path}: cannot be read as USD: {fault}")
     population = _population_mask(mask)
     with crash_line(path), tf_messages(diagnostics):
         try:

@@ -29,8 +29,15 @@ def report_left_out(prim: Usd.Prim, error: Unreadable | Tf.ErrorException, code:
     not have, where USD itself does not say."""
     if isinstance(error, Tf.ErrorException):
         message = f"USD cannot evaluate it: {tf_reason(error)}"
-        error = _wrong_type(prim, code) or Unreadable(str(prim.GetPath()), "", message)
+        error = _wrong_type_if_any(prim, code) or Unreadable(str(prim.GetPath()), "", message)
     leave_out(error)
+
+
+def _wrong_type_if_any(prim: Usd.Prim, code: Usd.TimeCode) -> Unreadable | None:
+    try:
+        return _wrong_type(prim, code)
+    except Tf.ErrorException:  # A damaged file.
+        return None
 
 
 def _wrong_type(prim: Usd.Prim, code: Usd.TimeCode) -> Unreadable | None:

@@ -52,7 +52,10 @@ def required(attribute: Usd.Attribute, code: Usd.TimeCode | float, kind: Kind) -
     """A value as `kind.exact`; None where the attribute has none. Raises Unreadable for another type."""
     if asked is not None:
         asked[str(attribute.GetPrim().GetTypeName()), attribute.GetName()] = kind
-    found = _get(attribute, code)
+    try:
+        found = attribute.Get(code)
+    except _UNREAD as error:
+        found = _unread(attribute, error)
     if found is None or type(found) is kind.exact:
         return found
     return _converted(attribute, found, kind)
@@ -72,20 +75,25 @@ def raw(attribute: Usd.Attribute, code: Usd.TimeCode | float) -> object:
     if asked is not None:
         asked.setdefault((str(attribute.GetPrim().GetTypeName()), attribute.GetName()), ANY)
     try:
-        return _get(attribute, code)
-    except Unreadable as fault:
-        ignore(fault)
-        return None
-
-
-def _get(attribute: Usd.Attribute, code: Usd.TimeCode | float) -> object:
-    try:
         return attribute.Get(code)
-    except UnicodeDecodeError as error:
+    except _UNREAD as error:
+        try:
+            return _unread(attribute, error)
+        except Unreadable as fault:
+            ignore(fault)
+            return None
+
+
+_UNREAD = (UnicodeDecodeError, Tf.ErrorException, RuntimeError)
+"""Text that is no UTF-8; a damaged file."""
+
+
+def _unread(attribute: Usd.Attribute, error: Exception) -> object:
+    """Text with the bytes replaced that are no UTF-8. Raises Unreadable for anything else."""
+    if isinstance(error, UnicodeDecodeError):
         return error.object.decode("utf-8", "replace")
-    except (Tf.ErrorException, RuntimeError) as error:  # A damaged file.
-        message = f"found a value that USD cannot read ({' '.join(str(error).split())[-120:]}), expected one"
-        raise Unreadable(str(attribute.GetPrimPath()), attribute.GetName(), message) from None
+    message = f"found a value that USD cannot read ({' '.join(str(error).split())[-120:]}), expected one"
+    raise Unreadable(str(attribute.GetPrimPath()), attribute.GetName(), message) from None
 
 
 ANY = Kind("any", object)
