@@ -242,7 +242,8 @@ def _image(level: Level, box: Box) -> Box:
     """Around a box under all maps of a level, roughly: at a few times."""
     if level.motion is not None:
         times = (0.0,) if level.motion.still else (0.0, 0.5, 1.0)
-        corners = [box.corners() @ level.motion.at_time(time)[..., :3] for time in times]
+        with np.errstate(invalid="ignore", over="ignore"):
+            corners = [box.corners() @ level.motion.at_time(time)[..., :3] for time in times]
         return Box.around(np.concatenate(corners).reshape(-1, 3))
     centres = Box.around(_usable(np.concatenate([values for _, values in level.arrays["positions"]])))
     scales = [np.abs(_usable(values)).max(initial=0.0) for _, values in level.arrays["scales"]] or [1.0]

@@ -27,6 +27,8 @@ from .visibility import changes_inside, visible_at_opening
 from .xform_ops import check_order, may_vary, resets
 
 WORLD: Hashable = "world"
+DEEPEST_NESTING = 100
+"""Instances in instances, far below what Python's stack holds."""
 
 _DEFINED = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 _PROTOTYPE = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
@@ -85,6 +87,7 @@ class Traversal:
         self.authored_times: set[float] = set()
         """Time codes within the shutter at which a transform or an instancer has a sample."""
         self._context = context
+        self._depth = 0
         self._purposes = {"default", *purposes}
         self._add_group(WORLD, None, _State(False, "default"), context.stage.GetPseudoRoot(), _DEFINED)
 
@@ -98,11 +101,17 @@ class Traversal:
     ) -> None:
         group = Group(str(top.GetPath()), root)
         self.groups[key] = group
+        if self._depth > DEEPEST_NESTING:
+            message = f"found instances nested more than {DEEPEST_NESTING} deep, expected fewer levels; not drawn"
+            self._context.diagnostics.error(str(top.GetPath()), "", message)
+            return
+        self._depth += 1
         for prim, prim_state in self._descend(top, state, group, predicate):
             try:
                 self._sort(prim, prim_state, group)
             except FAULTS as error:
                 report_left_out(prim, error, self._context.code)
+        self._depth -= 1
 
     def _descend(
         self, top: Usd.Prim, state: _State, group: Group, predicate: object
