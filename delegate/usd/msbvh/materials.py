@@ -44,7 +44,7 @@ class Materials:
             path = str(material.GetPath())
             if path not in self._ids:
                 self._ids[path] = self._read(material)
-        except Tf.ErrorException as error:
+        except (Tf.ErrorException, UnicodeDecodeError) as error:
             message = f"USD cannot evaluate the material: {tf_reason(error)}; displayColor shows instead"
             self._context.diagnostics.warning(str(prim.GetPath()), "material:binding", message)
             return None

@@ -94,7 +94,7 @@ def read_frame(
     with crash_line(where), reported_to(diagnostics), tf_messages(diagnostics), _no_collection():
         try:
             return _FrameReader(stage, frame, settings, diagnostics, make_translator, progress, found).read()
-        except Tf.ErrorException as error:
+        except (Tf.ErrorException, UnicodeDecodeError) as error:
             raise SceneError(f"{where}: cannot be read as USD: {tf_reason(error)}") from error
 
 

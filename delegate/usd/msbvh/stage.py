@@ -92,6 +92,8 @@ _GRAMMAR_RULE = re.compile(r" matching pxrInternal.*?(?= at ')")
 
 def tf_reason(error: Exception) -> str:
     """The first message of a Tf error without the source locations of USD's own code."""
+    if isinstance(error, UnicodeDecodeError):
+        return f"found text that is no UTF-8 ('{error.object.decode('utf-8', 'replace')}')"
     text = text_of(lambda: str(error))
     for line in text.replace("\n'", "'").splitlines():
         found = _TF_ERROR.search(line)

@@ -20,14 +20,14 @@ def leaving_out(prim: Usd.Prim, code: Usd.TimeCode) -> Iterator[None]:
         report_left_out(prim, error, code)
 
 
-FAULTS = (Unreadable, Tf.ErrorException)
+FAULTS = (Unreadable, Tf.ErrorException, UnicodeDecodeError)
 """What may be raised while a prim is evaluated, through no fault of ours."""
 
 
-def report_left_out(prim: Usd.Prim, error: Unreadable | Tf.ErrorException, code: Usd.TimeCode) -> None:
+def report_left_out(prim: Usd.Prim, error: Exception, code: Usd.TimeCode) -> None:
     """Names the attribute that a prim is left out for: that of the first value of a type that the prim's schema does
     not have, where USD itself does not say."""
-    if isinstance(error, Tf.ErrorException):
+    if not isinstance(error, Unreadable):
         message = f"USD cannot evaluate it: {tf_reason(error)}"
         error = _wrong_type_if_any(prim, code) or Unreadable(str(prim.GetPath()), "", message)
     leave_out(error)
@@ -36,7 +36,7 @@ def report_left_out(prim: Usd.Prim, error: Unreadable | Tf.ErrorException, code:
 def _wrong_type_if_any(prim: Usd.Prim, code: Usd.TimeCode) -> Unreadable | None:
     try:
         return _wrong_type(prim, code)
-    except Tf.ErrorException:  # A damaged file.
+    except (Tf.ErrorException, UnicodeDecodeError):  # A damaged file.
         return None
 
 

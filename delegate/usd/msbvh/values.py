@@ -7,9 +7,11 @@ it is left out, and everything else is drawn. tests/python/test_values.py holds 
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from types import TracebackType
 
 from pxr import Sdf, Tf, Usd
 
@@ -19,6 +21,9 @@ from .value_types import Kind, Lossy
 _reports: ContextVar[Diagnostics] = ContextVar("reports")
 """Where faults of the frame that is being read are reported. A context, not an argument: every module reads values,
 many of them in places that have nothing else to report."""
+
+_undecoded: list[str] = []
+"""Text that is no UTF-8, as far as it is, which USD has found since the last look."""
 
 asked: dict[tuple[str, str], Kind] | None = None
 """For tests: where it is a dictionary, every (prim type, attribute) that was asked for is noted there."""
@@ -35,10 +40,20 @@ class Unreadable(Exception):
 @contextmanager
 def reported_to(diagnostics: Diagnostics) -> Iterator[None]:
     """Faults that are found inside are reported there."""
-    token = _reports.set(diagnostics)
+    token, hook = _reports.set(diagnostics), sys.excepthook
+
+    def note(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        if isinstance(error, UnicodeDecodeError):
+            _undecoded.append(error.object.decode("utf-8", "replace"))
+        else:
+            hook(kind, error, trace)
+
+    sys.excepthook = note  # USD has Python print what it cannot hand over, and hands over nothing.
     try:
         yield
     finally:
+        sys.excepthook = hook
+        _undecoded.clear()
         _reports.reset(token)
 
 
@@ -56,8 +71,11 @@ def required(attribute: Usd.Attribute, code: Usd.TimeCode | float, kind: Kind) -
         found = attribute.Get(code)
     except _UNREAD as error:
         found = _unread(attribute, error)
-    if found is None or type(found) is kind.exact:
+    if type(found) is kind.exact:
         return found
+    if found is None:
+        _check_decoded(attribute)
+        return None
     return _converted(attribute, found, kind)
 
 
@@ -75,13 +93,23 @@ def raw(attribute: Usd.Attribute, code: Usd.TimeCode | float) -> object:
     if asked is not None:
         asked.setdefault((str(attribute.GetPrim().GetTypeName()), attribute.GetName()), ANY)
     try:
-        return attribute.Get(code)
-    except _UNREAD as error:
         try:
-            return _unread(attribute, error)
-        except Unreadable as fault:
-            ignore(fault)
-            return None
+            found = attribute.Get(code)
+        except _UNREAD as error:
+            found = _unread(attribute, error)
+        if found is None:
+            _check_decoded(attribute)
+    except Unreadable as fault:
+        ignore(fault)
+        return None
+    return found
+
+
+def _check_decoded(attribute: Usd.Attribute) -> None:
+    if _undecoded:
+        text = _undecoded.pop()
+        _undecoded.clear()
+        raise Unreadable(str(attribute.GetPrimPath()), attribute.GetName(), f"found '{text}', expected text in UTF-8")
 
 
 _UNREAD = (UnicodeDecodeError, Tf.ErrorException, RuntimeError)
