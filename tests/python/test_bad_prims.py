@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from msbvh.errors import SceneError
 from sound_neighbour import CAMERA, GOOD, messages, render, shows_good, stage_of
@@ -179,3 +180,30 @@ def test_double_precision_and_integers_stand_for_single_precision():
     camera = CAMERA.replace("}\n", " int focalLength = 50\n double2 clippingRange = (1, 100)\n}\n")
     result, pixels = render(stage_of(camera + converted))
     assert shows_good(pixels) and messages(result) == []
+
+
+CARRIED = """def Mesh "Carried" {
+    int[] faceVertexCounts = [4]\n int[] faceVertexIndices = [0, 1, 2, 3]
+    point3f[] points.timeSamples = { 0: [(-7, -3, 0), (-5, -3, 0), (-5, 3, 0), (-7, 3, 0)] }
+    vector3f[] velocities.timeSamples = { 0: [(24, 0, 0), (24, 0, 0), (24, 0, 0), (24, 0, 0)] }
+    uniform token subdivisionScheme = "none"\n}
+def PointInstancer "Many" {
+    point3f[] positions.timeSamples = { 0: [(-4, 2, 0)] }
+    quath[] orientations.timeSamples = { 0: [(0, 0, 0, 1)] }
+    vector3f[] velocities.timeSamples = { 0: [(24, 0, 0)] }
+    int[] protoIndices = [0]\n rel prototypes = </Many/P>
+    def Xform "P" {\n def Cube "c" {}\n def SphereLight "l" {\n float inputs:intensity = 30\n }\n }\n}
+"""
+
+
+@pytest.mark.parametrize("close", ["-0.5", "0.5"])
+def test_what_usd_computes_is_the_same_from_values_that_convert(close: str):
+    """Still frames of what velocities carry, and lights of instancers, are USD's own computation."""
+    camera = CAMERA.replace("shutter:close = 0.5", f"shutter:close = {close}")
+    converted = CARRIED.replace("point3f[]", "double3[]").replace("vector3f[]", "half3[]").replace("quath", "quatd")
+    pictures = [render(stage_of(camera + GOOD + text)) for text in (CARRIED, converted)]
+    for result, pixels in pictures:
+        assert messages(result) == [] and shows_good(pixels)
+    drawn = pictures[0][1][:, :, 3].sum()
+    assert drawn > render(stage_of(camera + GOOD))[1][:, :, 3].sum() + 20
+    assert np.abs(pictures[0][1] - pictures[1][1]).max() < 0.02

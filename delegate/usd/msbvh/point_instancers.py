@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -14,6 +15,7 @@ from .points import changes, optional_samples, rate_clock, rates, raw_samples
 from .primvars import read_primvar, warn_of_change
 from .times import Shutter, xform_bends
 from .transforms import Motion, XformCaches
+from .typed_twin import Twin, typed_twin
 from .value_types import FLOAT3S, INTS, QUATERNIONS
 from .values import required, value
 from .xform_ops import check_order, local_transform, may_vary
@@ -186,13 +188,19 @@ def _every_instance(
         or any(attribute.ValueMightBeTimeVarying() for attribute in moving_attributes(instancer))
     )
 
+    @cache
+    def typed() -> Twin:
+        return typed_twin(instancer.GetPrim(), context.code)
+
     def evaluate(time01: float) -> np.ndarray:
-        computed = instancer.ComputeInstanceTransformsAtTimes(
+        computed = UsdGeom.PointInstancer(typed().prim).ComputeInstanceTransformsAtTimes(
             [context.shutter.time_code(time01)],
             context.code,
             UsdGeom.PointInstancer.ExcludeProtoXform,
             UsdGeom.PointInstancer.IgnoreMask,
         )
+        if not computed or len(computed[0]) != count:
+            return np.full((count, 4, 4), np.nan)
         return np.array(computed[0])
 
     return Motion(caches.grid(context.shutter), count, still, evaluate)

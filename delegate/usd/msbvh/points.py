@@ -11,6 +11,7 @@ from .boxes import Box
 from .context import FrameContext, array
 from .stage_metadata import time_codes_per_second
 from .times import bracketing_times, sample_times
+from .typed_twin import typed_twin
 from .value_types import FLOAT3S, QUATERNIONS
 from .values import Unreadable, ignore, raw, required
 
@@ -120,7 +121,8 @@ def sample_points(
     """The points of a mesh, and the translator's keywords of its velocities and accelerations."""
     carried_by = {}
     if has_velocities and carries_still_pose([shape.GetVelocitiesAttr()], context):
-        pose = shape.ComputePointsAtTime(context.code, context.code)
+        twin = typed_twin(shape.GetPrim(), context.code)
+        pose = UsdGeom.PointBased(twin.prim).ComputePointsAtTime(context.code, context.code)
         return Samples([(None, array(pose, np.float32, 3))], context.held), {}
     if has_velocities:
         carried_by = rates(shape.GetVelocitiesAttr(), shape.GetAccelerationsAttr(), context)
