@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from msbvh.cli import main
 from msbvh.errors import SceneError
 from sound_neighbour import CAMERA, GOOD, messages, render, shows_good, stage_of
 
@@ -207,3 +208,52 @@ def test_what_usd_computes_is_the_same_from_values_that_convert(close: str):
     drawn = pictures[0][1][:, :, 3].sum()
     assert drawn > render(stage_of(camera + GOOD))[1][:, :, 3].sum() + 20
     assert np.abs(pictures[0][1] - pictures[1][1]).max() < 0.02
+
+
+@pytest.mark.parametrize("rate", ["inf", "1e300", "1e-300"])
+def test_a_frame_rate_that_no_image_can_hold_is_named_before_the_picture_is_written(rate: str, tmp_path, capfd):
+    scene = tmp_path / "scene.usda"
+    scene.write_text(f"#usda 1.0\n(framesPerSecond = {rate})\n{CAMERA}{GOOD}")
+    pictures = [str(tmp_path / f"picture.{suffix}") for suffix in ("exr", "png")]
+    assert main(["record", str(scene), *pictures, "-w", "32", "--spp", "1"]) == 0
+    said = capfd.readouterr().err
+    assert f"warning: framesPerSecond: found {float(rate):g}, expected a number from" in said
+
+
+def test_a_start_time_that_is_no_number_is_an_error(tmp_path, capfd):
+    scene = tmp_path / "scene.usda"
+    scene.write_text(f"#usda 1.0\n(startTimeCode = nan)\n{CAMERA}{GOOD}")
+    assert main(["record", str(scene), str(tmp_path / "o.png"), "-w", "32", "--spp", "1"]) == 1
+    assert "error: startTimeCode: found nan, expected a finite number" in capfd.readouterr().err
+    assert main(["record", str(scene), str(tmp_path / "o.png"), "--frames", "1", "-w", "32", "--spp", "1"]) == 0
+
+
+def test_text_that_is_no_utf8(tmp_path, capfd):
+    (tmp_path / "syntax.usda").write_bytes(b'#usda 1.0\ndef Xform "A" { # caf\xe9\n  oops caf\xe9\n}\n')
+    assert main(["record", str(tmp_path / "syntax.usda"), str(tmp_path / "o.png")]) == 1
+    said = capfd.readouterr().err
+    assert "syntax.usda: cannot be read as USD: line 2" in said and "internal" not in said and said.count("\n") == 1
+    text = (
+        'def Cube "Bad" { token visibility = "caf\\xe9"\n uniform token[] xformOpOrder = ["\\xe9"]\n}\n'
+        'def Mesh "Worse" { int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 2]\n'
+        " point3f[] points = [(-7, 0, 0), (-6, 0, 0), (-7, 1, 0)]\n"
+        ' uniform token subdivisionScheme = "\\xe9"\n}'
+    )
+    result, pixels = render(stage_of(CAMERA + GOOD + text))
+    assert shows_good(pixels)
+    named = {message.split(":")[0] for message in messages(result)}
+    assert {"/Bad.visibility", "/Worse.subdivisionScheme"} <= named
+    assert capfd.readouterr().err == ""
+
+
+def test_instances_nested_beyond_all_measure_are_named():
+    count = 400
+    deep = "".join(
+        f'def PointInstancer "i{i}" {{ point3f[] positions = [(0, 0, 0)]\n int[] protoIndices = [0]\n'
+        f" rel prototypes = <{''.join(f'/i{j}' for j in range(i + 2))}>\n"
+        for i in range(count)
+    )
+    result, pixels = render(stage_of(CAMERA + GOOD + deep + f'def Cube "i{count}" {{}}\n' + "}\n" * count))
+    assert shows_good(pixels)
+    (message,) = messages(result)
+    assert "found instances nested more than 100 deep" in message
