@@ -53,6 +53,12 @@ class PrimLog {
     log.path_ = std::move(path);
     return log;
   }
+  // For checks on another prim that belongs to this one; an empty path: on this one.
+  PrimLog of_prim(const std::string& path) const {
+    PrimLog log = *this;
+    if (!path.empty()) log.path_ = path;
+    return log;
+  }
   const std::string& path() const { return path_; }
 
   void warn(const std::string& attribute, const std::string& message) {

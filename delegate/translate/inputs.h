@@ -127,6 +127,7 @@ struct QuaternionSamples {
 
 // The arrays of a UsdGeomPointInstancer.
 struct PointInstancerInput {
+  std::string path;       // of the instancer, which need not be the innermost; empty: the instances' own
   std::size_t count = 0;  // of protoIndices at the frame
   ArraySamples positions, scales;
   QuaternionSamples orientations;

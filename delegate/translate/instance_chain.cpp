@@ -94,7 +94,8 @@ std::unique_ptr<ChainLevel> make_matrix_level(const InstanceLevel& level, PrimLo
 std::optional<InstanceChain> InstanceChain::make(const std::vector<InstanceLevel>& levels, PrimLog& log) {
   InstanceChain chain;
   for (const InstanceLevel& level : levels) {
-    chain.levels_.push_back(level.points ? make_point_level(level, log) : make_matrix_level(level, log));
+    PrimLog own = log.of_prim(level.points ? level.points->path : std::string());
+    chain.levels_.push_back(level.points ? make_point_level(level, own) : make_matrix_level(level, own));
     if (!chain.levels_.back()) return std::nullopt;
     chain.count_ *= chain.levels_.back()->count();
   }

@@ -25,6 +25,7 @@ class LevelInstant {
 // Which attribute puts an instance nowhere, and what was found there.
 struct Blame {
   std::string attribute, found;
+  std::string path{};  // of the level's prim; empty: the instances' own
 };
 
 // A level of instancing over the shutter.

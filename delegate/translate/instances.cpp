@@ -34,7 +34,7 @@ void report_left_out(const InstanceChain& chain, const std::vector<Verdict>& ver
   if (count == 0) return;
   const auto first = std::ranges::find_if(verdicts, is_such) - verdicts.begin();
   if (const auto blame = fate == Fate::kNotFinite ? chain.blame(std::size_t(first)) : std::nullopt) {
-    log.warn(blame->attribute, message(blame->found, "; expected ", expected, "; ", count, " of ",
+    log.of_prim(blame->path).warn(blame->attribute, message(blame->found, "; expected ", expected, "; ", count, " of ",
                                        verdicts.size(), " instances placed together are left out"));
     return;
   }

@@ -169,7 +169,7 @@ class PointLevel final : public ChainLevel {
     std::optional<Blame> result;
     const auto look = [&](const std::string& name, double time01, const auto& values) {
       if (result || values.empty() || is_usable(values[i])) return;
-      result = {name, message("value ", i, " ", at_shutter_time(time01), " is ", text(values[i]))};
+      result = {name, message("value ", i, " ", at_shutter_time(time01), " is ", text(values[i])), points_.path};
     };
     const auto look_through = [&](const char* name, const ArrayTrack& track) {
       for (std::size_t s = 0; s < track.times01().size(); ++s)

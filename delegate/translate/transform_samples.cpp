@@ -14,7 +14,14 @@ namespace {
 // lengths.
 constexpr double kSingular = 1e-6;
 
-bool is_affine(const Matrix4d& m) { return m[3] == 0.0 && m[7] == 0.0 && m[11] == 0.0 && m[15] == 1.0; }
+// What rounding leaves in the last column of a matrix that was multiplied, inverted, or stored in single precision:
+// the point at distance 1 moves by less than that share of the distance.
+constexpr double kAffineRounding = 1e-6;
+
+bool is_affine(const Matrix4d& m) {
+  const double largest = std::max({std::abs(m[3]), std::abs(m[7]), std::abs(m[11]), std::abs(m[15] - 1.0)});
+  return largest <= kAffineRounding;
+}
 
 }  // namespace
 

@@ -160,7 +160,7 @@ def test_a_primvar_of_the_wrong_type_is_left_out():
     assert result.scene.meshes["/Mesh"]["display_color"] is None
     (warning,) = messages(result, "warning")
     assert warning.startswith(
-        "/Mesh.primvars:displayColor: found a StringArray, expected an array of 3 floats; ignored"
+        "/Mesh.primvars:displayColor: found string[], expected color3f[]; ignored"
     )
 
 

@@ -152,7 +152,7 @@ def test_a_light_with_a_value_of_another_type_is_left_out():
     light = shot.stage.GetRootLayer().GetPrimAtPath("/Light")
     Sdf.AttributeSpec(light, "inputs:radius", Sdf.ValueTypeNames.String).default = "wide"
     result = shot.read(disable_camera_light=True)
-    assert messages(result) == ["/Light.inputs:radius: found 'wide', expected a number; left out"]
+    assert messages(result) == ["/Light.inputs:radius: found string, expected float; the light is left out"]
     assert result.scene.lights == []
 
 

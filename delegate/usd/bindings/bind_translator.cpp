@@ -228,6 +228,7 @@ class LevelArguments {
   void read_points(bool held) {
     has_points_ = true;
     level_.selected = arguments_.ints("selected");
+    points_.path = arguments_.value_or("path", points_.path, "a str");
     points_.count = arguments_.value<std::uint64_t>("count", "an int");
     points_.positions = arguments_.samples("positions", held);
     points_.scales = arguments_.samples("scales", held);

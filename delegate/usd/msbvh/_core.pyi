@@ -382,3 +382,6 @@ def bench_run(
 
 def bench_peer_name(path: str) -> str:
     """Of a peer's library: its name and version."""
+
+def arm_crash_line(line: str) -> None: ...
+def disarm_crash_line() -> None: ...

@@ -25,6 +25,8 @@ from .errors import Diagnostics, SceneError
 from .framing import framing_camera
 from .reader import ReadSettings, read_frame
 from .stage import open_stage
+from .value_types import FLOAT
+from .values import value
 
 Row = dict[str, Any]
 Report = dict[str, Any]
@@ -165,7 +167,7 @@ def _opened_camera(stage: Usd.Stage, code: float) -> str:
     camera = UsdGeom.Camera(prim) if prim else UsdGeom.Camera.Define(stage, "/msbvh_bench_camera")
     if not prim:
         camera.SetFromCamera(framing_camera(stage, code, ["proxy"], Diagnostics()), Usd.TimeCode.Default())
-    if camera.GetShutterOpenAttr().Get(code) == camera.GetShutterCloseAttr().Get(code):
+    if value(camera.GetShutterOpenAttr(), code, FLOAT) == value(camera.GetShutterCloseAttr(), code, FLOAT):
         camera.GetShutterOpenAttr().Set(-0.25)
         camera.GetShutterCloseAttr().Set(0.25)
     return str(camera.GetPath())

@@ -8,6 +8,8 @@ import numpy as np
 from pxr import Usd, UsdSkel, Vt
 
 from .context import FrameContext, array
+from .value_types import FLOAT3S
+from .values import value
 
 SubShape = tuple[str, np.ndarray | None, np.ndarray | None, np.ndarray | None]
 """Path, offsets, normal offsets and point indices, as skin_points() takes them."""
@@ -76,12 +78,16 @@ def _sub_shape(query: UsdSkel.BlendShapeQuery, index: int, points: list[np.ndarr
     if between:
         offsets, normals = between.GetOffsets(), between.GetNormalOffsets()
     elif shape:
-        offsets, normals = shape.GetOffsetsAttr().Get(), shape.GetNormalOffsetsAttr().Get()
+        offsets, normals = _at_default(shape.GetOffsetsAttr()), _at_default(shape.GetNormalOffsetsAttr())
     else:
         return "", None, None, None
     indices = points[owner] if len(points[owner]) else None
     return str(shape.GetPath()), _offsets(offsets), _offsets(normals), indices
 
 
-def _offsets(value: object) -> np.ndarray | None:
-    return array(value, np.float32, 3) if isinstance(value, Vt.Vec3fArray) and len(value) else None
+def _at_default(attribute: Usd.Attribute) -> object:
+    return value(attribute, Usd.TimeCode.Default(), FLOAT3S)
+
+
+def _offsets(found: object) -> np.ndarray | None:
+    return array(found, np.float32, 3) if isinstance(found, Vt.Vec3fArray) and len(found) else None

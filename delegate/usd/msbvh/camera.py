@@ -10,6 +10,7 @@ import numpy as np
 from pxr import Gf, Usd, UsdGeom, UsdUtils
 
 from .boxes import Box, PixelSize
+from .camera_values import CameraValues
 from .conform import Window, conformed
 from .errors import Diagnostics, SceneError
 from .framing import framing_camera
@@ -20,7 +21,11 @@ from .times import JUMP_TIME01, Shutter, breakpoints_of, checked_shutter, even_l
 from .transform_faults import unusable_op
 from .transforms import LARGEST, authored_xform_times, xformables
 from .turns import NO_TURNS, Turns, total_turns, xform_turns
+from .value_types import FLOAT
+from .values import value
 
+LARGEST_OFFSET = 1e6
+"""Apertures by which an aperture's offset may shift it: beyond, single precision has no pixels left to tell apart."""
 CAMERA_LEVEL = 10
 """2^10 intervals at least."""
 TIMES_A_TURN = 64
@@ -100,13 +105,16 @@ def read_camera(
         return _sampled("", shutter, course, lambda _: framing, image_size, conform, diagnostics)
     camera = UsdGeom.Camera(prim)
     code = Shutter(frame).frame_code
-    opening, closing = camera.GetShutterOpenAttr().Get(code), camera.GetShutterCloseAttr().Get(code)
+    opening = value(camera.GetShutterOpenAttr(), code, FLOAT)
+    closing = value(camera.GetShutterCloseAttr(), code, FLOAT)
     shutter = checked_shutter(frame, opening or 0.0, closing or 0.0, str(prim.GetPath()), diagnostics)
     own = shutter.scaled(scales_at(prim, code, diagnostics).blur)
     course = _course(prim, own, is_held(stage))
 
+    values_at = CameraValues(camera).at
+
     def camera_at(code: Usd.TimeCode) -> Gf.Camera:
-        found = camera.GetCamera(code)
+        found = values_at(code)
         if not (np.abs(np.array(found.transform)) <= LARGEST).all():
             path, attribute, message = unusable_op(list(xformables(prim, None)), own)
             raise SceneError(f"{path}.{attribute}: {message}")
@@ -277,8 +285,10 @@ def _check_optics(path: str, camera: Gf.Camera) -> None:
         "verticalApertureOffset": camera.verticalApertureOffset,
     }
     for attribute, value in offsets.items():
-        if not math.isfinite(value):
-            raise SceneError(f"{path}.{attribute}: found {value:g}, expected a finite number")
+        largest = LARGEST_OFFSET * max(camera.horizontalAperture, camera.verticalAperture)
+        if not abs(value) <= largest:
+            expected = f"a finite number of at most {largest:g} in size, {LARGEST_OFFSET:g} times the aperture"
+            raise SceneError(f"{path}.{attribute}: found {value:g}, expected {expected}")
     near, far = camera.clippingRange.min, camera.clippingRange.max
     if not near < far:
         raise SceneError(f"{path}.clippingRange: found ({near:g}, {far:g}), expected near < far")

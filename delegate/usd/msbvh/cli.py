@@ -40,6 +40,7 @@ from .record import (
 from .report import Reporter, one_line
 from .samples import SampleLog
 from .stage import open_stage
+from .stage_metadata import start_time
 
 DONE, WRONG, USAGE, DEGRADED, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes: done; the scene or the settings are wrong; usage; rendered, but --strict and something was
@@ -216,7 +217,7 @@ def _read_one_frame(
     diagnostics = Diagnostics()
     stage = open_stage(scene, diagnostics, options["mask"])
     report(diagnostics, reporter)
-    start = None if options["default_time"] else stage.GetStartTimeCode()
+    start = None if options["default_time"] else start_time(stage)
     time = frames[0] if frames else start
     with reading_progress(time) as progress:
         result = read_frame(stage, time, _read_settings(options), progress=progress, found=log)

@@ -6,12 +6,9 @@ import math
 
 from pxr import Gf, Usd, UsdGeom
 
+from .bounds import stage_bounds
 from .errors import Diagnostics
 from .times import Shutter
-
-LARGEST_COORDINATE = 2.0**60
-"""What single precision can square and multiply; see core/geometry/triangle_mesh.h."""
-
 
 def framing_camera(
     stage: Usd.Stage, frame: float | None, purposes: list[str], diagnostics: Diagnostics
@@ -21,10 +18,8 @@ def framing_camera(
     It looks along -z (y up) or +y (z up) at the stage's bounds, from where their front face fills the width.
     usdrecord's clipping range is 1 to 1e6 whatever the scene's size; here it fits the scene.
     """
-    cache = UsdGeom.BBoxCache(Shutter(frame).frame_code, ["default", *purposes], useExtentsHint=True)
-    bounds = cache.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
-    # Without points USD's bounds are the largest floats, not empty.
-    if bounds.IsEmpty() or not all(abs(x) < LARGEST_COORDINATE for x in (*bounds.min, *bounds.max)):
+    bounds = stage_bounds(stage, Shutter(frame).frame_code, ["default", *purposes], diagnostics)
+    if bounds.IsEmpty():
         diagnostics.warning(
             "", "", "no camera and no finite bounds to frame; a camera at (0, 0, 10) looks at the origin"
         )

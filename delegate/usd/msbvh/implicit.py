@@ -17,6 +17,8 @@ from pxr import Usd, UsdGeom
 from .context import FrameContext
 from .points import Samples, still
 from .times import sample_times
+from .value_types import FLOAT, TOKEN
+from .values import required, value
 
 SIDES = 48
 """Around the axis. The silhouette strays from the circle by 0.2 % of the radius."""
@@ -130,13 +132,12 @@ def read_implicit(prim: Usd.Prim, context: FrameContext) -> dict:
     """
     kind = IMPLICIT_TYPES[prim.GetTypeName()]
     attributes = [prim.GetAttribute(name) for name in kind.parameters]
-    axis_attribute = prim.GetAttribute("axis")
-    axis = axis_attribute.Get(context.code) if axis_attribute else "Z"
+    axis = _axis(prim, context)
     if kind.surface is plane and axis != "Z":
         attributes.reverse()  # The width lies along x, or along z where x is the axis: second in the cycle.
 
     def surface_at(code: Usd.TimeCode) -> Surface:
-        surface = kind.surface(*(attribute.Get(code) for attribute in attributes))
+        surface = kind.surface(*(required(attribute, code, FLOAT) for attribute in attributes))
         surface.points = turned(surface.points, axis)
         return surface
 
@@ -150,11 +151,20 @@ def read_implicit(prim: Usd.Prim, context: FrameContext) -> dict:
         "face_vertex_counts": surface.counts,
         "face_vertex_indices": surface.indices,
         "hole_indices": None,
-        "left_handed": UsdGeom.Gprim(prim).GetOrientationAttr().Get(context.code)
+        "left_handed": value(UsdGeom.Gprim(prim).GetOrientationAttr(), context.code, TOKEN)
         == UsdGeom.Tokens.leftHanded,
         "samples": samples,
         "computed_normals": "smooth" if kind.smooth else "faceted",
     }
+
+
+def _axis(prim: Usd.Prim, context: FrameContext) -> str:
+    attribute = prim.GetAttribute("axis")
+    found = (value(attribute, context.code, TOKEN) if attribute else None) or "Z"
+    if found in ("X", "Y", "Z"):
+        return found
+    context.diagnostics.warning(str(prim.GetPath()), "axis", f"found '{found}', expected X, Y or Z; took Z")
+    return "Z"
 
 
 def turned(points: np.ndarray, axis: str) -> np.ndarray:

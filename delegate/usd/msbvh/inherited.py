@@ -23,10 +23,15 @@ class Inherited:
         return any(name.startswith("material:binding") for names in (authored, self.above(prim)) for name in names)
 
     def _at(self, prim: Usd.Prim) -> frozenset[str]:
-        if not prim or prim.IsPseudoRoot():
-            return frozenset()
-        path = prim.GetPath()
-        if path not in self._names:
-            own = frozenset(name for name in prim.GetAuthoredPropertyNames() if name.startswith(PREFIXES))
-            self._names[path] = self._at(prim.GetParent()) | own
-        return self._names[path]
+        unknown = []  # A loop: stages may be deeper than Python's stack.
+        names: frozenset[str] | None = frozenset()
+        while prim and not prim.IsPseudoRoot():
+            names = self._names.get(prim.GetPath())
+            if names is not None:
+                break
+            unknown.append(prim)
+            prim, names = prim.GetParent(), frozenset()
+        for each in reversed(unknown):
+            own = frozenset(name for name in each.GetAuthoredPropertyNames() if name.startswith(PREFIXES))
+            names = self._names[each.GetPath()] = names | own
+        return names

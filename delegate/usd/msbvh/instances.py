@@ -20,6 +20,7 @@ from .transform_faults import report_unusable
 from .transform_sampling import PixelSizes, TransformSamples, transform_samples
 from .transforms import LARGEST, Motion, XformCaches
 from .traversal import WORLD, Group, Part, Traversal
+from .usd_faults import leaving_out
 from .visibility import common_intervals, visible_intervals
 
 
@@ -122,7 +123,8 @@ class Placer:
                 path = str(same[0].prim.GetPath())
                 yield Placement(path, key, (Level(motion),), visible, None, lambda motion=motion: motion)
         for part in group.instancers:
-            yield from self._points(part, group)
+            with leaving_out(part.prim, self._context.code):
+                yield from self._points(part, group)
 
     def _motion(self, parts: list[Part], group: Group) -> Motion:
         first = parts[0]
@@ -239,12 +241,14 @@ def _pixel_sizes(outer: list[dict], box: Box, level: Level, measure: Measure) ->
 def _image(level: Level, box: Box) -> Box:
     """Around a box under all maps of a level, roughly: at a few times."""
     if level.motion is not None:
-        corners = [box.corners() @ at[..., :3] for at in level.motion.at_times(level.motion.few_times01())]
+        with np.errstate(invalid="ignore", over="ignore"):
+            corners = [box.corners() @ at[..., :3] for at in level.motion.at_times(level.motion.few_times01())]
         return Box.around(np.concatenate(corners).reshape(-1, 3))
     centres = Box.around(_usable(np.concatenate([values for _, values in level.arrays["positions"]])))
     scales = [np.abs(_usable(values)).max(initial=0.0) for _, values in level.arrays["scales"]] or [1.0]
     reach = float(max(scales)) * float(np.linalg.norm(box.corners()[:, :3], axis=1).max())
-    return Box(centres.lo - reach, centres.hi + reach)
+    with np.errstate(over="ignore"):  # What is too large is left out by the translator.
+        return Box(centres.lo - reach, centres.hi + reach)
 
 
 def _usable(values: np.ndarray) -> np.ndarray:

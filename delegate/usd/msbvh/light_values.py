@@ -9,6 +9,8 @@ import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
 
 from .times import FINEST_LEVEL, JUMP_TIME01, Shutter, breakpoints_of
+from .value_types import BOOL, FLOAT, FLOAT3, TOKEN, Kind
+from .values import Unreadable, required, value
 
 SIZES = {"angle": 0.53, "radius": 0.5, "width": 1.0, "height": 1.0}
 """Inputs by which lights differ in size, with the values of those that have none. Degrees and stage units."""
@@ -18,28 +20,20 @@ SMALLEST_SHARE = 1e-3
 without any size is another kind of light, whose radiance has another unit."""
 
 
-class NotANumber(Exception):
-    """An attribute holds a value of another type."""
-
-    def __init__(self, attribute: Usd.Attribute, found: object, expected: str) -> None:
-        self.attribute, self.found, self.expected = attribute.GetName(), found, expected
-
-
 def number(attribute: Usd.Attribute, code: Usd.TimeCode) -> float:
-    """Raises NotANumber."""
-    value = attribute.Get(code)
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise NotANumber(attribute, value, "a number") from None
+    """Raises Unreadable."""
+    return float(_known(attribute, code, FLOAT))
+
+
+def _known(attribute: Usd.Attribute, code: Usd.TimeCode, kind: Kind) -> object:
+    found = required(attribute, code, kind)
+    if found is None:
+        raise Unreadable(str(attribute.GetPrimPath()), attribute.GetName(), f"found no value, expected {kind.name}")
+    return found
 
 
 def _colour(attribute: Usd.Attribute, code: Usd.TimeCode) -> np.ndarray:
-    value = attribute.Get(code)
-    try:
-        return np.array(value, np.float64).reshape(3)
-    except (TypeError, ValueError):
-        raise NotANumber(attribute, value, "three numbers") from None
+    return np.array(_known(attribute, code, FLOAT3), np.float64)
 
 
 def emission(light: UsdLux.LightAPI, code: Usd.TimeCode) -> np.ndarray:
@@ -48,8 +42,11 @@ def emission(light: UsdLux.LightAPI, code: Usd.TimeCode) -> np.ndarray:
     with np.errstate(over="ignore", invalid="ignore"):  # The translator says what is not finite.
         strength = number(light.GetIntensityAttr(), code) * np.exp2(number(light.GetExposureAttr(), code))
         colour = strength * _colour(light.GetColorAttr(), code)
-    if light.GetEnableColorTemperatureAttr().Get(code):
+    if value(light.GetEnableColorTemperatureAttr(), code, BOOL):
         kelvin = number(light.GetColorTemperatureAttr(), code)
+        if not math.isfinite(kelvin):  # usd-core 26.11 crashes on NaN.
+            path, message = str(light.GetPath()), f"found {kelvin:g}, expected a finite number"
+            raise Unreadable(path, light.GetColorTemperatureAttr().GetName(), message)
         colour = colour * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin), np.float64)
     return colour
 
@@ -89,7 +86,7 @@ def sample_light(
     """The light over the shutter, and at the frame.
 
     `visibility`: attributes of the prim and its ancestors, of which one that says invisible switches the
-    light off. Raises NotANumber.
+    light off. Raises Unreadable.
     """
     attributes = [*_value_attributes(prim), *visibility]
     at_frame = _sampled(prim, (), {0.0: shutter.frame_code})
@@ -161,7 +158,7 @@ def _sampled(
 ) -> LightSamples:
     light = UsdLux.LightAPI(prim)
     visible = [
-        all(attribute.Get(code) != UsdGeom.Tokens.invisible for attribute in visibility)
+        all(value(attribute, code, TOKEN) != UsdGeom.Tokens.invisible for attribute in visibility)
         for code in codes.values()
     ]
     glow = np.array([emission(light, code) for code in codes.values()])
@@ -169,7 +166,7 @@ def _sampled(
         times01=np.array(list(codes)),
         emission=np.where(np.array(visible)[:, None], glow, 0.0),
         sizes=_sizes(prim, list(codes.values())),
-        normalize=np.array([bool(light.GetNormalizeAttr().Get(code)) for code in codes.values()]),
+        normalize=np.array([bool(value(light.GetNormalizeAttr(), code, BOOL)) for code in codes.values()]),
     )
 
 

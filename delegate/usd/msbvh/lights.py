@@ -8,9 +8,11 @@ import numpy as np
 from pxr import Sdf, Usd, UsdLux
 
 from .context import FrameContext
-from .light_values import LightSamples, NotANumber, radiances, sample_light
+from .light_values import LightSamples, radiances, sample_light
 from .times import FINEST_LEVEL
 from .transforms import Motion
+from .value_types import ASSET, BOOL
+from .values import Unreadable, raw, value
 
 TIMES_A_TURN = 64
 """Of a light that turns: chords leave the circle by a thousandth of its radius."""
@@ -50,10 +52,8 @@ def add_lights(
         return 0
     try:
         samples, at_frame = sample_light(prim, visibility, context.shutter)
-    except NotANumber as error:
-        context.diagnostics.error(
-            path, error.attribute, f"found {error.found!r}, expected {error.expected}; left out"
-        )
+    except Unreadable as fault:
+        context.diagnostics.error(path, fault.attribute, f"{fault.message}; the light is left out")
         return 0
     _warn_of_the_rest(prim, context)
     if kind == "sphere" and not all(map(_is_similarity, motion.at_time(context.shutter.frame01))):
@@ -115,8 +115,9 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
     """Names what a supported light has authored beyond what is drawn."""
     path = str(prim.GetPath())
     texture = prim.GetAttribute("inputs:texture:file")
-    if texture and texture.Get(context.code):
-        found = f"found @{texture.Get(context.code).path}@; not supported yet, lit by the plain colour"
+    file = value(texture, context.code, ASSET) if texture else None
+    if file:
+        found = f"found @{file.path}@; not supported yet, lit by the plain colour"
         context.diagnostics.warning(path, texture.GetName(), found)
     for name, neutral in (
         ("inputs:shaping:cone:angle", 90.0),
@@ -126,7 +127,7 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
         ("inputs:shadow:enable", True),
     ):
         attribute = prim.GetAttribute(name)
-        if attribute and attribute.HasAuthoredValue() and attribute.Get(context.code) != neutral:
+        if attribute and attribute.HasAuthoredValue() and raw(attribute, context.code) != neutral:
             context.diagnostics.group(path, name, "not supported yet; lit without it")
     for name in ("lightLink", "shadowLink"):
         if _is_restricted(Usd.CollectionAPI(prim, name)):
@@ -143,7 +144,7 @@ def _is_restricted(collection: Usd.CollectionAPI) -> bool:
     targets = (collection.GetIncludesRel(), collection.GetExcludesRel())
     return (
         any(relationship and relationship.GetTargets() for relationship in targets)
-        or collection.GetIncludeRootAttr().Get() is False
+        or value(collection.GetIncludeRootAttr(), Usd.TimeCode.Default(), BOOL) is False
         or collection.GetMembershipExpressionAttr().HasAuthoredValue()
     )
 

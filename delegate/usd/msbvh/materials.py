@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from pxr import Gf, Usd, UsdShade
+from pxr import Gf, Tf, Usd, UsdShade
 
 from .context import FrameContext
+from .stage import tf_reason
+from .value_types import TOKEN
+from .values import raw, value
 
 PREVIEW_SURFACE = "UsdPreviewSurface"
 
@@ -34,18 +37,23 @@ class Materials:
 
     def bound_to(self, prim: Usd.Prim) -> int | None:
         """The translator's id of the material that a prim or subset is bound to; None: displayColor shows."""
-        material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
-        if not material:
+        try:
+            material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
+            if not material:
+                return None
+            path = str(material.GetPath())
+            if path not in self._ids:
+                self._ids[path] = self._read(material)
+        except (Tf.ErrorException, UnicodeDecodeError) as error:
+            message = f"USD cannot evaluate the material: {tf_reason(error)}; displayColor shows instead"
+            self._context.diagnostics.warning(str(prim.GetPath()), "material:binding", message)
             return None
-        path = str(material.GetPath())
-        if path not in self._ids:
-            self._ids[path] = self._read(material)
         return self._ids[path]
 
     def _read(self, material: UsdShade.Material) -> int | None:
         path = str(material.GetPath())
         shader, _, _ = material.ComputeSurfaceSource()
-        identifier = shader.GetShaderId() if shader else None
+        identifier = _shader_id(shader) if shader else None
         if identifier != PREVIEW_SURFACE:
             found = "no surface shader that can be read"
             if shader:
@@ -79,7 +87,7 @@ class Materials:
         for name, neutral in (("normal", Gf.Vec3f(0, 0, 1)), ("displacement", 0.0)):
             unsupported = shader.GetInput(name)
             sources = unsupported.GetValueProducingAttributes() if unsupported else ()
-            if sources and (_is_output(sources[0]) or sources[0].Get(self._context.code) != neutral):
+            if sources and (_is_output(sources[0]) or raw(sources[0], self._context.code) != neutral):
                 diagnostics.group(path, unsupported.GetFullName(), "not supported yet; drawn without it")
 
     def _input(self, shader: UsdShade.Shader, name: str, default: Number) -> Input:
@@ -92,17 +100,17 @@ class Materials:
             return Input(default)
         source = sources[0]
         if not _is_output(source):
-            value = source.Get(self._context.code)
+            value = raw(source, self._context.code)
             return Input(default if value is None else self._number(value, default, source))
         return self._connected(shader_input, UsdShade.Shader(source.GetPrim()), default)
 
     def _connected(self, shader_input: UsdShade.Input, node: UsdShade.Shader, default: Number) -> Input:
         """An input that another node drives: readers of displayColor and displayOpacity are drawn, others
         fall back."""
-        identifier = node.GetShaderId() or "node of no known type"
+        identifier = _shader_id(node) or "node of no known type"
         fallback = self._fallback(node, default)
         if identifier.startswith("UsdPrimvarReader"):
-            primvar = str(self._constant(node, "varname", ""))
+            primvar = self._name(node, "varname")
             if (shader_input.GetBaseName(), primvar) in (
                 ("diffuseColor", "displayColor"),
                 ("emissiveColor", "displayColor"),
@@ -136,11 +144,24 @@ class Materials:
         self._context.diagnostics.warning(str(source.GetPrimPath()), source.GetName(), message)
         return default
 
+    def _name(self, node: UsdShade.Shader, name: str) -> str:
+        node_input = node.GetInput(name)
+        sources = node_input.GetValueProducingAttributes() if node_input else ()
+        return (value(sources[0], self._context.code, TOKEN) if sources else None) or ""
+
     def _constant(self, node: UsdShade.Shader, name: str, default: Any) -> Any:
         node_input = node.GetInput(name)
         sources = node_input.GetValueProducingAttributes() if node_input else ()
-        value = sources[0].Get(self._context.code) if sources else None
+        value = raw(sources[0], self._context.code) if sources else None
         return default if value is None else value
+
+
+def _shader_id(shader: UsdShade.Shader) -> str | None:
+    """shader.GetShaderId(), and a report where its type is what is wrong with it."""
+    attribute = shader.GetIdAttr()
+    if attribute and attribute.HasAuthoredValue():
+        value(attribute, Usd.TimeCode.Default(), TOKEN)
+    return shader.GetShaderId()
 
 
 def _is_output(attribute: Usd.Attribute) -> bool:

@@ -7,8 +7,10 @@ from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
 from .implicit import IMPLICIT_TYPES, read_implicit
-from .points import changes, rate_clock, raw_samples, sample_points
+from .points import changes, optional_samples, rate_clock, sample_points
 from .primvars import MovingPrimvar, sample_primvar
+from .value_types import INTS, TOKEN
+from .values import required, value
 
 
 def is_shape(prim: Usd.Prim) -> bool:
@@ -52,16 +54,16 @@ def _read_mesh(
     code = context.code
     counts, indices = mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()
     samples, carried_by = sample_points(mesh, context, "velocities" in authored)
-    holes = array(mesh.GetHoleIndicesAttr().Get(code) if "holeIndices" in authored else None, np.int32)
+    holes = array(value(mesh.GetHoleIndicesAttr(), code, INTS) if "holeIndices" in authored else None, np.int32)
     scheme = UsdGeom.Tokens.catmullClark
     if "subdivisionScheme" in authored:
-        scheme = mesh.GetSubdivisionSchemeAttr().Get(code)
+        scheme = value(mesh.GetSubdivisionSchemeAttr(), code, TOKEN) or scheme
     keywords = {
-        "face_vertex_counts": array(counts.Get(code), np.int32),
-        "face_vertex_indices": array(indices.Get(code), np.int32),
+        "face_vertex_counts": array(required(counts, code, INTS), np.int32),
+        "face_vertex_indices": array(required(indices, code, INTS), np.int32),
         "hole_indices": holes if len(holes) else None,
         "left_handed": "orientation" in authored
-        and mesh.GetOrientationAttr().Get(code) == UsdGeom.Tokens.leftHanded,
+        and value(mesh.GetOrientationAttr(), code, TOKEN) == UsdGeom.Tokens.leftHanded,
         "samples": samples,
         "topology_varies": changes(counts, context) or changes(indices, context),
         "computed_normals": "faceted" if scheme == UsdGeom.Tokens.none else "smooth",
@@ -85,12 +87,12 @@ def _normals(mesh: UsdGeom.Mesh, context: FrameContext) -> dict:
     indices = None
     if primvar and primvar.HasAuthoredValue():
         attribute, interpolation = primvar.GetAttr(), primvar.GetInterpolation()
-        indices = array(primvar.GetIndices(context.code), np.int32) if primvar.IsIndexed() else None
+        indices = array(value(primvar.GetIndicesAttr(), context.code, INTS), np.int32) if primvar.IsIndexed() else None
     else:
         attribute, interpolation = mesh.GetNormalsAttr(), mesh.GetNormalsInterpolation()
     if not attribute.HasAuthoredValue():
         return {}
-    samples = raw_samples(attribute, context)
+    samples = optional_samples(attribute, context)
     if not samples or not any(len(values) for _, values in samples):
         return {}
     return {
@@ -116,6 +118,13 @@ def _constant(
     return "constant", first if isinstance(values, list) else first[0][1], None
 
 
+def _binds_faces(subset: UsdGeom.Subset) -> bool:
+    """Whether a subset's faces may have a material of their own."""
+    code = Usd.TimeCode.Default()
+    element = value(subset.GetElementTypeAttr(), code, TOKEN) or UsdGeom.Tokens.face
+    return element == UsdGeom.Tokens.face and value(subset.GetFamilyNameAttr(), code, TOKEN) == "materialBind"
+
+
 def faces_by_material(
     mesh: UsdGeom.Mesh, face_count: int, context: FrameContext
 ) -> list[tuple[Usd.Prim, np.ndarray]]:
@@ -125,11 +134,11 @@ def faces_by_material(
     With these as holes the mesh shows that part alone. The faces of no subset are a part bound as the mesh
     is; a mesh without such subsets has no parts at all.
     """
-    subsets = UsdGeom.Subset.GetGeomSubsets(mesh, UsdGeom.Tokens.face, "materialBind")
+    subsets = [each for each in UsdGeom.Subset.GetAllGeomSubsets(mesh) if _binds_faces(each)]
     unclaimed = np.ones(face_count, bool)
     parts = []
     for subset in subsets:
-        faces = array(subset.GetIndicesAttr().Get(context.code), np.int32)
+        faces = array(value(subset.GetIndicesAttr(), context.code, INTS), np.int32)
         inside = faces[(faces >= 0) & (faces < face_count)]
         if len(inside) < len(faces):
             message = f"found {len(faces) - len(inside)} indices outside 0 to {face_count - 1}; left out"

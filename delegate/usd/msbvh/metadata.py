@@ -61,7 +61,7 @@ def world_to_ndc(
 
 def rational_rate(frames_per_second: float) -> tuple[int, int]:
     """A frame rate as a fraction; 23.976 and its kin become the NTSC rates that they mean, n * 1000 /
-    1001."""
+    1001. The rate lies within what stage_metadata.frames_per_second() allows."""
     ntsc = round(frames_per_second * 1.001)
     if abs(frames_per_second * 1.001 - ntsc) < 1e-3:
         return ntsc * 1000, 1001

@@ -13,6 +13,8 @@ from .errors import Diagnostics, SceneError
 from .motion_scales import scales_at
 from .reader import ReadResult
 from .samples import FoundSamples, SampleLog
+from .value_types import INT
+from .values import reported_to, value
 
 DEGREES = {1: "linear", 2: "quadratic", 3: "cubic"}
 _EVERY_PRIM = Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)
@@ -118,8 +120,9 @@ def motion_report(
     chosen: Iterable[tuple[PrimMotion, Usd.Prim | None]] = ((found, None) for found in merged)
     if prim is not None:
         chosen = _at_or_below(stage, prim, merged, result, log)
-    warnings = result.diagnostics.by_path()
-    prims = [_filled(found, member, stage, log, warnings) for found, member in chosen]
+    with reported_to(result.diagnostics):
+        warnings = result.diagnostics.by_path()
+        prims = [_filled(found, member, stage, log, warnings) for found, member in chosen]
     camera, shutter = result.camera, result.camera.shutter
     return MotionReport(
         camera.path or "framing camera", frame, (shutter.open, shutter.close), tolerance, tuple(prims)
@@ -190,7 +193,7 @@ def _remarks(prim: Usd.Prim) -> list[str]:
         count = UsdGeom.MotionAPI(above).GetNonlinearSampleCountAttr()
         if above.HasAPI(UsdGeom.MotionAPI) and count.HasAuthoredValue():
             exact = "is not needed: accelerations and angular velocities are exact here"
-            remarks.append(f"motion:nonlinearSampleCount {count.Get()} {exact}")
+            remarks.append(f"motion:nonlinearSampleCount {value(count, Usd.TimeCode.Default(), INT)} {exact}")
             break
         above = above.GetParent()
     return remarks

@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from pxr import Usd, UsdGeom
 
 from .errors import Diagnostics
+from .value_types import FLOAT
+from .values import value
 
 MOTION_PROPERTIES = frozenset(("motion:blurScale", "motion:velocityScale"))
 
@@ -48,12 +50,12 @@ def _scale(
 ) -> float:
     if not attribute or not attribute.HasAuthoredValue():
         return inherited
-    value = attribute.Get(code)
-    if value is None:
+    found = value(attribute, code, FLOAT)
+    if found is None:
         return inherited
-    if math.isfinite(value) and value >= least:
-        return float(value)
+    if math.isfinite(found) and found >= least:
+        return float(found)
     expected = "a finite number" + (" of at least 0" if least == 0.0 else "")
-    message = f"found {value:g}, expected {expected}; took {inherited:g}"
+    message = f"found {found:g}, expected {expected}; took {inherited:g}"
     diagnostics.warning(str(attribute.GetPrimPath()), attribute.GetName(), message)
     return inherited

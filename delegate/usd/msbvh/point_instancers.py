@@ -4,16 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
-from .points import changes, rate_clock, rates, raw_samples
+from .instance_mask import instance_mask
+from .points import changes, optional_samples, rate_clock, rates, raw_samples
 from .primvars import read_primvar, warn_of_change
+from .stage_metadata import time_codes_per_second
 from .times import Shutter, xform_bends
 from .transforms import Motion, XformCaches
 from .turns import NO_TURNS, Turns, uniform_turns, xform_turns
+from .typed_twin import Twin, typed_twin
+from .value_types import FLOAT3S, INTS, QUATERNIONS
+from .values import required, value
+from .xform_ops import check_order, local_transform, may_vary
 
 _NOT_DRAWN = -1
 
@@ -85,13 +92,14 @@ def _arrays(
     carried_by = rates(instancer.GetVelocitiesAttr(), instancer.GetAccelerationsAttr(), context)
     spun = context.shutter.moving and angular.HasAuthoredValue()
     return {
+        "path": str(instancer.GetPath()),
         "count": count,
         "held": context.held,
         "positions": raw_samples(instancer.GetPositionsAttr(), context, needs_times=bool(carried_by)),
-        "scales": raw_samples(instancer.GetScalesAttr(), context),
-        "orientations": raw_samples(orientations, context, columns=4, needs_times=spun),
+        "scales": optional_samples(instancer.GetScalesAttr(), context),
+        "orientations": optional_samples(orientations, context, columns=4, needs_times=spun),
         "orientations_name": orientations.GetName(),
-        **({"angular_velocities": raw_samples(angular, context, needs_times=True)} if spun else {}),
+        **({"angular_velocities": optional_samples(angular, context, needs_times=True)} if spun else {}),
         **carried_by,
         **rate_clock(context, velocity_scale),
     }
@@ -101,7 +109,7 @@ def _prototype_indices(
     instancer: UsdGeom.PointInstancer, prims: list[Usd.Prim], context: FrameContext
 ) -> np.ndarray:
     """int32[N]: one an instance, _NOT_DRAWN for some."""
-    indices = array(instancer.GetProtoIndicesAttr().Get(context.code), np.int32)
+    indices = array(required(instancer.GetProtoIndicesAttr(), context.code, INTS), np.int32)
     path, diagnostics = str(instancer.GetPath()), context.diagnostics
     if not len(indices):
         diagnostics.group(path, "", "empty: it has no instances at this frame", "note")
@@ -138,7 +146,7 @@ def _orientations(instancer: UsdGeom.PointInstancer, context: FrameContext) -> U
 
 def _mask(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> np.ndarray:
     """bool[count]: neither invisible nor inactive at the frame."""
-    mask = np.array(instancer.ComputeMaskAtTime(context.code), bool)
+    mask = instance_mask(instancer, count, context.code)
     if len(mask) not in (0, count):
         found = f"found {len(mask)} ids, expected {count}, one an instance; nothing is masked"
         context.diagnostics.warning(str(instancer.GetPath()), "ids", found)
@@ -166,8 +174,10 @@ def _base_count(attribute: Usd.Attribute, context: FrameContext) -> int:
     """The length of an array at the sample at or before the frame, which is where USD starts from."""
     frame = context.shutter.frame
     around = () if frame is None else attribute.GetBracketingTimeSamples(frame)
-    value = attribute.Get(around[0]) if around else attribute.Get(context.code)
-    return 0 if value is None else len(value)
+    code = around[0] if around else context.code
+    if attribute.GetName() == "positions":
+        return len(required(attribute, code, FLOAT3S) or ())
+    return len(value(attribute, code, QUATERNIONS if "orientations" in attribute.GetName() else FLOAT3S) or ())
 
 
 def _every_instance(
@@ -180,13 +190,19 @@ def _every_instance(
         or any(attribute.ValueMightBeTimeVarying() for attribute in moving_attributes(instancer))
     )
 
+    @cache
+    def typed() -> Twin:
+        return typed_twin(instancer.GetPrim(), context.code)
+
     def evaluate(time01: float) -> np.ndarray:
-        computed = instancer.ComputeInstanceTransformsAtTimes(
+        computed = UsdGeom.PointInstancer(typed().prim).ComputeInstanceTransformsAtTimes(
             [context.shutter.time_code(time01)],
             context.code,
             UsdGeom.PointInstancer.ExcludeProtoXform,
             UsdGeom.PointInstancer.IgnoreMask,
         )
+        if not computed or len(computed[0]) != count:
+            return np.full((count, 4, 4), np.nan)
         return np.array(computed[0])
 
     spin = _spin(instancer, context)
@@ -195,10 +211,10 @@ def _every_instance(
 
 def _spin(instancer: UsdGeom.PointInstancer, context: FrameContext) -> Turns:
     """Of the fastest instance, by its angular velocity: degrees per second."""
-    rates = array(instancer.GetAngularVelocitiesAttr().Get(context.code), np.float64, 3)
+    rates = array(value(instancer.GetAngularVelocitiesAttr(), context.code, FLOAT3S), np.float64, 3)
     if not len(rates) or not context.shutter.moving:
         return NO_TURNS
-    seconds = (context.shutter.close - context.shutter.open) / context.stage.GetTimeCodesPerSecond()
+    seconds = (context.shutter.close - context.shutter.open) / time_codes_per_second(context.stage)
     return uniform_turns(float(np.linalg.norm(rates, axis=1).max()) * seconds / 360.0)
 
 
@@ -224,11 +240,14 @@ def _selected(
 def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) -> Motion:
     """A prototype's root's own transform: it counts with the instancer's. `shutter`: the prototype's own."""
     xformable = UsdGeom.Xformable(prototype)
-    moving = bool(xformable) and xformable.TransformMightBeTimeVarying() and shutter.moving
+    authored = frozenset(prototype.GetAuthoredPropertyNames())
+    if "xformOpOrder" in authored:
+        check_order(prototype, authored)
+    moving = bool(xformable) and may_vary(xformable) and shutter.moving
     bends = sorted({shutter.time01(time) for time in xform_bends(xformable, shutter)}) if moving else ()
 
     def evaluate(time01: float) -> np.ndarray:
-        return np.array(caches.cache(time01, shutter).GetLocalTransformation(prototype)[0])[None]
+        return np.array(local_transform(caches.cache(time01, shutter), prototype))[None]
 
     def carriers(_: int) -> list[UsdGeom.Xformable]:
         return [xformable] if xformable else []

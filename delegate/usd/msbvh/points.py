@@ -9,7 +9,11 @@ from pxr import Usd, UsdGeom
 
 from .boxes import Box
 from .context import FrameContext, array
+from .stage_metadata import time_codes_per_second
 from .times import bracketing_times, sample_times, thinned
+from .typed_twin import typed_twin
+from .value_types import FLOAT3S, QUATERNIONS
+from .values import Unreadable, ignore, raw, required
 
 RawSamples = list[tuple[float | None, np.ndarray]]
 """(time01, values) at increasing times, the sizes as they are; the time is None for a value that is authored for
@@ -50,17 +54,18 @@ def raw_samples(
     """The samples of an array attribute that the shutter and the frame lie between; one where it does not change.
 
     A blocked sample has no values. [] where nothing is authored. `needs_times`: it matters whether a value that
-    does not change is a time sample, as for what velocities move.
+    does not change is a time sample, as for what velocities move. Raises Unreadable.
     """
     shutter = context.shutter
+    kind = QUATERNIONS if columns == 4 else FLOAT3S
     every = sample_times([attribute], shutter)
     if every:
-        times = thinned(every, len(attribute.Get(context.code) or ()))
+        times = thinned(every, len(required(attribute, context.code, kind) or ()))
         if len(times) < len(every):
             message = f"found {len(every)} samples in the shutter, too many to hold; {len(times)} of them are read"
             context.diagnostics.group(str(attribute.GetPrimPath()), attribute.GetName(), message)
-        return [(shutter.time01(time), array(attribute.Get(time), np.float32, columns)) for time in times]
-    value = attribute.Get(context.code)
+        return [(shutter.time01(time), array(required(attribute, time, kind), np.float32, columns)) for time in times]
+    value = required(attribute, context.code, kind)
     if value is None and not attribute.HasAuthoredValue():
         return []
     values = array(value, np.float32, columns)
@@ -69,15 +74,26 @@ def raw_samples(
     return [(shutter.time01(bracketing_times(attribute, shutter)[0]), values)]
 
 
+def optional_samples(
+    attribute: Usd.Attribute, context: FrameContext, columns: int = 3, needs_times: bool = False
+) -> RawSamples:
+    """Like raw_samples(), but values of another type are reported and count as none."""
+    try:
+        return raw_samples(attribute, context, columns, needs_times)
+    except Unreadable as fault:
+        ignore(fault)
+        return []
+
+
 def rates(velocities: Usd.Attribute, accelerations: Usd.Attribute, context: FrameContext) -> dict:
     """The translator's keywords of what may carry an array; {} where nothing is authored or the shutter is
     closed."""
     if not context.shutter.moving or not velocities.HasAuthoredValue():
         return {}
-    keywords = {"velocities": raw_samples(velocities, context, needs_times=True)}
+    keywords = {"velocities": optional_samples(velocities, context, needs_times=True)}
     if accelerations.HasAuthoredValue():
-        keywords["accelerations"] = raw_samples(accelerations, context, needs_times=True)
-    return keywords
+        keywords["accelerations"] = optional_samples(accelerations, context, needs_times=True)
+    return {name: samples for name, samples in keywords.items() if samples} if keywords["velocities"] else {}
 
 
 def rate_clock(context: FrameContext, velocity_scale: float) -> dict:
@@ -85,7 +101,7 @@ def rate_clock(context: FrameContext, velocity_scale: float) -> dict:
     shutter = context.shutter
     if not shutter.moving:
         return {}
-    seconds = (shutter.close - shutter.open) / context.stage.GetTimeCodesPerSecond()
+    seconds = (shutter.close - shutter.open) / time_codes_per_second(context.stage)
     return {
         "frame01": shutter.frame01_unclamped,
         "seconds_per_shutter": seconds,
@@ -109,7 +125,8 @@ def sample_points(
     """The points of a mesh, and the translator's keywords of its velocities and accelerations."""
     carried_by = {}
     if has_velocities and carries_still_pose([shape.GetVelocitiesAttr()], context):
-        pose = shape.ComputePointsAtTime(context.code, context.code)
+        twin = typed_twin(shape.GetPrim(), context.code)
+        pose = UsdGeom.PointBased(twin.prim).ComputePointsAtTime(context.code, context.code)
         return Samples([(None, array(pose, np.float32, 3))], context.held), {}
     if has_velocities:
         carried_by = rates(shape.GetVelocitiesAttr(), shape.GetAccelerationsAttr(), context)
@@ -125,5 +142,5 @@ def changes(attribute: Usd.Attribute, context: FrameContext) -> bool:
         return False
     # Integers are held until the next sample: the one after the shutter says nothing.
     interval = context.shutter.interval
-    values = [attribute.Get(t) for t in bracketing_times(attribute, context.shutter) if t <= interval.max]
+    values = [raw(attribute, t) for t in bracketing_times(attribute, context.shutter) if t <= interval.max]
     return any(value != values[0] for value in values[1:])

@@ -9,6 +9,8 @@ from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
 from .times import JUMP_TIME01, sample_times
+from .value_types import COLOR_PRIMVAR, FLOAT_PRIMVAR, INTS, Kind
+from .values import Unreadable, ignore, required, value
 
 PrimvarInput = tuple[str, np.ndarray, np.ndarray | None]
 """Interpolation, float32[K] or float32[K, 3], int32 indices or None."""
@@ -26,19 +28,20 @@ def read_primvar(
     `columns` is 3 for colours, None for scalars. A value of another type is left out with a warning.
     """
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
-    value = primvar.Get(context.code) if primvar else None
-    if value is None:
+    if not primvar:
         return None
-    expected = "float[]" if columns is None else f"an array of {columns} floats"
     try:
-        values = array(value, np.float32, columns)
-    except (TypeError, ValueError):
-        found = f"found a {type(value).__name__}, expected {expected}; ignored"
-        context.diagnostics.warning(str(prim.GetPath()), primvar.GetName(), found)
+        return _at_frame(primvar, columns, context)
+    except Unreadable as fault:
+        ignore(fault)
         return None
+
+
+def _at_frame(primvar: UsdGeom.Primvar, columns: int | None, context: FrameContext) -> PrimvarInput | None:
+    values = array(required(primvar.GetAttr(), context.code, _kind(columns)), np.float32, columns)
     if not len(values):
         return None
-    indices = array(primvar.GetIndices(context.code), np.int32) if primvar.IsIndexed() else None
+    indices = array(required(primvar.GetIndicesAttr(), context.code, INTS), np.int32) if primvar.IsIndexed() else None
     return str(primvar.GetInterpolation()), values, indices
 
 
@@ -56,10 +59,10 @@ def sample_primvar(
     interpolation, values, indices = at_frame
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
     path = str(prim.GetPath())
-    if indices is not None and _changes(primvar.GetIndicesAttr(), np.int32, None, context):
+    if indices is not None and _changes(primvar.GetIndicesAttr(), INTS, context):
         message = "the indices change within the shutter; held those of the frame"
         context.diagnostics.warning(path, primvar.GetName(), message)
-    samples = _samples(primvar.GetAttr(), np.float32, columns, context)
+    samples = _samples(primvar.GetAttr(), _kind(columns), context)
     if all(np.array_equal(sample, values) for _, sample in samples):
         return at_frame
     if any(len(sample) != len(values) for _, sample in samples):
@@ -75,28 +78,32 @@ def sample_primvar(
     return interpolation, _with_jumps(samples) if context.held else samples, indices
 
 
+def _kind(columns: int | None) -> Kind:
+    return FLOAT_PRIMVAR if columns is None else COLOR_PRIMVAR
+
+
 def warn_of_change(prim: Usd.Prim, name: str, columns: int | None, context: FrameContext) -> None:
     """For primvars that are read at the frame only."""
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
-    if _changes(primvar.GetAttr(), np.float32, columns, context):
+    if _changes(primvar.GetAttr(), _kind(columns), context):
         message = "changes within the shutter, which is not supported for instances; held the frame's values"
         context.diagnostics.warning(str(prim.GetPath()), primvar.GetName(), message)
 
 
 def _samples(
-    attribute: Usd.Attribute, dtype: type, columns: int | None, context: FrameContext
+    attribute: Usd.Attribute, kind: Kind, context: FrameContext
 ) -> list[tuple[float, np.ndarray]]:
     """time01 and values; none where the attribute does not vary over the shutter."""
     shutter = context.shutter
     return [
-        (shutter.time01(time), array(attribute.Get(time), dtype, columns))
+        (shutter.time01(time), np.asarray(value(attribute, time, kind) or kind.exact()))
         for time in sample_times([attribute], shutter)
     ]
 
 
-def _changes(attribute: Usd.Attribute, dtype: type, columns: int | None, context: FrameContext) -> bool:
+def _changes(attribute: Usd.Attribute, kind: Kind, context: FrameContext) -> bool:
     """Compares values, not sample counts."""
-    samples = _samples(attribute, dtype, columns, context)
+    samples = _samples(attribute, kind, context)
     return any(not np.array_equal(values, samples[0][1]) for _, values in samples)
 
 

@@ -10,22 +10,26 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Tf, Usd, UsdGeom
 
 from .boxes import Box
 from .camera import RenderCamera, optics, read_camera
 from .context import FrameContext
+from .crash_line import crash_line
 from .errors import Diagnostics, SceneError
 from .instances import Placement, Placer, coarse_keywords, level_keywords
 from .lights import add_lights, camera_light
 from .materials import Materials
 from .motion_scales import scales_at
+from .overs import report_overs
 from .samples import SampleLog
 from .shapes import BATCH_WEIGHT, Shape, Shapes
-from .stage import tf_messages
+from .stage import tf_messages, tf_reason
 from .times import is_held
 from .transforms import XformCaches
 from .traversal import WORLD, Group, Traversal
+from .usd_faults import leaving_out
+from .values import reported_to
 
 
 @dataclass(frozen=True)
@@ -86,8 +90,12 @@ def read_frame(
     """
     diagnostics = Diagnostics() if diagnostics is None else diagnostics
     make_translator = make_translator or _core_translator
-    with tf_messages(diagnostics), _no_collection():
-        return _FrameReader(stage, frame, settings, diagnostics, make_translator, progress, found).read()
+    where = stage.GetRootLayer().realPath or stage.GetRootLayer().identifier
+    with crash_line(where), reported_to(diagnostics), tf_messages(diagnostics), _no_collection():
+        try:
+            return _FrameReader(stage, frame, settings, diagnostics, make_translator, progress, found).read()
+        except (Tf.ErrorException, UnicodeDecodeError) as error:
+            raise SceneError(f"{where}: cannot be read as USD: {tf_reason(error)}") from error
 
 
 @contextmanager
@@ -297,9 +305,10 @@ class _FrameReader:
                 shutter = self._context.shutter.scaled(part.scales.blur)
                 motion = self._caches.motion([part.prim], group.root, part.varying, shutter)
                 motion = motion.inside(placement.motion)
-                self._light_count += add_lights(
-                    self._translator, part.prim, part.blinking, motion, self._context
-                )
+                with leaving_out(part.prim, self._context.code):
+                    self._light_count += add_lights(
+                        self._translator, part.prim, part.blinking, motion, self._context
+                    )
         if self._light_count == 0 and not self._settings.disable_camera_light:
             self._translator.add_light(**camera_light(self._camera.times01, self._camera.world_from_camera))
 
@@ -314,5 +323,6 @@ class _FrameReader:
             diagnostics.warning(
                 "", "", "nothing to draw: no visible meshes or instances at this frame; the image is empty"
             )
+            report_overs(self._context.stage, diagnostics)
         tracks = self._translator.tracks()
         return ReadResult(self._translator.finish(), self._camera, diagnostics, tracks, self._seconds)

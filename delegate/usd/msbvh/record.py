@@ -20,6 +20,7 @@ from .progress import PATIENCE_SECONDS, Progress
 from .reader import ReadResult, ReadSettings, read_frame
 from .report import Reporter
 from .stage import open_stage
+from .stage_metadata import frames_per_second, start_time
 from .stats import FrameStats, RunStats
 
 
@@ -137,7 +138,7 @@ class Trees:
 
 def _frame_jobs(jobs: Sequence[FrameJob] | Sequence[str], stage: Usd.Stage) -> Sequence[FrameJob]:
     if isinstance(jobs[0], str):
-        return [(stage.GetStartTimeCode(), jobs)]
+        return [(start_time(stage), jobs)]
     return jobs
 
 
@@ -152,6 +153,7 @@ def _record_frame(
     stats = FrameStats(frame, list(files))
     with stats.timed("sample"), reading_progress(frame) as progress:
         result = read_frame(stage, frame, settings.read, progress=progress)
+    rate = frames_per_second(stage, result.diagnostics)
     report(result.diagnostics, reporter)
     camera = result.camera
     stats.width, stats.height = camera.width, camera.height
@@ -164,7 +166,7 @@ def _record_frame(
         pixels = renderer.render(progress)
     stats.render = dict(renderer.statistics)
     with stats.timed("write"):
-        _write_images(files, pixels, _metadata(stage, result, stats, settings.render), settings.image)
+        _write_images(files, pixels, _metadata(rate, result, stats, settings.render), settings.image)
     reporter.note(f"{frame_label(frame)}: wrote {', '.join(files)} in {sum(stats.seconds.values()):.1f} s")
     return stats
 
@@ -194,13 +196,13 @@ def frame_label(frame: float | None) -> str:
 
 
 def _metadata(
-    stage: Usd.Stage, result: ReadResult, stats: FrameStats, settings: RenderSettings
+    rate: float, result: ReadResult, stats: FrameStats, settings: RenderSettings
 ) -> ImageMetadata:
     camera = result.camera
     return ImageMetadata(
         software=software(),
         frame=stats.frame,
-        frames_per_second=stage.GetFramesPerSecond(),
+        frames_per_second=rate,
         shutter=(camera.shutter.open, camera.shutter.close),
         spp=settings.spp,
         seed=settings.seed,

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pxr import Usd, UsdGeom
 
 from .times import Shutter, bracketing_times
+from .xform_ops import ordered_ops, resets
 
 COMPOSED_TRANSFORM = "xformOpOrder"
 """The attribute that stands for a transform as a whole, as in diagnostics."""
@@ -213,12 +214,12 @@ def transform_samples_of(prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter
         xformable = UsdGeom.Xformable(prim)
         if xformable:
             paths = set()
-            for op in xformable.GetOrderedXformOps():
+            for op in ordered_ops(xformable):
                 attribute = op.GetAttr()
                 if op.MightBeTimeVarying() and attribute.GetPath() not in paths:
                     paths.add(attribute.GetPath())  # An op and its inverse share one.
                     yield found_samples(attribute, shutter)
-            if xformable.GetResetXformStack():
+            if resets(xformable):
                 return
         prim = prim.GetParent()
 

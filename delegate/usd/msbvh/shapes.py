@@ -21,6 +21,7 @@ from .transform_faults import report_unusable
 from .transform_sampling import SAMPLING_SHARE, PixelSizes, TransformSamples, transform_samples
 from .transforms import XformCaches, bends_of, may_move
 from .traversal import Part
+from .usd_faults import FAULTS, report_left_out
 from .visibility import visible_intervals
 
 BATCH_WEIGHT = 2**22
@@ -71,6 +72,13 @@ class Shapes:
 
     def read(self, part: Part, root: Usd.Prim | None, pixel_sizes: PixelSizes) -> Shape | None:
         """A mesh and how it moves; None if it is not drawn."""
+        try:
+            return self._read(part, root, pixel_sizes)
+        except FAULTS as error:
+            report_left_out(part.prim, error, self._context.code)
+            return None
+
+    def _read(self, part: Part, root: Usd.Prim | None, pixel_sizes: PixelSizes) -> Shape | None:
         context = self._context.scaled(part.scales.blur)
         mesh = read_shape(part.prim, context, part.scales.velocity, part.authored)
         if mesh is None:

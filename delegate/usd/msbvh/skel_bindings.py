@@ -3,6 +3,7 @@ far as the core cannot."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,8 @@ from pxr import Usd, UsdGeom, UsdSkel
 from .blend_shapes import BlendShapes, read_blend_shapes
 from .context import FrameContext, array
 from .points import changes
+from .value_types import MATRICES
+from .values import value
 
 _INDICES, _WEIGHTS = "primvars:skel:jointIndices", "primvars:skel:jointWeights"
 _METHODS = ("classicLinear", "dualQuaternion")
@@ -40,6 +43,8 @@ def read_binding(prim: Usd.Prim, context: FrameContext, authored: frozenset[str]
     if query is None:
         if not authored.isdisjoint(_BINDING):
             _warn_outside_root(prim, context)
+        return None
+    if not context.skeletons.types.check(prim, context.code):
         return None
     if not query or not (query.HasJointInfluences() or query.HasBlendShapes()):
         _warn_of_half_a_binding(prim, context)
@@ -80,20 +85,24 @@ def _read_skeleton(
     if not query.HasJointInfluences():
         return skeleton
     if not bound.HasBindPose():
-        found = len(skeleton.GetBindTransformsAttr().Get() or ())
+        found = len(_matrices(skeleton.GetBindTransformsAttr()))
         message = (
             f"found {found} matrices, expected {len(bound.GetJointOrder())}, one a joint, to skin {path}"
         )
         context.diagnostics.warning(skeleton_path, "bindTransforms", f"{message}; {_REST}")
         return None
     if context.skeletons.pose(skeleton, context.code) is None:
-        found = len(skeleton.GetRestTransformsAttr().Get() or ())
+        found = len(_matrices(skeleton.GetRestTransformsAttr()))
         message = (
             f"found {found} matrices and no animation of all joints, expected {len(bound.GetJointOrder())}"
         )
         context.diagnostics.warning(skeleton_path, "restTransforms", f"{message}, to skin {path}; {_REST}")
         return None
     return skeleton
+
+
+def _matrices(attribute: Usd.Attribute) -> Sequence[object]:
+    return value(attribute, Usd.TimeCode.Default(), MATRICES) or ()
 
 
 def _bound_targets(prim: Usd.Prim) -> list:

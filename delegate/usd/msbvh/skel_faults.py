@@ -10,6 +10,8 @@ from pxr import Usd, UsdSkel
 from .context import FrameContext
 from .skel_bindings import SkelBinding
 from .transforms import LARGEST
+from .value_types import FLOAT3S, HALF3S, QUATERNIONS
+from .values import value
 
 
 def report_unusable_pose(
@@ -23,13 +25,13 @@ def report_unusable_pose(
     code = codes[int(np.argmin(good))]
     animation = UsdSkel.Animation(binding.animation.GetPrim())
     names = [str(name) for name in binding.animation.GetJointOrder() or ()]
-    for attribute in (
-        animation.GetTranslationsAttr(),
-        animation.GetRotationsAttr(),
-        animation.GetScalesAttr(),
+    for attribute, kind in (
+        (animation.GetTranslationsAttr(), FLOAT3S),
+        (animation.GetRotationsAttr(), QUATERNIONS),
+        (animation.GetScalesAttr(), HALF3S),
     ):
-        values = attribute.Get(code) if attribute else None
-        sound = [_is_sound(value) for value in values or ()]
+        values = value(attribute, code, kind) if attribute else None
+        sound = [_is_sound(found) for found in values or ()]
         if all(sound):
             continue
         index = sound.index(False)

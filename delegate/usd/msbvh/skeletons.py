@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Hashable
 
 import numpy as np
-from pxr import Sdf, Usd, UsdSkel
+from pxr import Sdf, Tf, Usd, UsdSkel
+
+from .skel_types import SkelTypes
+from .stage import tf_reason
+from .values import diagnostics
 
 EVERY_PRIM = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
 """Prototypes of point instancers may be mere overs."""
@@ -25,6 +29,7 @@ class Skeletons:
 
     def __init__(self) -> None:
         self._cache = UsdSkel.Cache()
+        self.types = SkelTypes()
         self._populated: set[Sdf.Path] = set()
         self._binding_parents: dict[Sdf.Path, bool] = {}
         self._roots: dict[Sdf.Path, Usd.Prim | None] = {}
@@ -37,8 +42,12 @@ class Skeletons:
         if root is None:
             return None
         if root.GetPath() not in self._populated:
-            self._cache.Populate(UsdSkel.Root(root), EVERY_PRIM)
             self._populated.add(root.GetPath())
+            try:
+                self._cache.Populate(UsdSkel.Root(root), EVERY_PRIM)
+            except Tf.ErrorException as error:  # On some prims; the others' bindings are there.
+                message = f"USD cannot evaluate all of its skeletons: {tf_reason(error)}"
+                diagnostics().warning(str(root.GetPath()), "", message)
         return self._cache.GetSkinningQuery(prim)
 
     def _root(self, prim: Usd.Prim) -> Usd.Prim | None:
@@ -88,14 +97,18 @@ class Skeletons:
 
     def _binds_at_or_above(self, prim: Usd.Prim) -> bool:
         """Remembered for parents: instances come by the thousand."""
-        if not prim or prim.IsPseudoRoot():
-            return False
-        if prim.IsA(UsdSkel.Root) or not BINDING_PROPERTIES.isdisjoint(prim.GetAuthoredPropertyNames()):
-            return True
-        parent = prim.GetParent()
-        if parent.GetPath() not in self._binding_parents:
-            self._binding_parents[parent.GetPath()] = self._binds_at_or_above(parent)
-        return self._binding_parents[parent.GetPath()]
+        passed, binds = [], False
+        at = prim
+        while at and not at.IsPseudoRoot() and not binds:
+            known = self._binding_parents.get(at.GetPath()) if at != prim else None
+            if known is not None:
+                binds = known
+                break
+            passed.append(at.GetPath())
+            binds = at.IsA(UsdSkel.Root) or not BINDING_PROPERTIES.isdisjoint(at.GetAuthoredPropertyNames())
+            at = at.GetParent()
+        self._binding_parents.update(dict.fromkeys(passed[1:], binds))
+        return binds
 
 
 def _skel_root(prim: Usd.Prim) -> Usd.Prim | None:

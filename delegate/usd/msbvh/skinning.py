@@ -22,6 +22,8 @@ from .skel_turns import joint_turns
 from .times import even_level, even_times01
 from .transform_sampling import TIMES_A_TURN
 from .turns import NO_TURNS, Turns
+from .value_types import FLOAT3S
+from .values import required, value
 
 COARSEST_LEVEL = 2
 """Poses are sampled at 2^2 intervals at least, and at as many as joints turn for (skel_turns.py)."""
@@ -123,7 +125,7 @@ class _Poser:
         self._rest = mesh["samples"].values[0][1]
         if self._moving_rest is not None or binding.prim.IsA(UsdGeom.Mesh):
             self._rest = array(
-                UsdGeom.PointBased(binding.prim).GetPointsAttr().Get(context.code), np.float32, 3
+                required(UsdGeom.PointBased(binding.prim).GetPointsAttr(), context.code, FLOAT3S), np.float32, 3
             )
         self._warn_of_velocities(binding)
         self._normals, self._normal_points = _rest_normals(binding, mesh, len(self._rest), context)
@@ -200,7 +202,7 @@ class _Poser:
 
     def _rest_at(self, time01: float) -> np.ndarray:
         code = self._context.shutter.time_code(time01)
-        rest = array(self._moving_rest.Get(code), np.float32, 3)
+        rest = array(value(self._moving_rest, code, FLOAT3S), np.float32, 3)
         if len(rest) == len(self._rest):
             return rest
         message = f"found {len(rest)} points within the shutter, expected {len(self._rest)}; held the frame's"

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
 from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
+from .crash_line import crash_line
+from .crate_check import crate_fault
 from .errors import Diagnostics, SceneError
 
 
@@ -21,12 +23,14 @@ def open_stage(path: str, diagnostics: Diagnostics, mask: Sequence[str] = ()) ->
     resolved = Ar.GetResolver().Resolve(path)
     if not resolved:
         raise SceneError(f"{path}: no such file; expected a USD scene (usd, usda, usdc, usdz)")
+    if fault := crate_fault(str(resolved)):
+        raise SceneError(f"{path}: cannot be read as USD: {fault}")
     population = _population_mask(mask)
-    with tf_messages(diagnostics):
+    with crash_line(path), tf_messages(diagnostics):
         try:
             stage = Usd.Stage.OpenMasked(path, population) if mask else Usd.Stage.Open(path)
-        except Tf.ErrorException as error:
-            reason = _reason(error).replace(f"{resolved}:", "line ", 1)
+        except (Tf.ErrorException, RuntimeError, UnicodeDecodeError, MemoryError) as error:
+            reason = tf_reason(error).replace(f"{resolved}:", "line ", 1)
             raise SceneError(f"{path}: cannot be read as USD: {reason}") from None
     if not stage.GetPseudoRoot().GetAllChildren():
         limits = f" under the mask {', '.join(mask)}" if mask else ""
@@ -57,7 +61,7 @@ def tf_messages(diagnostics: Diagnostics) -> Iterator[None]:
         yield
     finally:
         for message in delegate.TakeUncoalescedDiagnostics():
-            _record(message.commentary, diagnostics)
+            _record(text_of(lambda message=message: message.commentary), diagnostics)
         del delegate
 
 
@@ -66,8 +70,14 @@ _STAGE_SUFFIX = re.compile(r" \((?:instantiating|recomposing|loading)[^()]*stage
 _ADDRESS = re.compile(r" ?<0x[0-9a-f]+>")
 
 
+_OP = re.compile(r"attribute associated with the xformOp '([^']*)', on the prim at path <([^>]*)>")
+
+
 def _record(commentary: str, diagnostics: Diagnostics) -> None:
     """Splits the prim off messages such as `In </World>: Could not open asset @a.usda@ for reference ...`."""
+    op = _OP.search(commentary)
+    if op and any(known.subject == f"{op[2]}.xformOpOrder" and f"'{op[1]}'" in known.message for known in diagnostics):
+        return
     text = _ADDRESS.sub("", _STAGE_SUFFIX.sub("", " ".join(commentary.split())))
     prim = _PRIM_PREFIX.match(text)
     if prim and "." in prim[1] and any(known.subject == prim[1] for known in diagnostics):
@@ -80,10 +90,21 @@ _GRAMMAR_RULE = re.compile(r" matching pxrInternal.*?(?= at ')")
 """The C++ type of the grammar rule that USD's text parser stopped in."""
 
 
-def _reason(error: Tf.ErrorException) -> str:
+def tf_reason(error: Exception) -> str:
     """The first message of a Tf error without the source locations of USD's own code."""
-    for line in str(error).replace("\n'", "'").splitlines():
+    if isinstance(error, UnicodeDecodeError):
+        return f"found text that is no UTF-8 ('{error.object.decode('utf-8', 'replace')}')"
+    text = text_of(lambda: str(error))
+    for line in text.replace("\n'", "'").splitlines():
         found = _TF_ERROR.search(line)
         if found:
             return _GRAMMAR_RULE.sub("", " ".join(found[1].split()))
-    return " ".join(str(error).split())
+    return " ".join(text.split())
+
+
+def text_of(message: Callable[[], str]) -> str:
+    """A message of USD's, which may quote a layer's bytes that are no UTF-8."""
+    try:
+        return message()
+    except UnicodeDecodeError as error:
+        return error.object.decode("utf-8", "replace")

@@ -15,6 +15,8 @@ import numpy as np
 from pxr import Gf, Ts, Usd, UsdGeom
 
 from .errors import Diagnostics
+from .values import raw
+from .xform_ops import ordered_ops
 
 ABSURD_SHUTTER_FRAMES = 16.0
 """A shutter that is open for longer is taken as authored, with a warning: one exporter writes the length of
@@ -192,7 +194,7 @@ def xform_bends(xformable: UsdGeom.Xformable, shutter: Shutter) -> list[float]:
     """Time codes inside the shutter at which a transform may change its course: its ops' samples and the knots
     of their splines."""
     times: list[float] = []
-    for op in xformable.GetOrderedXformOps():
+    for op in ordered_ops(xformable):
         times.extend(_bends_of(op.GetAttr(), shutter))
     return times
 
@@ -255,6 +257,6 @@ def _bends_of(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
     if attribute.HasSpline():
         jumps = [time for time in _jumps(_knots(attribute.GetSpline(), shutter)) if shutter.interval.Contains(time)]
         return [*inside, *(time - step for time in jumps)]
-    if not inside or all(attribute.Get(time) is not None for time in (shutter.interval.min, *inside)):
+    if not inside or all(raw(attribute, time) is not None for time in (shutter.interval.min, *inside)):
         return inside
     return [*inside, *(time - step for time in inside)]

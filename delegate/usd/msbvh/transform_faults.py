@@ -8,6 +8,8 @@ from pxr import Usd, UsdGeom
 from .errors import Diagnostics
 from .times import Shutter, bracketing_times
 from .transforms import LARGEST, Motion
+from .values import raw
+from .xform_ops import ordered_ops, singular_op
 
 _EXPECTED = f"expected finite numbers of at most 2^{int(np.log2(LARGEST))} in size"
 
@@ -21,10 +23,15 @@ def report_unusable(motion: Motion, index: int, diagnostics: Diagnostics) -> Non
 def unusable_op(carriers: list[UsdGeom.Xformable], shutter: Shutter) -> tuple[str, str, str]:
     """Prim, attribute, and what was found and expected there. `carriers`: the innermost first."""
     for xformable in reversed(carriers):
-        for op in xformable.GetOrderedXformOps():
+        for op in ordered_ops(xformable):
             found = _bad_value(op.GetAttr(), shutter)
             if found:
                 return str(xformable.GetPath()), op.GetAttr().GetName(), f"{found}, {_EXPECTED}"
+    for xformable in reversed(carriers):
+        attribute = singular_op(xformable, shutter.frame_code, LARGEST)
+        if attribute is not None:
+            found = " ".join(str(raw(attribute, shutter.frame_code)).split())
+            return str(xformable.GetPath()), attribute.GetName(), f"found {found}, expected a value with an inverse"
     path = str(carriers[0].GetPath()) if carriers else ""
     return path, "xformOpOrder", f"found a product that is no number or too large, {_EXPECTED}"
 
@@ -32,10 +39,10 @@ def unusable_op(carriers: list[UsdGeom.Xformable], shutter: Shutter) -> tuple[st
 def _bad_value(attribute: Usd.Attribute, shutter: Shutter) -> str:
     """In words, the first value of an op that the shutter or the frame lies beside; empty where all are sound."""
     if not shutter.moving or not attribute.ValueMightBeTimeVarying():
-        value = attribute.Get(shutter.frame_code)
+        value = raw(attribute, shutter.frame_code)
         return "" if _is_sound(value) else f"found {value}"
     for time in bracketing_times(attribute, shutter):
-        value = attribute.Get(time)
+        value = raw(attribute, time)
         if not _is_sound(value):
             return (
                 f"found {value} at shutter time {shutter.time01(time):.9g} (0 is the opening, 1 the closing)"

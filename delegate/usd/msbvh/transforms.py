@@ -13,6 +13,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from .times import Shutter, even_level, even_times01, xform_bends
 from .turns import NO_TURNS, Turns, total_turns, xform_turns
+from .xform_ops import may_vary, relative_transform, resets, world_transform
 
 LARGEST = 2.0**60
 """The largest element of a usable matrix: kMaxCoordinate (core/geometry), so that products do not overflow."""
@@ -131,8 +132,8 @@ class XformCaches:
         """matrix() of several prims: float64[N, 4, 4]."""
         if root is not None:
             return np.array([self.matrix(time01, prim, root, shutter) for prim in prims])
-        to_world = self.cache(time01, shutter).GetLocalToWorldTransform
-        return np.array([np.array(to_world(prim)) for prim in prims])
+        cache = self.cache(time01, shutter)
+        return np.array([np.array(world_transform(cache, prim)) for prim in prims])
 
     def matrix(
         self, time01: float, prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter | None = None
@@ -143,11 +144,11 @@ class XformCaches:
         """
         cache = self.cache(time01, shutter)
         if root is None:
-            return np.array(cache.GetLocalToWorldTransform(prim))
+            return np.array(world_transform(cache, prim))
         if not prim.GetPath().HasPrefix(root.GetPath()):
-            root_from_world = cache.GetLocalToWorldTransform(root).GetInverse()
-            return np.array(cache.GetLocalToWorldTransform(prim) * root_from_world)
-        return np.array(cache.ComputeRelativeTransform(prim, root)[0])
+            root_from_world = world_transform(cache, root).GetInverse()
+            return np.array(world_transform(cache, prim) * root_from_world)
+        return np.array(relative_transform(cache, prim, root))
 
     def motion(
         self,
@@ -190,7 +191,7 @@ def may_move(prim: Usd.Prim, root: Usd.Prim | None) -> bool:
     has come by."""
     if root is not None and not prim.GetPath().HasPrefix(root.GetPath()):
         return may_move(prim, None) or may_move(root, None)
-    return any(xformable.TransformMightBeTimeVarying() for xformable in xformables(prim, root))
+    return any(may_vary(xformable) for xformable in xformables(prim, root))
 
 
 def bends_of(prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter) -> set[float]:
@@ -209,7 +210,7 @@ def xformables(prim: Usd.Prim, root: Usd.Prim | None) -> Iterator[UsdGeom.Xforma
         xformable = UsdGeom.Xformable(prim)
         if xformable:
             yield xformable
-            if xformable.GetResetXformStack():
+            if resets(xformable):
                 return
         prim = prim.GetParent()
 

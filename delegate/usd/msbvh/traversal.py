@@ -18,10 +18,17 @@ from .motion_scales import MOTION_PROPERTIES, MotionScales, scales_at
 from .point_instancers import prototypes
 from .primvars import primvar_source
 from .times import Shutter, xform_bends
+from .tokens import draw_mode, inherited_purpose
 from .transforms import bends_of
+from .usd_faults import FAULTS, report_left_out
+from .value_types import BOOL, TOKEN
+from .values import value
 from .visibility import changes_inside, visible_at_opening
+from .xform_ops import check_order, may_vary, resets
 
 WORLD: Hashable = "world"
+DEEPEST_NESTING = 100
+"""Instances in instances, far below what Python's stack holds."""
 
 _DEFINED = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 _PROTOTYPE = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
@@ -78,6 +85,7 @@ class Traversal:
         """`purposes` are drawn beside the default one."""
         self.groups: dict[Hashable, Group] = {}
         self._context = context
+        self._depth = 0
         self._purposes = {"default", *purposes}
         self._add_group(WORLD, None, _State(False, "default"), context.stage.GetPseudoRoot(), _DEFINED)
 
@@ -91,8 +99,17 @@ class Traversal:
     ) -> None:
         group = Group(str(top.GetPath()), root)
         self.groups[key] = group
+        if self._depth > DEEPEST_NESTING:
+            message = f"found instances nested more than {DEEPEST_NESTING} deep, expected fewer levels; not drawn"
+            self._context.diagnostics.error(str(top.GetPath()), "", message)
+            return
+        self._depth += 1
         for prim, prim_state in self._descend(top, state, group, predicate):
-            self._sort(prim, prim_state, group)
+            try:
+                self._sort(prim, prim_state, group)
+            except FAULTS as error:
+                report_left_out(prim, error, self._context.code)
+        self._depth -= 1
 
     def _descend(
         self, top: Usd.Prim, state: _State, group: Group, predicate: object
@@ -102,11 +119,15 @@ class Traversal:
         while pending:
             prim, above = pending.pop()
             is_root = group.root is not None and prim == group.root
-            here = self._state(prim, above, is_root, group.root)
-            if here is None:
+            try:
+                here = self._state(prim, above, is_root, group.root)
+                if here is None:
+                    continue
+                self._warn_of_reset(prim, group, is_root)
+                self._warn_of_draw_mode(prim)
+            except FAULTS as error:
+                report_left_out(prim, error, self._context.code)
                 continue
-            self._warn_of_reset(prim, group, is_root)
-            self._warn_of_draw_mode(prim)
             yield prim, here
             if (prim.IsInstance() and not is_root) or prim.IsA(UsdGeom.PointInstancer):
                 continue
@@ -138,10 +159,11 @@ class Traversal:
             elif not visible_at_opening(visibility, self._context.shutter):
                 return None
         if "purpose" in authored:
-            purpose = str(imageable.GetPurposeAttr().Get())
+            purpose = value(imageable.GetPurposeAttr(), Usd.TimeCode.Default(), TOKEN) or UsdGeom.Tokens.default_
         state = _State(above.varying, purpose, blinking, above.bends, scales, authored)
         if is_root or "xformOpOrder" not in authored or not prim.IsA(UsdGeom.Xformable):
             return state
+        check_order(prim, authored)
         shutter = self._context.shutter.scaled(scales.blur)
         return self._moved(state, above, UsdGeom.Xformable(prim), group_root, shutter)
 
@@ -154,8 +176,8 @@ class Traversal:
         shutter: Shutter,
     ) -> _State:
         """The state below a transform, which may vary or leave what is above."""
-        own = shutter.moving and xformable.TransformMightBeTimeVarying()
-        inherits = above.varying and not xformable.GetResetXformStack()
+        own = shutter.moving and may_vary(xformable)
+        inherits = above.varying and not resets(xformable)
         if not (own or inherits):
             return state if not (state.varying or state.bends) else replace(state, varying=False, bends=())
         bends = set(above.bends) if inherits else set()
@@ -191,27 +213,25 @@ class Traversal:
         for prim in prototypes(UsdGeom.PointInstancer(part.prim)):
             key = self.prototype_key(prim)
             if prim and key not in self.groups:
-                purpose = (
-                    UsdGeom.Imageable(prim).ComputePurpose() if prim.IsA(UsdGeom.Imageable) else "default"
-                )
+                purpose = inherited_purpose(prim)
                 scales = scales_at(prim.GetParent(), self._context.code, self._context.diagnostics)
-                state = _State(False, str(purpose), scales=scales)
+                state = _State(False, purpose, scales=scales)
                 self._add_group(key, prim, state, prim, _PROTOTYPE)
 
     def _warn_of_reset(self, prim: Usd.Prim, group: Group, is_root: bool) -> None:
         """No two-level hierarchy holds what leaves its instance's place."""
         if group.root is not None and not is_root and prim.IsA(UsdGeom.Xformable):
-            if UsdGeom.Xformable(prim).GetResetXformStack():
+            if resets(UsdGeom.Xformable(prim)):
                 message = "!resetXformStack! inside an instance is not supported; it moves with the instance"
                 self._context.diagnostics.group(str(prim.GetPath()), "xformOpOrder", message)
 
     def _warn_of_draw_mode(self, prim: Usd.Prim) -> None:
         """They take effect on models: on components, on others by model:applyDrawMode (UsdGeomModelAPI)."""
-        if not prim.IsModel():
+        if not prim.IsModel() or prim.IsPseudoRoot():
             return
         model = UsdGeom.ModelAPI(prim)
-        mode = model.ComputeModelDrawMode()
-        applied = prim.IsComponent() or model.GetModelApplyDrawModeAttr().Get()
+        mode = draw_mode(prim)
+        applied = prim.IsComponent() or value(model.GetModelApplyDrawModeAttr(), Usd.TimeCode.Default(), BOOL)
         if applied and mode != UsdGeom.Tokens.default_:
             message = f"draw mode '{mode}' is not supported yet; drawn in full"
             self._context.diagnostics.group(str(prim.GetPath()), "model:drawMode", message)

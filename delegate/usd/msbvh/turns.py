@@ -14,6 +14,8 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .times import Shutter, breakpoints_of, loop_length
+from .values import raw
+from .xform_ops import may_vary, ordered_ops
 
 SHORTEST_REPEAT = 2.0
 """A motion that repeats less often in the shutter is kept as it is."""
@@ -95,9 +97,9 @@ def total_turns(parts: Iterable[Turns]) -> Turns:
 
 def xform_turns(xformable: UsdGeom.Xformable, shutter: Shutter) -> Turns:
     """Of a prim's own ops over its shutter."""
-    if not shutter.moving or not xformable.TransformMightBeTimeVarying():
+    if not shutter.moving or not may_vary(xformable):
         return NO_TURNS
-    return total_turns(_op_turns(op, shutter) for op in xformable.GetOrderedXformOps())
+    return total_turns(_op_turns(op, shutter) for op in ordered_ops(xformable))
 
 
 def _op_turns(op: UsdGeom.XformOp, shutter: Shutter) -> Turns:
@@ -122,7 +124,7 @@ def _times(attribute: Usd.Attribute, shutter: Shutter) -> np.ndarray:
 
 def _values(attribute: Usd.Attribute, times: np.ndarray) -> np.ndarray | None:
     """float64[T, K]; None where a value is missing or is not finite, which others report."""
-    found = [attribute.Get(time) for time in times.tolist()]
+    found = [raw(attribute, time) for time in times.tolist()]
     if any(value is None for value in found):
         return None
     if found and hasattr(found[0], "GetReal"):
@@ -157,7 +159,7 @@ def _of_angles(attribute: Usd.Attribute, shutter: Shutter) -> Turns:
 
 def _of_two_angles(attribute: Usd.Attribute, shutter: Shutter) -> Turns:
     """Where nothing but the ends counts, as for most prims that turn."""
-    first, last = attribute.Get(shutter.interval.min), attribute.Get(shutter.interval.max)
+    first, last = raw(attribute, shutter.interval.min), raw(attribute, shutter.interval.max)
     try:
         steps = [last - first] if isinstance(first, float) else [b - a for a, b in zip(first, last, strict=True)]
         turned = [abs(step) / 360.0 for step in steps]

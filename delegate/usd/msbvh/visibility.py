@@ -8,20 +8,22 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .times import Shutter
+from .value_types import TOKEN
+from .values import value
 
 
 def changes_inside(visibility: Usd.Attribute, shutter: Shutter) -> bool:
     """Whether a visibility changes inside the shutter, for more than its last instant."""
     if not shutter.moving or not visibility.ValueMightBeTimeVarying():
         return False
-    return len({visibility.Get(time) for time in _steps(visibility, shutter)}) > 1
+    return len({value(visibility, time, TOKEN) for time in _steps(visibility, shutter)}) > 1
 
 
 def visible_at_opening(visibility: Usd.Attribute, shutter: Shutter) -> bool:
     """Whether what does not change inside the shutter is visible. The frame may lie outside of it, or be its last
     instant, where something else may hold already."""
     time = Usd.TimeCode(shutter.interval.min) if shutter.moving else shutter.frame_code
-    return visibility.Get(time) != UsdGeom.Tokens.invisible
+    return value(visibility, time, TOKEN) != UsdGeom.Tokens.invisible
 
 
 def _steps(visibility: Usd.Attribute, shutter: Shutter) -> list[float]:
@@ -44,7 +46,7 @@ def visible_intervals(visibilities: Sequence[Usd.Attribute], shutter: Shutter) -
     shown = [
         (shutter.time01(begin), 2.0 if end is None else shutter.time01(end))
         for begin, end in zip(steps, ends, strict=True)
-        if all(visibility.Get(begin) != UsdGeom.Tokens.invisible for visibility in changing)
+        if all(value(visibility, begin, TOKEN) != UsdGeom.Tokens.invisible for visibility in changing)
     ]
     return np.array(shown, np.float64).reshape(-1, 2)
 

@@ -1,0 +1,128 @@
+"""Layers with random faults and binary layers with damaged bytes: what can be read is drawn, the rest is one line."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+from soak import soak_count, soak_figure
+
+HERE = Path(__file__).resolve().parent
+BATCH = 500
+SECONDS_A_CASE = 20.0
+
+
+def batches(script: str, arguments: Sequence[object], count: int) -> Iterator[dict]:
+    """The lines of a script that tries seeds, from processes of their own, two at once."""
+
+    def run(first: int) -> list[dict]:
+        size = min(BATCH, count - first)
+        command = [sys.executable, str(HERE / script), *map(str, arguments), str(first), str(size)]
+        try:
+            done = subprocess.run(
+                command, capture_output=True, text=True, timeout=60 + SECONDS_A_CASE * size, check=False
+            )
+        except subprocess.TimeoutExpired as late:
+            return [{"seed": f"{first} and on", "outcome": f"WRONG: hangs after {str(late.stdout)[-200:]}"}]
+        lines = [json.loads(line) for line in done.stdout.splitlines()]
+        if done.returncode:
+            lines.append({**lines[-1], "outcome": f"WRONG: exit {done.returncode}: {done.stderr[-500:]}"})
+        return lines
+
+    with ThreadPoolExecutor(2) as pool:
+        for lines in pool.map(run, range(0, count, BATCH)):
+            yield from lines
+
+
+@pytest.mark.soak
+def test_a_layer_with_random_faults_never_ends_in_an_internal_error():
+    """Nor in a crash, a hang or a pixel that is no number."""
+    count = soak_count(150, 100_000)
+    done = [line for line in batches("mutations.py", (), count) if "outcome" in line]
+    wrong = [line for line in done if line["outcome"].startswith("WRONG")]
+    assert not wrong, "\n".join(f"{line['seed']}: {line}" for line in wrong[:10])
+    assert len(done) == count
+    kinds = Counter(line["outcome"].partition(":")[0] for line in done)
+    assert kinds["drawn"] > count / 2
+    soak_figure("mutated layers", f"{count}: " + ", ".join(f"{n} {kind}" for kind, n in kinds.items()))
+
+
+@pytest.mark.soak
+def test_a_damaged_crate_file_is_drawn_or_one_error_that_names_it(tmp_path):
+    count = soak_count(60, 20_000)
+    done = list(batches("damaged_crates.py", (tmp_path,), count))
+    assert len(done) == count
+    wrong = [line for line in done if not _is_right(line)]
+    assert not wrong, "\n".join(f"{line['seed']}: {line['code']}: {line['said'][-600:]}" for line in wrong[:10])
+    kinds = Counter("drawn" if line["code"] == 0 else _kind(line) for line in done)
+    soak_figure("damaged crates", f"{count}: " + ", ".join(f"{n} {kind}" for kind, n in kinds.items()))
+
+
+def _is_right(line: dict) -> bool:
+    if line["code"] == 0:
+        return "internal error" not in line["said"]
+    errors = [said for said in line["said"].splitlines() if said.startswith("msbvh: error:")]
+    return line["code"] == 1 and len(errors) == 1 and "internal error" not in errors[0]
+
+
+def _kind(line: dict) -> str:
+    return "crashed inside USD" if "a library crashed" in line["said"] else "refused"
+
+
+SIGNALS = (signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGABRT, signal.SIGILL)
+
+
+def _in_fresh_process(body: str) -> tuple[int, str]:
+    done = subprocess.run(
+        [sys.executable, "-c", "import os, sys, ctypes\nfrom msbvh.crash_line import crash_line\n" + body],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return done.returncode, done.stderr
+
+
+@pytest.mark.parametrize("number", SIGNALS)
+def test_a_crash_while_a_file_is_read_is_one_line(number: int):
+    body = f"with crash_line('/a/b.usdc'):\n with crash_line('/c.usdc'): pass\n os.kill(os.getpid(), {int(number)})"
+    code, said = _in_fresh_process(body)
+    assert code == 1
+    assert said.startswith("msbvh: error: /a/b.usdc: a library crashed while it was read;") and said.count("\n") == 1
+
+
+def test_a_stack_that_overflows_is_one_line():
+    """The handler has a stack of its own."""
+    body = """
+from ctypes import CFUNCTYPE, c_int, c_void_p, CDLL
+libc = CDLL(None)
+deep = CFUNCTYPE(c_int, c_void_p, c_void_p)
+import resource; resource.setrlimit(resource.RLIMIT_STACK, (1 << 20, 1 << 20))
+sys.setrecursionlimit(10**9)
+numbers = (c_int * 4)(4, 3, 2, 1)
+@deep
+def compare(a, b):
+    libc.qsort(numbers, 4, 4, compare)
+    return 0
+with crash_line('/deep.usda'):
+    compare(None, None)
+"""
+    code, said = _in_fresh_process(body)
+    assert code == 1 and "msbvh: error: /deep.usda: a library crashed" in said
+
+
+def test_outside_of_reading_a_crash_is_a_crash():
+    code, said = _in_fresh_process("with crash_line('/a'): pass\nos.kill(os.getpid(), 11)")
+    assert code == -signal.SIGSEGV and said == ""
+    os.environ["MSBVH_TRACEBACK"] = "1"
+    try:
+        assert _in_fresh_process("with crash_line('/a'): os.kill(os.getpid(), 11)")[0] == -signal.SIGSEGV
+    finally:
+        del os.environ["MSBVH_TRACEBACK"]
