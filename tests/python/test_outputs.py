@@ -33,14 +33,21 @@ def "clipped" (
         double2[] active = [(0, 0)]
         double2[] times = [(0, 0), (10, 10)]
     } }
-) { double x }
-def DomeLight "dome" { asset inputs:texture:file = @tex/dome.exr@ }
-def Shader "tiles" { asset inputs:file = @tex/tile.<UDIM>.png@ }
+)
+{
+    double x
+}
+def DomeLight "dome" {
+    asset inputs:texture:file = @tex/dome.exr@
+}
+def Shader "tiles" {
+    asset inputs:file = @tex/tile.<UDIM>.png@
+}
 """
     (tmp_path / "sub").mkdir()
     (tmp_path / "tex").mkdir()
     for name in ("sub/layer", "ref", "pay", "clip", "manifest"):
-        (tmp_path / f"{name}.usda").write_text('#usda 1.0\ndef "a" { double x.timeSamples = { 0: 1 } }\n')
+        (tmp_path / f"{name}.usda").write_text('#usda 1.0\ndef "a"\n{\n    double x.timeSamples = { 0: 1 }\n}\n')
     for name in ("tex/dome.exr", "tex/tile.1001.png"):
         write_image(tmp_path / name, PIXELS, metadata(), ImageSettings())
     path = tmp_path / "scene.usda"

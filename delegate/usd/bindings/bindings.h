@@ -19,5 +19,6 @@ void bind_translator(nanobind::module_& m);
 void bind_skinning(nanobind::module_& m);
 void bind_renderer(nanobind::module_& m);
 void bind_bench(nanobind::module_& m);
+void bind_pipe(nanobind::module_& m);
 
 }  // namespace msbvh::python

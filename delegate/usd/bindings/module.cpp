@@ -19,6 +19,7 @@ NB_MODULE(_core, m) {
   msbvh::python::bind_skinning(m);
   msbvh::python::bind_renderer(m);
   msbvh::python::bind_bench(m);
+  msbvh::python::bind_pipe(m);
   m.def(
       "supported_instruction_sets",
       [] {
