@@ -309,7 +309,7 @@ def test_a_bad_mesh_is_named_and_the_rest_is_rendered(
     scene.write_text(good.replace(found, planted, 1))
     done = msbvh("record", scene, "a.exr", *SMALL, "--strict")
     assert done.returncode == 3, done.stderr
-    assert "msbvh: warning: /world/square" in done.stderr
+    assert "msbvh: error: /world/square" in done.stderr
     assert pixels_of(tmp_path / "a.exr")[..., 3].max() == 1.0
 
 

@@ -12,7 +12,6 @@ from msbvh import cli
 CODES = [0, 1, 2, 3, 70, 129, 130, 143]
 
 
-@pytest.mark.xfail(strict=True, reason="the help has no table, and README's is not complete")
 def test_help_and_readme_have_the_table(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["--help"]) == 0
     shown = capsys.readouterr().out
@@ -24,7 +23,6 @@ def test_help_and_readme_have_the_table(capsys: pytest.CaptureFixture[str]) -> N
     assert all(" ".join(text.replace("`", "").split()) in words for _, text in rows)
 
 
-@pytest.mark.xfail(strict=True, reason="a defect ends with 1")
 def test_a_defect_of_ours(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], scene: Path, tmp_path: Path
 ) -> None:
@@ -42,7 +40,6 @@ def test_a_defect_of_ours(
     assert "Traceback" in capfd.readouterr().err
 
 
-@pytest.mark.xfail(strict=True, reason="a rejected prim is a warning")
 def test_a_rejected_prim_is_an_error_line(msbvh: Run, tmp_path: Path, scene: Path) -> None:
     scene.write_text(MOVING_SQUARE.replace("[0, 1, 2, 3]", "[0, 1, 2, 9]"))
     done = msbvh("record", scene, "a.exr", "--strict", "--stats", "s.json", "-w", 16, "--spp", 1)
@@ -53,7 +50,6 @@ def test_a_rejected_prim_is_an_error_line(msbvh: Run, tmp_path: Path, scene: Pat
     assert "msbvh: error: /world/square.faceVertexIndices: " in msbvh("plan", scene).stderr
 
 
-@pytest.mark.xfail(strict=True, reason="each prim has its line")
 def test_what_usd_says_of_many_prims_is_one_line(msbvh: Run, scene: Path) -> None:
     parts = "".join(f'def "lost{i}" (references = @nowhere.usda@) {{ }}\n' for i in range(40))
     scene.write_text(MOVING_SQUARE + parts)
@@ -62,7 +58,6 @@ def test_what_usd_says_of_many_prims_is_one_line(msbvh: Run, scene: Path) -> Non
     assert len(lines) == 1 and "/lost0" in lines[0] and "(and 39 more prims)" in lines[0], done.stderr
 
 
-@pytest.mark.xfail(strict=True, reason="a raw warning of TBB")
 def test_more_threads_than_there_are(msbvh: Run, scene: Path) -> None:
     done = msbvh("record", scene, "a.exr", "--threads", 4096, "-w", 16, "--spp", 1)
     assert done.returncode == 0 and "TBB" not in done.stderr, done.stderr

@@ -20,7 +20,6 @@ from soak import soak_count, soak_figure
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 LONG = ("--spp", 1_000_000)
-XFAIL = pytest.mark.xfail(strict=True, reason="SIGTERM and SIGHUP kill, SIGINT can be swallowed")
 
 
 @contextmanager
@@ -72,7 +71,6 @@ def ended(process: subprocess.Popen[str], number: signal.Signals, may_finish: bo
     return time.monotonic() - begin
 
 
-@XFAIL
 @pytest.mark.parametrize("number", SIGNALS)
 def test_while_modules_load(tmp_path: Path, scene: Path, number: signal.Signals) -> None:
     for delay in (0.0, 0.1):
@@ -84,7 +82,6 @@ def test_while_modules_load(tmp_path: Path, scene: Path, number: signal.Signals)
     assert os.listdir(tmp_path) == ["scene.usda"]
 
 
-@XFAIL
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_while_pixels_are_traced(tmp_path: Path, scene: Path, number: signal.Signals) -> None:
     with started(tmp_path, "record", scene, "a.exr", *LONG) as process:
@@ -94,7 +91,6 @@ def test_while_pixels_are_traced(tmp_path: Path, scene: Path, number: signal.Sig
     assert os.listdir(tmp_path) == ["scene.usda"]
 
 
-@XFAIL
 def test_two_at_once(tmp_path: Path, scene: Path) -> None:
     """An impatient user, or a farm that sends both; the first one counts."""
     for first, second in ((signal.SIGTERM, signal.SIGINT), (signal.SIGINT, signal.SIGINT)):
@@ -142,7 +138,6 @@ def check_files(folder: Path) -> None:
         assert image and image.read_image(oiio.FLOAT) is not None, path
 
 
-@XFAIL
 @pytest.mark.soak
 @pytest.mark.parametrize("command", COMMANDS)
 def test_at_random_moments(tmp_path: Path, scene: Path, command: str) -> None:

@@ -5,8 +5,12 @@ from __future__ import annotations
 import os
 import sys
 
-from . import signals, streams
-from .exit_codes import DONE, WRONG
+try:
+    from . import signals, streams
+    from .exit_codes import DONE, WRONG
+except KeyboardInterrupt:  # Some milliseconds in which nobody listens yet. Before them Python itself starts.
+    os.write(2, b"msbvh: error: interrupted\n")
+    os._exit(130)
 
 
 def main() -> int:

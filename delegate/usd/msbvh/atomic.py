@@ -70,6 +70,7 @@ def check_writable(path: Path, folders: Folders | None = None) -> Path:
     """Raises OutputError where `path` could not be written: said before an hour of rendering, not after it.
     Returns the file that would be replaced."""
     folders = folders or Folders()
+    target = path
     try:
         fault = _name_fault(path)
         if not fault:
@@ -209,7 +210,7 @@ def _make_and_remove(folder: int) -> None:
 
 def _name_fault(path: Path) -> str:
     if not os.path.isdir(path.parent):
-        return ""
+        return f"there is no folder '{path.parent}'"
     length, limit = len(os.fsencode(path.name)), os.pathconf(path.parent, "PC_NAME_MAX")
     return f"the name is {length} bytes long, at most {limit} are possible" if length > limit else ""
 
