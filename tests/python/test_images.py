@@ -3,13 +3,14 @@ absent."""
 
 from __future__ import annotations
 
+import ctypes
 import os
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from msbvh import images
+from msbvh import _core, images
 from msbvh.atomic import OutputError, write_whole
 from msbvh.color import ColorCorrection, ColorError
 from msbvh.images import ImageSettings, write_image
@@ -272,3 +273,15 @@ def test_what_cannot_be_encoded_is_said(tmp_path: Path, monkeypatch: pytest.Monk
         with pytest.raises(OutputError, match=f"{name}': the image could not be encoded"):
             write_image(tmp_path / name, random_rgba(), metadata(), ImageSettings())
     assert os.listdir(tmp_path) == []
+
+
+def test_a_pipe_has_no_limit_and_needs_no_end() -> None:
+    """A megabyte and more, while the one who writes holds the GIL; a second descriptor stays open."""
+    pipe = _core.PipeReader()
+    content = np.random.default_rng(0).bytes(3_000_001)
+    file = os.open(pipe.path, os.O_WRONLY)
+    assert ctypes.PyDLL(None).write(file, content[:3_000_000], 3_000_000) == 3_000_000
+    os.write(file, content[3_000_000:])
+    assert pipe.finish() == content
+    os.close(file)
+    assert _core.PipeReader().finish() == b""

@@ -116,6 +116,55 @@ def test_nohup_is_respected(tmp_path: Path, scene: Path) -> None:
     assert sorted(os.listdir(tmp_path)) == ["a.exr", "scene.usda"]
 
 
+SCRIPT = """
+import os, signal, sys, time
+from msbvh import signals
+signals.listen()
+signals.loaded()
+kill = lambda: os.kill(os.getpid(), signal.SIGTERM)
+{body}
+os._exit(signals.finish(0))
+"""
+SWALLOWED = """
+try:
+    kill()
+except KeyboardInterrupt:
+    pass
+time.sleep(60)
+"""
+DEFERRED = """
+seen = []
+try:
+    with signals.undone(lambda: seen.append("made"), lambda _: seen.append("undone")):
+        with signals.deferred():
+            kill()
+            seen.append("written")
+        seen.append("never")
+except signals.Stopped:
+    assert seen == ["made", "written", "undone"], seen
+    kill()  # A second one interrupts no unwinding.
+"""
+IMPATIENT = """
+open("temporary", "w").close()
+with signals.deferred(undo=lambda: os.unlink("temporary")):
+    kill()
+    time.sleep(0.1)
+    kill()
+    time.sleep(60)
+"""
+
+
+@pytest.mark.parametrize(("body", "at_least"), [(SWALLOWED, 2.5), (DEFERRED, 0.0), (IMPATIENT, 0.0)])
+def test_what_the_main_thread_does_not_do(tmp_path: Path, body: str, at_least: float) -> None:
+    """Where a library swallows the exception, or does not come back in time, the run ends all the same."""
+    command = [sys.executable, "-c", SCRIPT.format(body=body)]
+    begin = time.monotonic()
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=30, check=False)
+    assert (done.returncode, done.stderr) == (143, "msbvh: error: terminated\n")
+    assert time.monotonic() - begin > at_least
+    assert os.listdir(tmp_path) == []
+
+
 COMMANDS: dict[str, tuple[object, ...]] = {
     "record": ("record", "scene.usda", "a.exr", "b.png", "c.jpg", "d.tif", "--stats", "s.json", "--spp", 8, "-w", 900),
     "frames": ("record", "scene.usda", "o.####.exr", "-f", "1:200", "--spp", 4, "-w", 64),

@@ -29,8 +29,9 @@ def main() -> int:
 def _run() -> int:
     try:
         from .cli import main as run
-    except ImportError as error:  # A broken installation, before cli can say so.
-        print(f"msbvh: error: the installation is incomplete (make setup mends it): {error}", file=sys.stderr)
+    except (ImportError, OSError, MemoryError) as error:  # Before cli can say so.
+        why = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        print(f"msbvh: error: the installation cannot be loaded (make setup mends it): {why}", file=sys.stderr)
         return WRONG
     try:
         signals.loaded()

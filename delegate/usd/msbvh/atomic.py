@@ -36,14 +36,18 @@ class Folders:
     def __init__(self) -> None:
         self._faults: dict[str, str] = {}
         self._real: dict[str, str] = {}
+        self._name_limits: dict[str, int] = {}
         self._mounts: set[str] | None = None
 
     def target(self, path: Path) -> Path:
         """The file that is replaced: behind symbolic links, and with a real path, so that two are one file where
-        theirs are equal. Raises OSError for a loop of links."""
+        theirs are equal. Raises OSError for a loop of links, and for /dev/stdout and its like: the file behind it
+        may be anybody's log."""
         for _ in range(MAX_LINKS):
             if not path.is_symlink():
                 break
+            if os.path.realpath(path.parent).startswith("/proc/"):
+                raise OSError(errno.EINVAL, "it is an open descriptor, not a regular file")
             path = Path(os.path.join(path.parent, os.readlink(path)))
         else:
             raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
@@ -59,6 +63,18 @@ class Folders:
             self._faults[key] = _folder_fault(folder)
         return self._faults[key]
 
+    def name_fault(self, path: Path) -> str:
+        """Why a folder has no place for a file of this name, in a few words; empty: it has."""
+        folder = str(path.parent)
+        if folder not in self._name_limits:
+            self._name_limits[folder] = os.pathconf(folder, "PC_NAME_MAX") if os.path.isdir(folder) else 0
+        length, limit = len(os.fsencode(path.name)), self._name_limits[folder]
+        if length <= limit:
+            return ""
+        if not limit:
+            return f"there is no folder '{folder}'"
+        return f"the name is {length} bytes long, at most {limit} are possible"
+
     def is_mount_point(self, path: Path) -> bool:
         """Of a single file, as containers have them."""
         if self._mounts is None:
@@ -72,7 +88,7 @@ def check_writable(path: Path, folders: Folders | None = None) -> Path:
     folders = folders or Folders()
     target = path
     try:
-        fault = _name_fault(path)
+        fault = folders.name_fault(path)
         if not fault:
             with contextlib.suppress(FileNotFoundError, NotADirectoryError):
                 os.stat(path)  # Follows links as the kernel does, with its limits on loops and on foreign links.
@@ -208,16 +224,9 @@ def _make_and_remove(folder: int) -> None:
         os.unlink(name, dir_fd=folder)
 
 
-def _name_fault(path: Path) -> str:
-    if not os.path.isdir(path.parent):
-        return f"there is no folder '{path.parent}'"
-    length, limit = len(os.fsencode(path.name)), os.pathconf(path.parent, "PC_NAME_MAX")
-    return f"the name is {length} bytes long, at most {limit} are possible" if length > limit else ""
-
-
 def _file_fault(target: Path, folders: Folders) -> str:
     """Why a file of this name cannot be made or replaced in a folder that can be written to."""
-    if fault := _name_fault(target):
+    if fault := folders.name_fault(target):
         return fault
     try:
         found = os.lstat(target)

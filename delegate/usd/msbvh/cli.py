@@ -205,6 +205,7 @@ def bench_command(as_json: bool, out: Path | None, **options: Any) -> int:
     Exit code 1 if our answers differ from the oracle's, or if a closed scene leaks.
     """
     reporter = Reporter()
+    _note_threads(options["threads"] or (), reporter)
     if out is not None:
         check_folder(out)
         check_writable(out / "bench.json")
@@ -313,6 +314,11 @@ def _warn_of_options(options: dict[str, Any], reporter: Reporter) -> None:
         reporter.warning(
             f"--complexity {options['complexity']}: not supported yet; subdivision surfaces are polygons"
         )
-    threads, most = options["threads"], len(os.sched_getaffinity(0))
-    if threads > most:
-        reporter.note(f"--threads {threads}: this process may use {most} at once, and no more are started")
+    _note_threads([options["threads"]], reporter)
+
+
+def _note_threads(counts: Sequence[int], reporter: Reporter) -> None:
+    most = len(os.sched_getaffinity(0))
+    for count in counts:
+        if count > most:
+            reporter.note(f"--threads {count}: this process may use {most} at once, and no more are started")

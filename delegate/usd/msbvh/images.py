@@ -8,6 +8,7 @@ unassociated, TIFF associated, JPEG none (the image lies over black).
 from __future__ import annotations
 
 import errno
+import mmap
 import os
 import resource
 from dataclasses import dataclass
@@ -100,7 +101,7 @@ class _EncodingError(Exception):
     """OpenImageIO cannot encode an image; str() says why."""
 
 
-def _file_content(form: str, pixels: np.ndarray, spec: oiio.ImageSpec) -> bytes:
+def _file_content(form: str, pixels: np.ndarray, spec: oiio.ImageSpec) -> bytes | memoryview:
     """A whole file, in memory. OpenImageIO must never meet a full disk: its PNG writer says that all went well,
     and libjpeg ends the process.
 
@@ -118,11 +119,9 @@ def _file_content(form: str, pixels: np.ndarray, spec: oiio.ImageSpec) -> bytes:
     try:
         name = f"/proc/self/fd/{file}"
         done = _write(form, name, pixels, spec)
-        with open(name, "rb") as written:
-            content = written.read()
         if not (done and _reads_back(name, spec)):
-            raise _EncodingError(_limit_reached(len(content)) or "the image could not be encoded")
-        return content
+            raise _EncodingError(_limit_reached(os.fstat(file).st_size) or "the image could not be encoded")
+        return memoryview(mmap.mmap(file, 0, access=mmap.ACCESS_READ))
     finally:
         os.close(file)
 

@@ -18,20 +18,24 @@ class Unfailing:
 
     def write(self, text: str) -> int:
         """Drops the text where it cannot be written."""
-        if self._stream is not None and self.failure is None:
+        if self._stream is not None:
             try:
                 return self._stream.write(text)
-            except (OSError, ValueError) as error:  # ValueError: closed, or text that its encoding has not.
-                self.failure = error if isinstance(error, OSError) else OSError(errno.EBADF, str(error))
+            except (OSError, ValueError) as error:  # ValueError: closed, or text that its encoding does not have.
+                self._failed(error)
         return len(text)
 
     def flush(self) -> None:
         """As write()."""
-        if self._stream is not None and self.failure is None:
+        if self._stream is not None:
             try:
                 self._stream.flush()
             except (OSError, ValueError) as error:
-                self.failure = error if isinstance(error, OSError) else OSError(errno.EBADF, str(error))
+                self._failed(error)
+
+    def _failed(self, error: OSError | ValueError) -> None:
+        if self.failure is None:
+            self.failure = error if isinstance(error, OSError) else OSError(errno.EBADF, str(error))
 
     def isatty(self) -> bool:
         """False where there is no stream any more."""
