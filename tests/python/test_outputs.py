@@ -138,7 +138,8 @@ def test_what_cannot_be_written_is_found_before(fails: Fails, scene: Path, tmp_p
         ("o.##.exr", "there is no --frames"),
     ):
         fails(("record", "missing.usda", name, *SMALL), 2 if "##" in name else 1, said)
-    for name in ("/dev/stdout", "/dev/fd/1", "/dev/null", "/dev/full", "fifo.exr", "folder.exr", "nowhere/s.json", "a" * 256):
+    descriptors = ("/dev/stdout", "/dev/fd/1", "/dev/null", "/dev/full")
+    for name in (*descriptors, "fifo.exr", "folder.exr", "nowhere/s.json", "a" * 256):
         fails(("record", "missing.usda", "a.exr", "--stats", name, *SMALL), 1, f"cannot write '{name}'")
     (tmp_path / "o.0002.exr").mkdir()
     fails(("record", scene, "o.####.exr", "-f", "1:3", *SMALL), 1, "cannot write 'o.0002.exr'")

@@ -42,7 +42,7 @@ from .record import (
 )
 from .report import Reporter, one_line
 from .samples import SampleLog
-from .stage import open_stage
+from .stage import open_stage, tf_messages
 
 RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "builder", "refit")
 """Options that are fields of RenderSettings."""
@@ -162,7 +162,8 @@ def motion_command(
     """
     reporter, log = Reporter(), SampleLog()
     stage, time, result = _read_one_frame("motion", scene, frame, options, reporter, log)
-    found = motion_report(stage, time, result, log, options["motion_tolerance"], prim)
+    with tf_messages(Diagnostics()):  # They have been said while the frame was read.
+        found = motion_report(stage, time, result, log, options["motion_tolerance"], prim)
     if prim is None:
         report(result.diagnostics, reporter)
     if as_json:

@@ -14,7 +14,9 @@ from pathlib import Path
 from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
 from .atomic import Folders, OutputError, check_writable
+from .errors import Diagnostics
 from .images import check_image_path
+from .stage import tf_messages
 
 _ASSETS = (Sdf.ValueTypeNames.Asset, Sdf.ValueTypeNames.AssetArray)
 _WITHOUT_TEXTURES = frozenset(
@@ -64,9 +66,10 @@ class Outputs:
         if existing:
             layers = stage.GetUsedLayers()
             self._check(_layers_of(layers))
-            self._check(_textures_of(stage))
-            if any(_may_be_a_layer(self._find(name)) for name in existing.values()):
-                self._check(_named_by(layers))
+            with tf_messages(Diagnostics()):  # The reader says what is wrong with the scene.
+                self._check(_textures_of(stage))
+                if any(_may_be_a_layer(self._find(name)) for name in existing.values()):
+                    self._check(_named_by(layers))
 
     def _find(self, name: str) -> Path:
         return next(place for place, other in self._places.items() if other == name)
