@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <tbb/blocked_range.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
@@ -98,9 +99,11 @@ struct Arena::Data {
   tbb::task_arena arena;
 };
 
+// TBB starts no more threads than the process may use at once; asked for many more, it prints a warning of its own.
 Arena::Arena(unsigned threads)
-    : data_(
-          new Data{tbb::task_arena(threads == 0 ? tbb::task_arena::automatic : static_cast<int>(threads))}) {}
+    : data_(new Data{tbb::task_arena(threads == 0 ? tbb::task_arena::automatic
+                                                  : std::min(static_cast<int>(std::min(threads, 1U << 16)),
+                                                             tbb::info::default_concurrency()))}) {}
 Arena::~Arena() = default;
 
 void Arena::execute(const std::function<void()>& work) {

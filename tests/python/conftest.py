@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import re
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
+from msbvh.cli import main
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -69,5 +72,25 @@ def msbvh(tmp_path: Path) -> Run:
     def run(*arguments: object) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "msbvh", *map(str, arguments)]
         return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+
+    return run
+
+
+Fails = Callable[..., None]
+
+
+@pytest.fixture
+def fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Fails:
+    """Runs the command line in this process, which is quicker, and expects an exit code and one line on
+    stderr."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(arguments: Sequence[object], code: int, message: str) -> None:
+        before = set(os.listdir(tmp_path))
+        assert main([str(argument) for argument in arguments]) == code
+        errors = capfd.readouterr().err
+        assert re.fullmatch(r"msbvh: error: [^\n]+\n", errors)
+        assert message in errors
+        assert set(os.listdir(tmp_path)) == before
 
     return run

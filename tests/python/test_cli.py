@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import json
 import os
-import re
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from conftest import MOVING_SQUARE, Run
-from msbvh.cli import main
+from conftest import MOVING_SQUARE, Fails, Run
 
 SMALL = ("-w", 48, "--spp", 4)
 
@@ -28,26 +25,6 @@ def size_of(path: Path) -> tuple[int, int]:
 
 def pixels_of(path: Path) -> np.ndarray:
     return oiio.ImageInput.open(str(path)).read_image(oiio.FLOAT)
-
-
-Fails = Callable[..., None]
-
-
-@pytest.fixture
-def fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]) -> Fails:
-    """Runs the command line in this process, which is quicker, and expects an exit code and one line on
-    stderr."""
-    monkeypatch.chdir(tmp_path)
-
-    def run(arguments: Sequence[object], code: int, message: str) -> None:
-        before = set(os.listdir(tmp_path))
-        assert main([str(argument) for argument in arguments]) == code
-        errors = capfd.readouterr().err
-        assert re.fullmatch(r"msbvh: error: [^\n]+\n", errors)
-        assert message in errors
-        assert set(os.listdir(tmp_path)) == before
-
-    return run
 
 
 def test_records_a_moving_square(msbvh: Run, tmp_path: Path, scene: Path) -> None:
@@ -332,7 +309,7 @@ def test_a_bad_mesh_is_named_and_the_rest_is_rendered(
     scene.write_text(good.replace(found, planted, 1))
     done = msbvh("record", scene, "a.exr", *SMALL, "--strict")
     assert done.returncode == 3, done.stderr
-    assert "msbvh: warning: /world/square" in done.stderr
+    assert "msbvh: error: /world/square" in done.stderr
     assert pixels_of(tmp_path / "a.exr")[..., 3].max() == 1.0
 
 

@@ -3,14 +3,15 @@ absent."""
 
 from __future__ import annotations
 
+import ctypes
 import os
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from msbvh import images
-from msbvh.atomic import OutputError, replacing
+from msbvh import _core, images
+from msbvh.atomic import OutputError, write_whole
 from msbvh.color import ColorCorrection, ColorError
 from msbvh.images import ImageSettings, write_image
 from msbvh.metadata import ImageMetadata, rational_rate, world_to_camera, world_to_ndc
@@ -197,20 +198,39 @@ def test_unknown_display_or_view(color: ColorCorrection, message: str) -> None:
         color.resolve()
 
 
-def test_nothing_is_left_behind_on_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("named", [False, True])
+def test_nothing_is_left_behind_on_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, named: bool) -> None:
+    """Also where the file system has no files without a name."""
     path = tmp_path / "a.exr"
     path.write_text("old")
+    if named:
+        monkeypatch.setattr(os, "O_TMPFILE", os.O_DIRECTORY)
 
-    def interrupted(*_: object) -> None:
-        raise KeyboardInterrupt
+    def fails(*_: object, **__: object) -> None:
+        raise failure
 
-    write_pixels = images._write_pixels
-    for failure in (interrupted, lambda temporary, *rest: (write_pixels(temporary, *rest), interrupted())):
-        monkeypatch.setattr(images, "_write_pixels", failure)
-        with pytest.raises(KeyboardInterrupt):
-            write_image(path, random_rgba(), metadata(), ImageSettings())
-        assert os.listdir(tmp_path) == ["a.exr"]
-        assert path.read_text() == "old"
+    for step in ("write", "fsync", "rename", "close"):
+        for failure in (KeyboardInterrupt(), OSError(5, "planted")):
+            with monkeypatch.context() as patch:
+                if step == "close":
+                    close = os.close
+                    patch.setattr(os, "close", lambda file: (close(file), fails()))
+                else:
+                    patch.setattr(os, step, fails)
+                with pytest.raises((KeyboardInterrupt, OutputError)):
+                    write_whole(path, b"new")
+            assert os.listdir(tmp_path) == ["a.exr"]
+        assert path.read_text() == "old" or step == "close"
+    write_whole(path, b"new")
+    assert path.read_text() == "new"
+
+
+def test_a_write_that_takes_only_a_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where a signal comes, or the disk is full only at the end."""
+    write = os.write
+    monkeypatch.setattr(os, "write", lambda file, content: write(file, content[:3]))
+    write_whole(tmp_path / "a", bytes(range(100)))
+    assert (tmp_path / "a").read_bytes() == bytes(range(100))
 
 
 @pytest.mark.parametrize(
@@ -230,8 +250,38 @@ def test_a_path_that_cannot_be_written(tmp_path: Path, name: str, message: str) 
 
 
 def test_the_system_s_refusal_is_one_line(tmp_path: Path) -> None:
-    with (
-        pytest.raises(OutputError, match=r"cannot write '.*a\.json': No such file"),
-        replacing(tmp_path / "a.json"),
-    ):
-        pass  # Nothing was written under the temporary name.
+    with pytest.raises(OutputError, match=r"cannot write '.*a\.json': No such file"):
+        write_whole(tmp_path / "nowhere" / "a.json", b"")
+
+
+def test_what_cannot_be_encoded_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An encoder that stops half way without a word, as OpenImageIO's PNG writer can."""
+
+    class Half:
+        def __init__(self, output: object) -> None:
+            self._output = output
+
+        def __getattr__(self, name: str) -> object:
+            return getattr(self._output, name)
+
+        def write_image(self, pixels: np.ndarray) -> bool:
+            return self._output.write_scanlines(0, 2, 0, pixels[:2])  # type: ignore[attr-defined]
+
+    create = oiio.ImageOutput.create
+    monkeypatch.setattr(images, "_create_output", lambda form: Half(create(form)))
+    for name in ("a.png", "a.exr", "a.tif"):
+        with pytest.raises(OutputError, match=f"{name}': the image could not be encoded"):
+            write_image(tmp_path / name, random_rgba(), metadata(), ImageSettings())
+    assert os.listdir(tmp_path) == []
+
+
+def test_a_pipe_has_no_limit_and_needs_no_end() -> None:
+    """A megabyte and more, while the one who writes holds the GIL; a second descriptor stays open."""
+    pipe = _core.PipeReader()
+    content = np.random.default_rng(0).bytes(3_000_001)
+    file = os.open(pipe.path, os.O_WRONLY)
+    assert ctypes.PyDLL(None).write(file, content[:3_000_000], 3_000_000) == 3_000_000
+    os.write(file, content[3_000_000:])
+    assert pipe.finish() == content
+    os.close(file)
+    assert _core.PipeReader().finish() == b""

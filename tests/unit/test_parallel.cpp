@@ -51,3 +51,11 @@ TEST_CASE("what is thrown beside a nested call is seen, and the call does not re
     CHECK(half_done == 0);
   }
 }
+
+TEST_CASE("an arena asks for no more threads than there can be") {
+  const unsigned most = Arena(0).threads();
+  CHECK(Arena(1).threads() == 1);
+  CHECK(Arena(most).threads() == most);
+  CHECK(Arena(4096).threads() == most);
+  CHECK(Arena(4'000'000'000).threads() == most);
+}

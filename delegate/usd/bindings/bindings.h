@@ -20,5 +20,6 @@ void bind_skinning(nanobind::module_& m);
 void bind_renderer(nanobind::module_& m);
 void bind_bench(nanobind::module_& m);
 void bind_crash_line(nanobind::module_& m);
+void bind_pipe(nanobind::module_& m);
 
 }  // namespace msbvh::python

@@ -20,6 +20,7 @@ NB_MODULE(_core, m) {
   msbvh::python::bind_renderer(m);
   msbvh::python::bind_bench(m);
   msbvh::python::bind_crash_line(m);
+  msbvh::python::bind_pipe(m);
   m.def(
       "supported_instruction_sets",
       [] {

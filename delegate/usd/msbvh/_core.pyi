@@ -385,3 +385,15 @@ def bench_peer_name(path: str) -> str:
 
 def arm_crash_line(line: str) -> None: ...
 def disarm_crash_line() -> None: ...
+
+class PipeReader:
+    """Keeps in memory what a library writes to a path. In contrast to a file, a pipe has no limit and is never full;
+    its writer cannot seek."""
+
+    def __init__(self) -> None: ...
+    @property
+    def path(self) -> str:
+        """Valid until finish()."""
+
+    def finish(self) -> bytes:
+        """All that was written, once whoever wrote is done."""

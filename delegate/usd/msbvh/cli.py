@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+import traceback
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,19 +13,21 @@ from typing import Any
 import click
 from pxr import Usd
 
-from . import _core
-from .atomic import OutputError, replacing
+from . import _core, signals
+from .atomic import OutputError, check_folder, check_writable, write_whole
 from .bench import BenchSettings
 from .bench import run as run_bench
 from .bench_table import table as bench_table
 from .color import ColorCorrection, ColorError
 from .conformance import conform, find_suite, other_renderer, own_renderer, read_rules, table
 from .errors import Diagnostics, SceneError
+from .exit_codes import DEFECT, DEGRADED, DONE, USAGE, WRONG, table_text
 from .frames import FrameError, check_single_outputs, frame_jobs, parse_frame_specs
 from .images import ImageSettings
 from .motion import motion_report
 from .motion_table import beyond_text, motion_text
 from .options import BENCH, CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
+from .outputs import OutputClash
 from .progress import Progress
 from .reader import ReadResult, ReadSettings, read_frame
 from .record import (
@@ -39,12 +42,8 @@ from .record import (
 )
 from .report import Reporter, one_line
 from .samples import SampleLog
-from .stage import open_stage
+from .stage import open_stage, tf_messages
 from .stage_metadata import start_time
-
-DONE, WRONG, USAGE, DEGRADED, INTERRUPTED = 0, 1, 2, 3, 130
-"""Exit codes: done; the scene or the settings are wrong; usage; rendered, but --strict and something was
-missing or degraded; interrupted."""
 
 RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "builder", "refit")
 """Options that are fields of RenderSettings."""
@@ -52,7 +51,8 @@ RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Runs a command; returns the exit code. Whatever goes wrong is one line on stderr, never a traceback."""
+    """Runs a command; returns the exit code (exit_codes.py). Whatever goes wrong is one line on stderr, never a
+    traceback."""
     try:
         return commands.main(args=list(arguments), prog_name="msbvh", standalone_mode=False) or DONE
     except click.exceptions.NoArgsIsHelpError as error:
@@ -61,23 +61,38 @@ def main(arguments: Sequence[str]) -> int:
     except click.ClickException as error:
         Reporter.error(error.format_message())
         return error.exit_code
+    except OutputClash as error:
+        Reporter.error(str(error))
+        return USAGE
     except (SceneError, OutputError, _core.Error) as error:
         Reporter.error(str(error))
         return WRONG
     except (KeyboardInterrupt, click.Abort):
-        Reporter.error("interrupted")
-        return INTERRUPTED
+        signals.announce()
+        return signals.exit_code()
     except MemoryError:
         Reporter.error("out of memory")
         return WRONG
-    except Exception as error:  # A defect of ours, or of a library; MSBVH_TRACEBACK=1 shows where.
-        if os.environ.get("MSBVH_TRACEBACK"):
-            raise
-        Reporter.error(f"internal error, please report it: {type(error).__name__}: {error}")
+    except OSError as error:  # The machine's fault: no descriptors left, a file that cannot be read.
+        Reporter.error(f"{error.filename}: {error.strerror}" if error.filename else str(error))
         return WRONG
+    except Exception as error:
+        return _defect(error)
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+def _defect(error: Exception) -> int:
+    """Of ours, or of a library."""
+    if os.environ.get("MSBVH_TRACEBACK"):
+        traceback.print_exception(error)
+    Reporter.error(
+        f"internal error: {type(error).__name__}: {error}. This is a defect of {software()}: please report it to the"
+        " issue tracker of the hdMsbvh repository, with this command, its scene, and what it prints with"
+        " MSBVH_TRACEBACK=1 in the environment"
+    )
+    return DEFECT
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]}, epilog=table_text())
 @click.version_option(software(), message="%(version)s")
 def commands() -> None:
     """Motion-blurred frames from USD on the CPU."""
@@ -96,9 +111,11 @@ def record_command(
 ) -> int:
     """Render SCENE to OUT: .exr, .png, .jpg or .tif; several at once cost one rendering.
 
-    Without --frames or --defaultTime the stage's start time is rendered.
+    Without --frames or --defaultTime the stage's start time is rendered. A file appears under its final name
+    complete or not at all. An OUT that is a symbolic link is written through: the file that it points to is replaced.
     """
     _check_renderer(renderer)
+    _check_text(scene, options)
     jobs = _record_jobs(outputs, frames, options["default_time"])
     settings = RecordSettings(
         read=_read_settings(options),
@@ -110,7 +127,7 @@ def record_command(
     reporter = Reporter()
     _warn_of_options(options, reporter)
     record(scene, jobs, settings, reporter)
-    return DEGRADED if strict and reporter.warnings else DONE
+    return DEGRADED if strict and reporter.degraded else DONE
 
 
 @commands.command("plan")
@@ -123,7 +140,8 @@ def plan_command(scene: str, frame: str | None, as_json: bool, **options: Any) -
     renderer = _core.Renderer(result.scene, width=result.camera.width, height=result.camera.height)
     plan = plan_entries(renderer)
     if as_json:
-        print(json.dumps({"scene": scene, "plan": plan, "warnings": reporter.warnings}, indent=2))
+        said = {"warnings": reporter.warnings, "errors": reporter.errors}
+        print(json.dumps({"scene": scene, "plan": plan, **said}, indent=2))
     else:
         for entry in plan:
             print(f"{entry['effect']:20} {entry['prim']}{': ' if entry['prim'] else ''}{entry['why']}")
@@ -145,7 +163,8 @@ def motion_command(
     """
     reporter, log = Reporter(), SampleLog()
     stage, time, result = _read_one_frame("motion", scene, frame, options, reporter, log)
-    found = motion_report(stage, time, result, log, options["motion_tolerance"], prim)
+    with tf_messages(Diagnostics()):  # They have been said while the frame was read.
+        found = motion_report(stage, time, result, log, options["motion_tolerance"], prim)
     if prim is None:
         report(result.diagnostics, reporter)
     if as_json:
@@ -188,12 +207,14 @@ def bench_command(as_json: bool, out: Path | None, **options: Any) -> int:
     Exit code 1 if our answers differ from the oracle's, or if a closed scene leaks.
     """
     reporter = Reporter()
+    _note_threads(options["threads"] or (), reporter)
+    if out is not None:
+        check_folder(out)
+        check_writable(out / "bench.json")
     with Progress("msbvh: bench") as progress:
         result = run_bench(BenchSettings(**options), progress, reporter.note)
     if out is not None:
-        out.mkdir(parents=True, exist_ok=True)
-        with replacing(out / "bench.json") as file:
-            file.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+        write_whole(out / "bench.json", f"{json.dumps(result, indent=1)}\n".encode())
     print(json.dumps(result) if as_json else bench_table(result))
     wrong = [row for row in result["rows"] if row["mismatches"] or row["misses"]]
     return WRONG if wrong else DONE
@@ -209,6 +230,7 @@ def _read_one_frame(
 ) -> tuple[Usd.Stage, float | None, ReadResult]:
     """The stage, the frame and what was read of it; the start time where none is given. What the reader has to
     say is left to the caller."""
+    _check_text(scene, options)
     frames = _parse(lambda: parse_frame_specs(frame))[0] if frame else []
     if len(frames) > 1 or (frames and options["default_time"]):
         raise click.UsageError(
@@ -279,8 +301,26 @@ def _check_renderer(name: str | None) -> None:
         )
 
 
+def _check_text(scene: str, options: dict[str, Any]) -> None:
+    """Output files may have any name, but USD takes text."""
+    for text in (scene, options["camera"] or "", *options["mask"]):
+        try:
+            text.encode()
+        except UnicodeEncodeError:
+            shown = text.encode("utf-8", "backslashreplace").decode()
+            raise click.UsageError(f"found '{shown}', expected a name in UTF-8") from None
+
+
 def _warn_of_options(options: dict[str, Any], reporter: Reporter) -> None:
     if options["complexity"] != "low":
         reporter.warning(
             f"--complexity {options['complexity']}: not supported yet; subdivision surfaces are polygons"
         )
+    _note_threads([options["threads"]], reporter)
+
+
+def _note_threads(counts: Sequence[int], reporter: Reporter) -> None:
+    most = len(os.sched_getaffinity(0))
+    for count in counts:
+        if count > most:
+            reporter.note(f"--threads {count}: this process may use {most} at once, and no more are started")

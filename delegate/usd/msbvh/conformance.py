@@ -12,6 +12,7 @@ import fnmatch
 import json
 import os
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -23,6 +24,8 @@ from typing import IO, Any
 
 import numpy as np
 
+from . import signals
+from .atomic import OutputError, check_folder, write_whole
 from .errors import SceneError
 from .frames import format_frame
 from .images import ImageReadError, read_alpha
@@ -208,13 +211,29 @@ def conform(
 ) -> Iterator[Outcome]:
     """Runs the renderer on every rule. `spp`: samples a pixel that the allowed error is for. `out`: where its
     images stay."""
-    with tempfile.TemporaryDirectory(prefix="msbvh_conform_") as scratch:
+    for rule in rules if out is not None else ():
+        check_folder(out / rule.name)
+    with _scratch() as scratch:
         for done, rule in enumerate(rules):
-            folder = (out or Path(scratch)) / rule.name
+            folder = (out or scratch) / rule.name
             folder.mkdir(parents=True, exist_ok=True)
             progress(done / len(rules))
             yield _outcome(rule, renderer, spp, folder)
         progress(1.0)
+
+
+@contextlib.contextmanager
+def _scratch() -> Iterator[Path]:
+    """A folder that lasts as long as the run. Raises OutputError where none can be made."""
+
+    def make() -> Path:
+        try:
+            return Path(tempfile.mkdtemp(prefix="msbvh_conform_"))
+        except OSError as error:
+            raise OutputError(f"cannot make a temporary folder: {error.strerror}") from None
+
+    with signals.undone(make, lambda folder: shutil.rmtree(folder, ignore_errors=True)) as folder:
+        yield folder
 
 
 def _outcome(rule: Rule, renderer: Renderer, spp: int, folder: Path) -> Outcome:
@@ -290,33 +309,43 @@ def _rendered(rule: Rule, renderer: Renderer, folder: Path, shape: tuple[int, ..
 
 def _run(command: Sequence[str], folder: Path, timeout_seconds: float) -> None:
     """Runs a renderer; what it says goes to renderer.log beside its image."""
-    log = folder / "renderer.log"
-    try:
-        with log.open("wb") as stream:
-            code = _exit_code(command, stream, timeout_seconds)
-    except subprocess.TimeoutExpired:
-        raise _Failure(f"ran for more than {timeout_seconds:g} s") from None
-    except OSError as error:
-        raise _Failure(f"cannot be run: {command[0]}: {error.strerror}") from None
+    with os.fdopen(os.memfd_create("msbvh"), "r+b") as log:  # A full disk is no fault of the renderer's.
+        try:
+            code = _exit_code(command, log, timeout_seconds)
+        except OSError as error:
+            raise _Failure(f"cannot be run: {command[0]}: {error.strerror}") from None
+        log.seek(0)
+        said = log.read()
+    write_whole(folder / "renderer.log", said)
+    if code is None:
+        raise _Failure(f"ran for more than {timeout_seconds:g} s")
     if code:
-        lines = log.read_text(encoding="utf-8", errors="replace").split("\n")
+        lines = said.decode("utf-8", errors="replace").split("\n")
         last = next((" ".join(line.split()) for line in reversed(lines) if line.strip()), "it said nothing")
         how = f"exit code {code}" if code > 0 else f"killed by signal {-code}"
         raise _Failure(f"{how}: {last[:160]}")
 
 
-def _exit_code(command: Sequence[str], log: IO[bytes], timeout_seconds: float) -> int:
-    """Waits for a command. What ends the waiting ends its children too: renderers come in wrapper scripts."""
-    process = subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, start_new_session=True
-    )
-    try:
-        return process.wait(timeout_seconds)
-    except BaseException:
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-        raise
+def _exit_code(command: Sequence[str], log: IO[bytes], timeout_seconds: float) -> int | None:
+    """Waits for a command; None: it took too long. What ends the waiting ends its children too: renderers come in
+    wrapper scripts."""
+
+    def start() -> subprocess.Popen[bytes]:
+        return subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, start_new_session=True
+        )
+
+    def end(process: subprocess.Popen[bytes]) -> None:
+        if process.poll() is None:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+
+    with signals.undone(start, end) as process:
+        try:
+            return process.wait(timeout_seconds)
+        except subprocess.TimeoutExpired:
+            return None
 
 
 def table(outcomes: Sequence[Outcome]) -> str:

@@ -7,17 +7,32 @@ unassociated, TIFF associated, JPEG none (the image lies over black).
 
 from __future__ import annotations
 
+import errno
+import mmap
+import os
+import resource
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
 
-from .atomic import OutputError, check_writable, replacing
+from . import _core
+from .atomic import Folders, OutputError, check_writable, write_whole
 from .color import SRGB_DISPLAY, ColorCorrection
 from .metadata import ImageMetadata, rational_rate
 
-FORMATS = (".exr", ".png", ".jpg", ".jpeg", ".tif", ".tiff")
+FORMATS = {
+    ".exr": "openexr",
+    ".png": "png",
+    ".jpg": "jpeg",
+    ".jpeg": "jpeg",
+    ".tif": "tiff",
+    ".tiff": "tiff",
+}
+"""OpenImageIO's name of the format of each extension."""
+ENDINGS = {"png": b"IEND\xaeB`\x82", "jpeg": b"\xff\xd9"}
+"""The last bytes of a complete file, in the formats that are written from their start to their end."""
 HALF_MAX = 65504.0
 """Largest finite half; brighter pixels are written as this, because infinity ruins every filter behind us."""
 
@@ -59,32 +74,88 @@ def read_alpha(path: Path) -> np.ndarray:
     return np.asarray(pixels, np.float64).reshape(spec.height, spec.width)
 
 
-def check_image_path(path: Path) -> None:
-    """Raises OutputError where no image can be written to `path`, because of its format or its place."""
+def check_image_path(path: Path, folders: Folders | None = None) -> Path:
+    """Raises OutputError where no image can be written to `path`, because of its format or its place. Returns the
+    file that would be replaced."""
     if path.suffix.lower() not in FORMATS:
         found = f"extension '{path.suffix}'" if path.suffix else "no extension"
         raise OutputError(f"cannot write '{path}': {found}, expected one of {' '.join(FORMATS)}")
-    check_writable(path)
+    return check_writable(path, folders)
 
 
 def write_image(path: Path, rgba: np.ndarray, metadata: ImageMetadata, settings: ImageSettings) -> None:
     """Writes linear, premultiplied float32[h, w, 4], top row first, complete or not at all. Raises
     OutputError."""
     check_image_path(path)
-    pixels, spec = _encode(path.suffix.lower(), rgba, settings)
+    suffix = path.suffix.lower()
+    pixels, spec = _encode(suffix, rgba, settings)
     _describe(spec, metadata)
-    with replacing(path) as temporary:
-        _write_pixels(temporary, path, pixels, spec)
+    try:
+        content = _file_content(FORMATS[suffix], pixels, spec)
+    except _EncodingError as error:
+        raise OutputError(f"cannot write '{path}': {error}") from None
+    write_whole(path, content)
 
 
-def _write_pixels(temporary: Path, final: Path, pixels: np.ndarray, spec: oiio.ImageSpec) -> None:
-    output = oiio.ImageOutput.create(str(temporary))
+class _EncodingError(Exception):
+    """OpenImageIO cannot encode an image; str() says why."""
+
+
+def _file_content(form: str, pixels: np.ndarray, spec: oiio.ImageSpec) -> bytes | memoryview:
+    """A whole file, in memory. OpenImageIO must never meet a full disk: its PNG writer says that all went well,
+    and libjpeg ends the process.
+
+    What is written from start to end goes through a pipe, which has no limit at all. The others seek; they write
+    to a file in memory, and are read back: RLIMIT_FSIZE holds there too.
+    """
+    if form in ENDINGS:
+        pipe = _core.PipeReader()
+        done = _write(form, pipe.path, pixels, spec)
+        content = pipe.finish()
+        if not (done and content.endswith(ENDINGS[form])):
+            raise _EncodingError("the image could not be encoded")
+        return content
+    file = os.memfd_create("msbvh")
+    try:
+        name = f"/proc/self/fd/{file}"
+        done = _write(form, name, pixels, spec)
+        if not (done and _reads_back(name, spec)):
+            raise _EncodingError(_limit_reached(os.fstat(file).st_size) or "the image could not be encoded")
+        return memoryview(mmap.mmap(file, 0, access=mmap.ACCESS_READ))
+    finally:
+        os.close(file)
+
+
+def _create_output(form: str) -> oiio.ImageOutput | None:
+    return oiio.ImageOutput.create(form)
+
+
+def _write(form: str, name: str, pixels: np.ndarray, spec: oiio.ImageSpec) -> bool:
+    output = _create_output(form)
     if output is None:
-        raise OutputError(f"cannot write '{final}': {oiio.geterror()}")
-    done = output.open(str(temporary), spec) and output.write_image(pixels)
-    # close() flushes: a full disk may show only here.
-    if not (output.close() and done):
-        raise OutputError(f"cannot write '{final}': {output.geterror() or 'the image could not be stored'}")
+        raise _EncodingError(oiio.geterror())
+    done = output.open(name, spec) and output.write_image(pixels) and not output.geterror()
+    closed = output.close()
+    output.geterror()  # Of TIFF, 3.2 always says that an empty Exif block failed; reading back decides.
+    oiio.geterror()  # What nobody asks for is printed at the process's end.
+    return bool(done and closed)
+
+
+def _reads_back(name: str, spec: oiio.ImageSpec) -> bool:
+    """Whether the header and the last row can be read."""
+    image = oiio.ImageInput.open(name)
+    rows = None
+    if image is not None:
+        rows = image.read_scanlines(spec.height - 1, spec.height, 0, 0, spec.nchannels)
+        image.geterror()
+        image.close()
+    oiio.geterror()
+    return rows is not None
+
+
+def _limit_reached(size: int) -> str:
+    limit = resource.getrlimit(resource.RLIMIT_FSIZE)[0]
+    return os.strerror(errno.EFBIG) if limit != resource.RLIM_INFINITY and size >= limit else ""
 
 
 def _encode(suffix: str, rgba: np.ndarray, settings: ImageSettings) -> tuple[np.ndarray, oiio.ImageSpec]:

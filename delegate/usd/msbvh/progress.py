@@ -9,6 +9,9 @@ from typing import TextIO
 
 from tqdm import tqdm
 
+from . import signals
+from .streams import Unfailing
+
 LINE_STEP = 10
 """Percent between two lines of a log."""
 PATIENCE_SECONDS = 1.0
@@ -21,7 +24,7 @@ class Progress:
     def __init__(self, label: str, stream: TextIO | None = None, delay_seconds: float = 0.0) -> None:
         """Silent for the first `delay_seconds`, and for good if all is done by then."""
         self._label = label
-        self._stream = stream or sys.stderr
+        self._stream = Unfailing(stream or sys.stderr)
         self._last_percent = -LINE_STEP
         self._shows_at = time.monotonic() + delay_seconds if delay_seconds else None
         self._bar = None
@@ -46,6 +49,7 @@ class Progress:
             self._bar.close()
 
     def __call__(self, share: float) -> None:
+        signals.stop_if_received()
         if self._shows_at is not None:
             if share >= 1.0 or time.monotonic() < self._shows_at:
                 return

@@ -12,10 +12,11 @@ import numpy as np
 from pxr import Usd
 
 from . import _core
-from .atomic import check_writable
+from .atomic import OutputError
 from .errors import Diagnostics
-from .images import ImageSettings, check_image_path, write_image
+from .images import ImageSettings, write_image
 from .metadata import ImageMetadata
+from .outputs import Outputs
 from .progress import PATIENCE_SECONDS, Progress
 from .reader import ReadResult, ReadSettings, read_frame
 from .report import Reporter
@@ -83,14 +84,13 @@ def record(
     """Renders the frames of a scene and writes their images; file names alone mean the stage's start time.
 
     Raises SceneError and _core.Error for a scene that cannot be rendered, OutputError for a file that cannot
-    be written, ColorError for an unknown display or view. Every file is checked before the first frame.
+    be written, OutputClash for one that must not be, ColorError for an unknown display or view. Every file is
+    checked before the first frame.
     """
     settings.image.color.resolve()
-    if settings.stats is not None:
-        check_writable(settings.stats)
-    for job in jobs:
-        for file in [job] if isinstance(job, str) else job[1]:
-            check_image_path(Path(file))
+    images = [file for job in jobs for file in ([job] if isinstance(job, str) else job[1])]
+    outputs = Outputs(images, settings.stats)
+    outputs.check_scene(scene)
 
     run = RunStats(software(), scene, _plain(settings), _core.supported_instruction_sets())
     diagnostics = Diagnostics()
@@ -98,12 +98,13 @@ def record(
     stage = open_stage(scene, diagnostics, settings.mask)
     read_seconds = time.perf_counter() - start
     report(diagnostics, reporter)
+    outputs.check_stage(stage)
     frame_jobs = _frame_jobs(jobs, stage)
     trees = Trees(settings.render, len(frame_jobs))
     for frame, files in frame_jobs:
         run.frames.append(_record_frame(stage, frame, files, settings, trees, reporter))
     run.frames[0].seconds["read"] = read_seconds
-    run.warnings = list(reporter.warnings)
+    run.warnings, run.errors = list(reporter.warnings), list(reporter.errors)
     if settings.stats is not None:
         run.write(settings.stats)
     return run
@@ -174,10 +175,8 @@ def _record_frame(
 def report(diagnostics: Diagnostics, reporter: Reporter) -> None:
     """Prints what the reader found, by its weight; a prim that was not rendered does not end the run."""
     for diagnostic in diagnostics:
-        if diagnostic.severity == "note":
-            reporter.note(str(diagnostic))
-        else:
-            reporter.warning(str(diagnostic))
+        say = {"note": reporter.note, "warning": reporter.warning, "error": reporter.missing}
+        say[diagnostic.severity](str(diagnostic))
 
 
 def plan_entries(renderer: Any) -> list[dict[str, str]]:
@@ -216,8 +215,15 @@ def _metadata(
 def _write_images(
     files: Sequence[str], pixels: np.ndarray, metadata: ImageMetadata, settings: ImageSettings
 ) -> None:
+    """All that can be written: the picture is not lost where one of several disks is full."""
+    faults: list[str] = []
     for file in files:
-        write_image(Path(file), pixels, metadata, settings)
+        try:
+            write_image(Path(file), pixels, metadata, settings)
+        except OutputError as error:
+            faults.append(str(error))
+    if faults:
+        raise OutputError("; ".join(faults))
 
 
 def _plain(settings: RecordSettings) -> dict[str, Any]:

@@ -60,29 +60,37 @@ def tf_messages(diagnostics: Diagnostics) -> Iterator[None]:
     try:
         yield
     finally:
-        for message in delegate.TakeUncoalescedDiagnostics():
-            _record(text_of(lambda message=message: message.commentary), diagnostics)
+        messages = delegate.TakeUncoalescedDiagnostics()
+        # USD composes on many threads: sorted, the same scene says the same each time.
+        for text in sorted(text_of(lambda message=message: message.commentary) for message in messages):
+            _record(text, diagnostics)
         del delegate
 
 
 _PRIM_PREFIX = re.compile(r"^(?:In )?<?(/[\w/:.]*)>?(?: --|:) ")
 _STAGE_SUFFIX = re.compile(r" \((?:instantiating|recomposing|loading)[^()]*stage @[^@]*@ <0x[0-9a-f]+>\)$")
-_ADDRESS = re.compile(r" ?<0x[0-9a-f]+>")
+_ADDRESS = re.compile(r" ?<0x[0-9a-f]+>|(?<=@anon:)0x[0-9a-f]+:")
 
 
 _OP = re.compile(r"attribute associated with the xformOp '([^']*)', on the prim at path <([^>]*)>")
 
 
 def _record(commentary: str, diagnostics: Diagnostics) -> None:
-    """Splits the prim off messages such as `In </World>: Could not open asset @a.usda@ for reference ...`."""
+    """Splits the prim off messages such as `In </World>: Could not open asset @a.usda@ for reference ...`. Many
+    prims with the same message become one line."""
     op = _OP.search(commentary)
     if op and any(known.subject == f"{op[2]}.xformOpOrder" and f"'{op[1]}'" in known.message for known in diagnostics):
         return
     text = _ADDRESS.sub("", _STAGE_SUFFIX.sub("", " ".join(commentary.split())))
     prim = _PRIM_PREFIX.match(text)
-    if prim and "." in prim[1] and any(known.subject == prim[1] for known in diagnostics):
+    if not prim:
+        diagnostics.warning("", "", text)
         return
-    diagnostics.warning(prim[1] if prim else "", "", text[prim.end() :] if prim else text)
+    path = prim[1]
+    if "." in path and any(known.subject == path for known in diagnostics):
+        return
+    # Its own path behind the layer's name says nothing new, and would make each message another.
+    diagnostics.group(path, "", text[prim.end() :].replace(f"<{path}>", ""))
 
 
 _TF_ERROR = re.compile(r"Error in '[^']*' at line \d+ in file \S+ : '(.*)'\s*$")

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from .atomic import replacing
+from .atomic import write_whole
 
 PHASES = ("read", "sample", "build", "trace", "write")
 """read: opening and composing the stage. sample: evaluating it over the shutter and fitting tracks. build:
@@ -25,7 +25,7 @@ class FrameStats:
 
     frame: float | None
     """Time code; None: USD's default time."""
-    output: str
+    output: list[str]
     width: int = 0
     height: int = 0
     seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PHASES, 0.0))
@@ -59,14 +59,15 @@ class RunStats:
     instruction_sets: list[str]
     frames: list[FrameStats] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+    errors: list[str] = field(default_factory=list)
+    """Prims that were not rendered, because they are wrong."""
     peak_memory_bytes: int = 0
 
     def write(self, path: Path) -> None:
         """Writes JSON, complete or not at all. Raises OutputError."""
         self.peak_memory_bytes = peak_memory_bytes()
         text = json.dumps(asdict(self), indent=2, allow_nan=False)
-        with replacing(path) as temporary:
-            temporary.write_text(text + "\n", encoding="utf-8")
+        write_whole(path, f"{text}\n".encode())
 
 
 def peak_memory_bytes() -> int:
