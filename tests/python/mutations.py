@@ -21,8 +21,8 @@ TYPES = """bool uchar int uint int64 uint64 half float double timecode string to
 float4 point3f vector3f normal3f color3f quath quatf quatd matrix3d matrix4d texCoord2f""".split()
 NUMBERS = "nan inf -inf 1e30 -1e30 1e300 3e38 1e-30 0 -0 -1 1 2 7 0.5 2147483647 4294967296".split()
 WORDS = ("", "garbage", "invisible", "none", "!invert!xformOp:translate", "!resetXformStack!", "caf\u00e9", "X", "/a.b")
-PRIM_TYPES = """Xform Mesh Cube Sphere Cone Plane PointInstancer Camera Scope SkelRoot Skeleton SkelAnimation Material Shader
-RectLight SphereLight DomeLight DistantLight GeomSubset BlendShape Points BasisCurves Nonsense""".split()
+PRIM_TYPES = """Xform Mesh Cube Sphere Cone Plane PointInstancer Camera Scope SkelRoot Skeleton SkelAnimation Material
+Shader RectLight SphereLight DomeLight DistantLight GeomSubset BlendShape Points BasisCurves Nonsense""".split()
 
 _NUMBER = re.compile(r"(?<![\w.\"])-?\d+\.?\d*(?:[eE][-+]?\d+)?(?![\w\"])")
 _TYPE = re.compile(r"(?m)^(\s*(?:custom |uniform )*)(\w+)((?:\[\])? [\w:.]+(?: =|\.timeSamples))")
@@ -54,7 +54,8 @@ def _scalar_or_array(text: str, dice: random.Random) -> str:
 
 def _retyped(text: str, dice: random.Random) -> str:
     """Another type with a value of that type, which the parser takes."""
-    values = {"int": "3", "float": "nan", "string": '"a"', "int[]": "[1, 2]", "float3[]": "[(1, 2, 3)]", "double3": "(1, 2, 3)"}
+    values = {"int": "3", "float": "nan", "string": '"a"', "int[]": "[1, 2]", "double3": "(1, 2, 3)"}
+    values["float3[]"] = "[(1, 2, 3)]"
     kind = dice.choice(list(values))
     line = re.compile(r"(?m)^(\s*(?:custom |uniform )*)[\w\[\]]+ ([\w:]+) = [^\n]*[^\[({\n]$")
     return _replace(line, text, dice, lambda m: f"{m[1]}{kind} {m[2]} = {values[kind]}")
@@ -93,7 +94,10 @@ def _line(text: str, dice: random.Random) -> str:
     return "\n".join(lines)
 
 
-MUTATIONS = (_another_type, _scalar_or_array, _retyped, _retyped, _number, _number, _word, _prim_type, _specifier, _target, _name, _line)
+MUTATIONS = (
+    *(_another_type, _scalar_or_array, _retyped, _retyped, _number, _number),
+    *(_word, _prim_type, _specifier, _target, _name, _line),
+)
 
 
 @cache

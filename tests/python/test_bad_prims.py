@@ -8,8 +8,6 @@ from msbvh.cli import main
 from msbvh.errors import SceneError
 from sound_neighbour import CAMERA, GOOD, messages, render, shows_good, stage_of
 
-ROOTED = 'uniform token[] xformOpOrder = ["xformOp:transform"]'
-
 FAULTS = {
     "points_type": (
         'def Mesh "Bad" { int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 2]\n'
@@ -112,7 +110,8 @@ def test_a_deep_hierarchy(kind: str):
 
 
 def test_absurd_extents_do_not_unframe_the_rest():
-    square = 'int[] faceVertexCounts = [4]\n int[] faceVertexIndices = [0, 1, 2, 3]\n uniform token subdivisionScheme = "none"'
+    square = 'int[] faceVertexCounts = [4]\n int[] faceVertexIndices = [0, 1, 2, 3]\n'
+    square += ' uniform token subdivisionScheme = "none"'
     text = "\n".join(
         f'def Mesh "{name}" {{ float3[] extent = [{extent}]\n {square}\n'
         f" point3f[] points = [({x}, -1, 0), ({x + 2}, -1, 0), ({x + 2}, 1, 0), ({x}, 1, 0)]\n}}"

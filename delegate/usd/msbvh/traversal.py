@@ -159,7 +159,7 @@ class Traversal:
             elif not visible_at_opening(visibility, self._context.shutter):
                 return None
         if "purpose" in authored:
-            purpose = value(imageable.GetPurposeAttr(), Usd.TimeCode.Default(), TOKEN) or UsdGeom.Tokens.default_
+            purpose = value(imageable.GetPurposeAttr(), Usd.TimeCode.Default(), TOKEN) or purpose
         state = _State(above.varying, purpose, blinking, above.bends, scales, authored)
         if is_root or "xformOpOrder" not in authored or not prim.IsA(UsdGeom.Xformable):
             return state

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd
 
+from .stage_metadata import time_codes_per_second
 from .value_types import FLOAT3S, INTS, QUATERNIONS
 from .values import raw, value
 
@@ -40,7 +41,7 @@ def typed_twin(prim: Usd.Prim, code: Usd.TimeCode) -> Twin:
     if all(_is_exact(attribute, code) for _, attribute in authored):
         return Twin(prim, prim.GetStage())
     source, stage = prim.GetStage(), Usd.Stage.CreateInMemory()
-    stage.SetTimeCodesPerSecond(source.GetTimeCodesPerSecond())
+    stage.SetTimeCodesPerSecond(time_codes_per_second(source))
     stage.SetInterpolationType(source.GetInterpolationType())
     twin = stage.DefinePrim("/twin", prim.GetTypeName())
     for name, attribute in authored:

@@ -138,7 +138,8 @@ def report_ops(prim: Usd.Prim, code: Usd.TimeCode) -> None:
         return
     for name in found or ():
         if name != RESET and not _op(prim, name):
-            message = f"found '{name}', expected the name of one of the prim's xformOp attributes; left out, as USD has it"
+            expected = "expected the name of one of the prim's xformOp attributes"
+            message = f"found '{name}', {expected}; left out, as USD has it"
             diagnostics().warning(path, "xformOpOrder", message)
     for op in ordered_ops(xformable):
         _report_op(op, path, code)
