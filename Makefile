@@ -63,9 +63,8 @@ test: setup  ## every test: C++ (ctest), then Python (pytest)
 	$(BIN)/pytest || status=$$?; \
 	exit $$status
 
-# Embree is measured beside us where it can be installed; without it the page has our figures alone.
+# Embree comes with the extra `bench`; where its wheel is missing the page has our figures alone. Needs a clean tree.
 bench: setup  ## rays a second, build times and bytes: to docs/performance.md and docs/features.md
-	@.ci/system_packages libembree-dev || echo 'No Embree: no peer'
 	@$(BIN)/pip install --quiet --no-build-isolation --config-settings=build-dir=$(BUILD) \
 	  --config-settings=cmake.define.MSBVH_BUILD_TESTS=ON --config-settings=cmake.define.MSBVH_BUILD_BENCH=ON \
 	  --editable '.[test,bench]'
