@@ -58,7 +58,7 @@ class BenchSettings:
     """0: all. None: 1 and all, or for a quick run 1."""
     seed: int = 1
     repetitions: int | None = None
-    """None: 5."""
+    """None: 5, or for a quick run 3."""
     triangles: int | None = None
     """For every procedural scene; None: each class's own."""
 
@@ -68,7 +68,7 @@ class BenchSettings:
 
     @property
     def rounds(self) -> int:
-        return self.repetitions or 5
+        return self.repetitions or (3 if self.quick else 5)
 
     def wants(self, *names: str) -> bool:
         """Whether a scene of one of these names is measured."""

@@ -388,7 +388,7 @@ BENCH: Sequence[Decorator] = (
     click.option(
         "--repetitions",
         type=click.IntRange(1, 1000),
-        help="Rounds, in which each side has its turn. Default: 5.",
+        help="Rounds, in which each side has its turn. Default: 5; of a quick run 3.",
     ),
     click.option(
         "--triangles",
