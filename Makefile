@@ -6,7 +6,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup render test bench clean
+.PHONY: help setup render test bench soak clean
 
 PYTHON ?= python3
 JOBS ?= $(shell nproc)
@@ -70,6 +70,10 @@ bench: setup  ## rays a second, build times and bytes: to docs/performance.md an
 	  --editable '.[test,bench]'
 	@$(BIN)/python docs/make_performance.py
 	@$(BIN)/python docs/make_features.py
+
+# Each check is remembered by commit: the same command goes on after an interruption. OPTIONS: `--list`, `--only GLOB`.
+soak: setup  ## every long check whole, for hours; goes on where it was interrupted; result in docs/soak.md
+	@$(BIN)/python docs/make_soak.py $(OPTIONS)
 
 clean:  ## removes everything that make has made
 	rm -rf build out .venv

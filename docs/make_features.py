@@ -17,7 +17,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import clean_tree
+import provenance
 
 ROOT = Path(__file__).resolve().parents[1]
 BENCH = Path("build/release/bench/msbvh_bench_features")
@@ -64,8 +64,8 @@ def main() -> None:
     arguments = [argument for argument in sys.argv[1:] if argument != "--allow-dirty"]
     bench = Path(arguments[0]) if arguments else ROOT / BENCH
     try:
-        commit = clean_tree.commit(allow_dirty=allow_dirty)
-    except clean_tree.DirtyTree as error:
+        commit = provenance.commit(allow_dirty=allow_dirty)
+    except provenance.DirtyTree as error:
         sys.exit(f"make_features: error: {error}")
     load_average = os.getloadavg()[0]
     out = subprocess.run([bench], check=True, stdout=subprocess.PIPE, text=True).stdout
@@ -80,7 +80,7 @@ def page(rows: list[Row], bench: Path, load_average: float, commit: str) -> Iter
     yield HEAD.format(
         command=BENCH if bench.resolve() == (ROOT / BENCH).resolve() else bench.name,
         commit=f" ({commit})",
-        processor=processor(),
+        processor=provenance.processor(),
         cores=os.cpu_count(),
         system=f"{platform.system()} {platform.release()}",
         load_average=load_average,
@@ -165,15 +165,6 @@ def link(path: str) -> str:
 def source(text: str) -> str:
     """A document or header as a link, a place in the paper as it is."""
     return link(text) if (ROOT / text).is_file() else text
-
-
-def processor() -> str:
-    """The name that Linux has for it."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor()
-    return next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), "unknown")
 
 
 if __name__ == "__main__":

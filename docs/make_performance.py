@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-import clean_tree
+import provenance
 from msbvh.bench import find_peer
 from msbvh.errors import SceneError
 
@@ -74,7 +74,7 @@ def main() -> None:
     options = argument_parser().parse_args()
     try:
         report = of_file(options.report, options.allow_dirty) if options.report else measured(options.allow_dirty)
-    except clean_tree.DirtyTree as error:
+    except provenance.DirtyTree as error:
         sys.exit(f"make_performance: error: {error}")
     IMAGES.mkdir(exist_ok=True)
     text = "\n".join(page(report))
@@ -93,13 +93,13 @@ def of_file(path: Path, allow_dirty: bool) -> dict[str, Any]:
     report: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     found = report["machine"]["commit"]
     if (found is None or found.endswith("-dirty")) and not allow_dirty:
-        raise clean_tree.DirtyTree(f"{path}: found a report of commit {found}; expected one of a clean tree")
+        raise provenance.DirtyTree(f"{path}: found a report of commit {found}; expected one of a clean tree")
     return report
 
 
 def measured(allow_dirty: bool) -> dict[str, Any]:
     """Runs the benchmark. Raises DirtyTree."""
-    commit = clean_tree.commit(allow_dirty=allow_dirty)
+    commit = provenance.commit(allow_dirty=allow_dirty)
     command = [sys.executable, "-m", "msbvh", "bench", "--json", *MEASURED, *peer_option()]
     with tempfile.TemporaryFile() as out:
         subprocess.run(command, stdout=out, check=False)  # its exit code tells of wrong answers: the page shows them

@@ -12,7 +12,7 @@ import pytest
 from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "docs"))
-import clean_tree
+import provenance
 import make_performance
 
 MACHINE = {
@@ -82,12 +82,12 @@ def test_without_a_peer_the_page_has_our_figures() -> None:
 def test_a_report_of_a_dirty_tree_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "bench.json"
     path.write_text(json.dumps({"machine": {"commit": "abc1234-dirty"}, "rows": []}))
-    with pytest.raises(clean_tree.DirtyTree, match="expected one of a clean tree"):
+    with pytest.raises(provenance.DirtyTree, match="expected one of a clean tree"):
         make_performance.of_file(path, allow_dirty=False)
     assert make_performance.of_file(path, allow_dirty=True)["rows"] == []
 
 
-def test_the_commit_of_a_clean_tree_only(tmp_path: Path) -> None:
+def test_the_commit_of_a_provenance_only(tmp_path: Path) -> None:
     def git(*arguments: str) -> str:
         who = ("-c", "user.name=t", "-c", "user.email=t@example.org")
         return subprocess.run(["git", "-C", tmp_path, *who, *arguments], check=True, capture_output=True, text=True).stdout
@@ -97,12 +97,12 @@ def test_the_commit_of_a_clean_tree_only(tmp_path: Path) -> None:
     git("add", ".")
     git("commit", "-qm", "first")
     short = git("rev-parse", "--short", "HEAD").strip()
-    assert clean_tree.commit(tmp_path) == short
+    assert provenance.commit(tmp_path) == short
     (tmp_path / "docs").mkdir()
     (tmp_path / "docs" / "performance.md").write_text("generated\n")
     git("add", ".")
-    assert clean_tree.commit(tmp_path) == short  # one page after another
+    assert provenance.commit(tmp_path) == short  # one page after another
     (tmp_path / "new.cpp").write_text("int b;\n")
-    with pytest.raises(clean_tree.DirtyTree, match=r"new\.cpp"):
-        clean_tree.commit(tmp_path)
-    assert clean_tree.commit(tmp_path, allow_dirty=True) == f"{short}-dirty"
+    with pytest.raises(provenance.DirtyTree, match=r"new\.cpp"):
+        provenance.commit(tmp_path)
+    assert provenance.commit(tmp_path, allow_dirty=True) == f"{short}-dirty"

@@ -1,8 +1,12 @@
-"""Which commit a generated page is of. A page of a tree with uncommitted changes would name a commit that cannot
-reproduce it: the generators refuse to make one, or mark it where `--allow-dirty` asks for it."""
+"""What a generated page was made from: the commit and the machine.
+
+A page of a tree with uncommitted changes would name a commit that cannot reproduce it: the generators refuse to make one,
+or mark it where `--allow-dirty` asks for it.
+"""
 
 from __future__ import annotations
 
+import platform
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
@@ -34,6 +38,15 @@ def changed_files(root: Path = ROOT) -> Sequence[str]:
     entries = [entry for entry in _git(root, "status", "--porcelain", "--no-renames", "-z").split("\0") if entry]
     paths = [entry[3:] for entry in entries]
     return [path for path in paths if not path.startswith(GENERATED)]
+
+
+def processor() -> str:
+    """The name that Linux has for it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor()
+    return next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), "unknown")
 
 
 def _git(root: Path, *arguments: str) -> str:
