@@ -3,7 +3,7 @@
     python docs/make_performance.py [--allow-dirty] [bench.json]
 
 bench.json is the report of `msbvh bench --peer embree --json`. Without it the benchmark runs with the options in
-MEASURED, beside Embree where the wheel embreex is installed: some DURATION minutes on two cores. Plots need matplotlib; the
+MEASURED, beside Embree where the wheel embreex is installed: some 20 minutes on two cores. Plots need matplotlib; the
 extra `bench` brings both. A page is of a commit: a tree with uncommitted changes is refused, or with --allow-dirty
 marked.
 """
@@ -63,9 +63,10 @@ it within a tenth of a pixel (of 960 across the scene): *peer keys* in the table
 """
 
 ASKED = """{peer}
-builds in its high quality and is asked one ray at a time (`rtcIntersect1`, `rtcOccluded1`) and in packets of 16
-(`rtcIntersect16`, `rtcOccluded16`) with the coherent and with the incoherent flag; its rays are in its own layout before
-the clock starts, and its threads flush denormals as it asks."""
+builds in its high quality (which cuts triangles to pieces only where nothing moves and the robust flag is not set) and
+is asked one ray at a time (`rtcIntersect1`, `rtcOccluded1`) and in packets of 16 (`rtcIntersect16`, `rtcOccluded16`) with
+the coherent and with the incoherent flag; its rays are in its own layout before the clock starts, and its threads flush
+denormals as it asks."""
 
 NO_PEER = "There was no peer in this run."
 
