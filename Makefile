@@ -6,7 +6,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup render test bench clean
+.PHONY: help setup render test bench soak clean
 
 PYTHON ?= python3
 JOBS ?= $(shell nproc)
@@ -63,14 +63,17 @@ test: setup  ## every test: C++ (ctest), then Python (pytest)
 	$(BIN)/pytest || status=$$?; \
 	exit $$status
 
-# Embree is measured beside us where it can be installed; without it the page has our figures alone.
+# Embree comes with the extra `bench`; where its wheel is missing the page has our figures alone. Needs a clean tree.
 bench: setup  ## rays a second, build times and bytes: to docs/performance.md and docs/features.md
-	@.ci/system_packages libembree-dev || echo 'No Embree: no peer'
 	@$(BIN)/pip install --quiet --no-build-isolation --config-settings=build-dir=$(BUILD) \
 	  --config-settings=cmake.define.MSBVH_BUILD_TESTS=ON --config-settings=cmake.define.MSBVH_BUILD_BENCH=ON \
 	  --editable '.[test,bench]'
 	@$(BIN)/python docs/make_performance.py
 	@$(BIN)/python docs/make_features.py
+
+# Each check is remembered by commit: the same command goes on after an interruption. OPTIONS: `--list`, `--only GLOB`.
+soak: setup  ## every long check whole, for hours; goes on where it was interrupted; result in docs/soak.md
+	@$(BIN)/python docs/make_soak.py $(OPTIONS)
 
 clean:  ## removes everything that make has made
 	rm -rf build out .venv

@@ -50,10 +50,15 @@ std::size_t count_differences(const std::vector<Ray>& rays, const std::vector<fl
   return count;
 }
 
-std::size_t count_misses(const Side& side, const std::vector<Ray>& rays) {
+std::size_t count_misses(Side& side, const std::vector<Ray>& rays) {
   std::vector<float> t(rays.size());
-  trace_all(side, RayKind::kRandom, rays, t);
-  return static_cast<std::size_t>(std::ranges::count_if(t, [](float x) { return std::isinf(x); }));
+  side.prepare(rays);
+  std::ptrdiff_t most = 0;
+  for (std::size_t mode = 0; mode < side.modes().size(); ++mode) {
+    trace_all(side, mode, RayKind::kRandom, t);
+    most = std::max(most, std::ranges::count_if(t, [](float x) { return std::isinf(x); }));
+  }
+  return static_cast<std::size_t>(most);
 }
 
 TraceCounts count_work(const Bvh& bvh, RayKind kind, const std::vector<Ray>& rays) {

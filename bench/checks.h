@@ -19,7 +19,8 @@ OracleCheck check_oracle(const Bvh& bvh, RayKind kind, const std::vector<Ray>& r
 std::size_t count_differences(const std::vector<Ray>& rays, const std::vector<float>& a,
                               const std::vector<float>& b, double tolerance);
 
-std::size_t count_misses(const Side& side, const std::vector<Ray>& rays);
+// The most of any mode of the side.
+std::size_t count_misses(Side& side, const std::vector<Ray>& rays);
 
 // Nodes and tests of every 16th ray.
 TraceCounts count_work(const Bvh& bvh, RayKind kind, const std::vector<Ray>& rays);

@@ -1,8 +1,9 @@
 // One scene class, one line of JSON a row: for profilers, without Python. `msbvh bench` is the full harness.
 //
-//   msbvh_bench SCENE [TRIANGLES [SEGMENTS [DEGREE [KIND [REPETITIONS [BUILDER [PEER.so]]]]]]]
+//   msbvh_bench SCENE [TRIANGLES [SEGMENTS [DEGREE [KIND [REPETITIONS [BUILDER [PEER.so FOLDER]]]]]]]
 //
-// KIND: primary, shadow, random or all. One thread. Without arguments it prints the scene classes.
+// KIND: primary, shadow, random or all. FOLDER: of the peer's own libraries (embreex.libs). One thread.
+// Without arguments it prints the scene classes.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -33,7 +34,7 @@ void run(int argc, char** argv) {
   }
   settings.builders = {argc > 7 ? argv[7] : "msbvh"};
   std::optional<PeerLibrary> peer;
-  if (argc > 8) settings.peer = &peer.emplace(argv[8]);
+  if (argc > 9) settings.peer = &peer.emplace(argv[8], argv[9]);
   for (const std::string& row : run_scene(scene, settings)) std::puts(row.c_str());
 }
 

@@ -1,45 +1,102 @@
-// Embree as a peer: high build quality, one closest-hit or any-hit query a ray, robust or not.
+// Embree 4 as a peer: high build quality, robust or not, asked one ray at a time and in packets of 16.
+#include <algorithm>
 #include <atomic>
+#include <cstring>
+#include <immintrin.h>
 #include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
 
-#if __has_include(<embree4/rtcore.h>)
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
-
+#include "bench/embree_api.h"
 #include "bench/peer.h"
 
 namespace msbvh::bench {
 namespace {
 
+using embree::RayHitN;
+using embree::RayN;
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr const char* kModes[] = {"single", "packet_coherent", "packet_incoherent", nullptr};
+enum Mode : std::size_t { kSingle, kPacketCoherent, kPacketIncoherent };
+
+embree::Api api;
+
+// Embree asks for it: denormals slow it down. Ours never see it: they stand between our own measurements.
+class FlushDenormals {
+ public:
+  FlushDenormals() : before_(_mm_getcsr()) { _mm_setcsr(before_ | kFlushToZero | kDenormalsAreZero); }
+  ~FlushDenormals() { _mm_setcsr(before_); }
+  FlushDenormals(const FlushDenormals&) = delete;
+
+ private:
+  static constexpr unsigned kFlushToZero = 1u << 15, kDenormalsAreZero = 1u << 6;
+  const unsigned before_;
+};
+
+template <std::size_t N>
+void set_ray(RayN<N>& packet, std::size_t i, const Ray& ray) {
+  packet.org_x[i] = ray.org.x;
+  packet.org_y[i] = ray.org.y;
+  packet.org_z[i] = ray.org.z;
+  packet.tnear[i] = ray.tnear;
+  packet.dir_x[i] = ray.dir.x;
+  packet.dir_y[i] = ray.dir.y;
+  packet.dir_z[i] = ray.dir.z;
+  packet.time[i] = ray.time;
+  packet.tfar[i] = ray.tfar;
+  packet.mask[i] = ~0u;
+  packet.id[i] = 0;
+  packet.flags[i] = 0;
+}
+
+template <std::size_t N>
+void expect_hits(RayHitN<N>& query) {
+  std::fill_n(query.hit.geometry, N, embree::kNoId);
+  std::fill_n(query.hit.instance, N, embree::kNoId);
+}
+
+class EmbreeRays : public PeerRays {
+ public:
+  EmbreeRays(const Ray* rays, std::size_t count) : count(count), single(count) {
+    packets.resize((count + kPeerPacket - 1) / kPeerPacket);
+    for (std::size_t i = 0; i < count; ++i) set_ray(single[i], 0, rays[i]);
+    for (std::size_t i = 0; i < packets.size() * kPeerPacket; ++i) {
+      set_ray(packets[i / kPeerPacket], i % kPeerPacket, rays[std::min(i, count - 1)]);
+    }
+  }
+
+  const std::size_t count;
+  std::vector<RayN<1>> single;
+  std::vector<RayN<kPeerPacket>> packets;  // the last one is filled up
+};
+
 class Embree : public Peer {
  public:
   Embree(const PeerScene& scene, unsigned threads, bool robust) : input_(scene), robust_(robust) {
     const std::string config = "threads=" + std::to_string(threads);
-    device_ = rtcNewDevice(config.c_str());
+    device_ = api.rtcNewDevice(config.c_str());
     if (!device_) throw std::runtime_error("bench: Embree made no device");
-    rtcSetDeviceMemoryMonitorFunction(device_, &count_bytes, this);
+    api.rtcSetDeviceMemoryMonitorFunction(device_, &count_bytes, this);
   }
   ~Embree() override {
-    for (const RTCScene object : objects_) rtcReleaseScene(object);
-    if (scene_) rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
+    for (const embree::Scene object : objects_) api.rtcReleaseScene(object);
+    if (scene_) api.rtcReleaseScene(scene_);
+    api.rtcReleaseDevice(device_);
   }
 
   void build() override {
+    const FlushDenormals flush;
     for (const std::vector<PeerMesh>& meshes : input_.objects) {
-      RTCScene object = make_scene(meshes);
-      rtcCommitScene(object);
+      embree::Scene object = make_scene(meshes);
+      api.rtcCommitScene(object);
       objects_.push_back(object);
     }
     scene_ = make_scene(input_.world);
     for (const PeerInstance& instance : input_.instances) attach(instance);
-    rtcCommitScene(scene_);
-    if (const RTCError error = rtcGetDeviceError(device_); error != RTC_ERROR_NONE) {
+    api.rtcCommitScene(scene_);
+    if (const int error = api.rtcGetDeviceError(device_); error != 0) {
       throw std::runtime_error("bench: Embree's error " + std::to_string(error));
     }
   }
@@ -53,39 +110,88 @@ class Embree : public Peer {
     return sum;
   }
 
-  void intersect(const Ray* rays, std::size_t count, float* t) const override {
-    for (std::size_t i = 0; i < count; ++i) {
-      RTCRayHit query;
-      query.ray = converted(rays[i]);
-      query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-#if RTC_VERSION_MAJOR >= 4
-      rtcIntersect1(scene_, &query, nullptr);
-#else
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      rtcIntersect1(scene_, &context, &query);
-#endif
-      t[i] = query.hit.geomID == RTC_INVALID_GEOMETRY_ID ? kInfinity : query.ray.tfar;
-    }
+  std::unique_ptr<PeerRays> prepare(const Ray* rays, std::size_t count) const override {
+    return std::make_unique<EmbreeRays>(rays, count);
   }
 
-  void occluded(const Ray* rays, std::size_t count, float* t) const override {
-    for (std::size_t i = 0; i < count; ++i) {
-      RTCRay query = converted(rays[i]);
-#if RTC_VERSION_MAJOR >= 4
-      rtcOccluded1(scene_, &query, nullptr);
-#else
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      rtcOccluded1(scene_, &context, &query);
-#endif
-      t[i] = query.tfar < 0.0f ? 0.0f : kInfinity;
-    }
+  void intersect(std::size_t mode, const PeerRays& rays, std::size_t begin, std::size_t end,
+                 float* t) const override {
+    const FlushDenormals flush;
+    const auto& prepared = static_cast<const EmbreeRays&>(rays);
+    mode == kSingle ? intersect_single(prepared, begin, end, t)
+                    : intersect_packets(flags_of(mode), prepared, begin, end, t);
+  }
+
+  void occluded(std::size_t mode, const PeerRays& rays, std::size_t begin, std::size_t end,
+                float* t) const override {
+    const FlushDenormals flush;
+    const auto& prepared = static_cast<const EmbreeRays&>(rays);
+    mode == kSingle ? occluded_single(prepared, begin, end, t)
+                    : occluded_packets(flags_of(mode), prepared, begin, end, t);
   }
 
  private:
-  static constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  static int flags_of(std::size_t mode) {
+    return mode == kPacketCoherent ? embree::kCoherent : embree::kIncoherent;
+  }
+
+  void intersect_single(const EmbreeRays& rays, std::size_t begin, std::size_t end, float* t) const {
+    embree::QueryArguments arguments;
+    for (std::size_t i = begin; i < end; ++i) {
+      RayHitN<1> query;
+      query.ray = rays.single[i];
+      expect_hits(query);
+      api.rtcIntersect1(scene_, &query, &arguments);
+      *t++ = query.hit.geometry[0] == embree::kNoId ? kInfinity : query.ray.tfar[0];
+    }
+  }
+
+  void occluded_single(const EmbreeRays& rays, std::size_t begin, std::size_t end, float* t) const {
+    embree::QueryArguments arguments;
+    for (std::size_t i = begin; i < end; ++i) {
+      RayN<1> query = rays.single[i];
+      api.rtcOccluded1(scene_, &query, &arguments);
+      *t++ = query.tfar[0] < 0.0f ? 0.0f : kInfinity;
+    }
+  }
+
+  // Calls work(packet, valid, rays in it, t) for each packet of the range.
+  template <typename Work>
+  static void for_packets(const EmbreeRays& rays, std::size_t begin, std::size_t end, float* t,
+                          const Work& work) {
+    alignas(64) int valid[kPeerPacket];
+    for (std::size_t i = begin; i < end; i += kPeerPacket, t += kPeerPacket) {
+      const std::size_t used = std::min(kPeerPacket, end - i);
+      for (std::size_t lane = 0; lane < kPeerPacket; ++lane) valid[lane] = lane < used ? -1 : 0;
+      work(rays.packets[i / kPeerPacket], valid, used, t);
+    }
+  }
+
+  void intersect_packets(int flags, const EmbreeRays& rays, std::size_t begin, std::size_t end,
+                         float* t) const {
+    embree::QueryArguments arguments;
+    arguments.flags = flags;
+    for_packets(rays, begin, end, t, [&](const auto& packet, const int* valid, std::size_t used, float* out) {
+      RayHitN<kPeerPacket> query;
+      query.ray = packet;
+      expect_hits(query);
+      api.rtcIntersect16(valid, scene_, &query, &arguments);
+      for (std::size_t lane = 0; lane < used; ++lane) {
+        out[lane] = query.hit.geometry[lane] == embree::kNoId ? kInfinity : query.ray.tfar[lane];
+      }
+    });
+  }
+
+  void occluded_packets(int flags, const EmbreeRays& rays, std::size_t begin, std::size_t end,
+                        float* t) const {
+    embree::QueryArguments arguments;
+    arguments.flags = flags;
+    for_packets(rays, begin, end, t, [&](const auto& packet, const int* valid, std::size_t used, float* out) {
+      RayN<kPeerPacket> query = packet;
+      api.rtcOccluded16(valid, scene_, &query, &arguments);
+      for (std::size_t lane = 0; lane < used; ++lane) out[lane] = query.tfar[lane] < 0.0f ? 0.0f : kInfinity;
+    });
+  }
 
   static bool count_bytes(void* self, ssize_t bytes, bool) {
     static_cast<Embree*>(self)->bytes_ += bytes;
@@ -97,66 +203,63 @@ class Embree : public Peer {
     return mesh.keys > 1 ? std::uint64_t(mesh.keys) * mesh.vertices * sizeof(Vec3f) : 0;
   }
 
-  static RTCRay converted(const Ray& ray) {
-    RTCRay query;
-    query.org_x = ray.org.x;
-    query.org_y = ray.org.y;
-    query.org_z = ray.org.z;
-    query.tnear = ray.tnear;
-    query.dir_x = ray.dir.x;
-    query.dir_y = ray.dir.y;
-    query.dir_z = ray.dir.z;
-    query.time = ray.time;
-    query.tfar = ray.tfar;
-    query.mask = ~0u;
-    query.id = 0;
-    query.flags = 0;
-    return query;
-  }
-
-  RTCScene make_scene(const std::vector<PeerMesh>& meshes) {
-    RTCScene scene = rtcNewScene(device_);
-    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
-    rtcSetSceneFlags(scene, robust_ ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE);
+  embree::Scene make_scene(const std::vector<PeerMesh>& meshes) {
+    embree::Scene scene = api.rtcNewScene(device_);
+    api.rtcSetSceneBuildQuality(scene, embree::kHighQuality);
+    api.rtcSetSceneFlags(scene, robust_ ? embree::kRobustScene : 0);
     for (const PeerMesh& mesh : meshes) {
-      RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-      rtcSetGeometryBuildQuality(geometry, RTC_BUILD_QUALITY_HIGH);
-      rtcSetGeometryTimeStepCount(geometry, mesh.keys);
+      embree::Geometry geometry = api.rtcNewGeometry(device_, embree::kTriangleGeometry);
+      api.rtcSetGeometryBuildQuality(geometry, embree::kHighQuality);
+      api.rtcSetGeometryTimeStepCount(geometry, mesh.keys);
       const std::size_t key_bytes = std::size_t(mesh.vertices) * sizeof(Vec3f);
       for (std::uint32_t key = 0; key < mesh.keys; ++key) {
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, key, RTC_FORMAT_FLOAT3, mesh.positions,
-                                   key * key_bytes, sizeof(Vec3f), mesh.vertices);
+        api.rtcSetSharedGeometryBuffer(geometry, embree::kVertexBuffer, key, embree::kFloat3, mesh.positions,
+                                       key * key_bytes, sizeof(Vec3f), mesh.vertices);
       }
-      rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles, 0,
-                                 3 * sizeof(std::uint32_t), mesh.triangle_count);
-      rtcCommitGeometry(geometry);
-      rtcAttachGeometry(scene, geometry);
-      rtcReleaseGeometry(geometry);
+      api.rtcSetSharedGeometryBuffer(geometry, embree::kIndexBuffer, 0, embree::kUint3, mesh.triangles, 0,
+                                     3 * sizeof(std::uint32_t), mesh.triangle_count);
+      api.rtcCommitGeometry(geometry);
+      api.rtcAttachGeometry(scene, geometry);
+      api.rtcReleaseGeometry(geometry);
     }
     return scene;
   }
 
   void attach(const PeerInstance& instance) {
-    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(geometry, objects_[instance.object]);
-    rtcSetGeometryTimeStepCount(geometry, instance.keys);
+    embree::Geometry geometry = api.rtcNewGeometry(device_, embree::kInstanceGeometry);
+    api.rtcSetGeometryInstancedScene(geometry, objects_[instance.object]);
+    api.rtcSetGeometryTimeStepCount(geometry, instance.keys);
     static_assert(sizeof(Affine3f) == 12 * sizeof(float));
     for (std::uint32_t key = 0; key < instance.keys; ++key) {
-      rtcSetGeometryTransform(geometry, key, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
-                              &instance.world_from_object[key]);
+      api.rtcSetGeometryTransform(geometry, key, embree::kFloat3x4ColumnMajor,
+                                  &instance.world_from_object[key]);
     }
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_, geometry);
-    rtcReleaseGeometry(geometry);
+    api.rtcCommitGeometry(geometry);
+    api.rtcAttachGeometry(scene_, geometry);
+    api.rtcReleaseGeometry(geometry);
   }
 
   const PeerScene& input_;
   const bool robust_;
-  RTCDevice device_ = nullptr;
-  RTCScene scene_ = nullptr;
-  std::vector<RTCScene> objects_;
+  embree::Device device_ = nullptr;
+  embree::Scene scene_ = nullptr;
+  std::vector<embree::Scene> objects_;
   std::atomic<std::int64_t> bytes_ = 0;
 };
+
+// Its own word for the version; the instruction set follows from the widest packets that it has kernels for.
+std::string name_of_library() {
+  embree::Device device = api.rtcNewDevice("threads=1");
+  if (!device) throw std::runtime_error("bench: Embree made no device");
+  const auto property = [&](int which) { return static_cast<int>(api.rtcGetDeviceProperty(device, which)); };
+  const int version = property(embree::kVersionProperty);
+  const char* set = property(embree::kNativeRay16Property)  ? "AVX-512"
+                    : property(embree::kNativeRay8Property) ? "AVX or AVX2"
+                                                            : "SSE";
+  api.rtcReleaseDevice(device);
+  return "Embree " + std::to_string(version / 10000) + "." + std::to_string(version / 100 % 100) + "." +
+         std::to_string(version % 100) + " (" + set + ")";
+}
 
 }  // namespace
 }  // namespace msbvh::bench
@@ -165,7 +268,18 @@ extern "C" {
 
 std::uint32_t msbvh_peer_abi() { return msbvh::bench::kPeerAbi; }
 
-const char* msbvh_peer_name() { return "Embree " RTC_VERSION_STRING; }
+const char* msbvh_peer_open(const char* folder) {
+  static std::string failure;
+  failure = msbvh::bench::embree::load_api(folder, msbvh::bench::api);
+  return failure.empty() ? nullptr : failure.c_str();
+}
+
+const char* msbvh_peer_name() {
+  static const std::string name = msbvh::bench::name_of_library();
+  return name.c_str();
+}
+
+const char* const* msbvh_peer_modes() { return msbvh::bench::kModes; }
 
 msbvh::bench::Peer* msbvh_peer_make(const msbvh::bench::PeerScene& scene, unsigned threads, bool robust) {
   return new msbvh::bench::Embree(scene, threads, robust);

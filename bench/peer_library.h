@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "bench/peer.h"
 
@@ -10,11 +11,13 @@ namespace msbvh::bench {
 
 class PeerLibrary {
  public:
-  // Stays loaded for the life of the process. Throws Error where it cannot be loaded or is of another
-  // version.
-  explicit PeerLibrary(const std::string& path);
+  // `folder` holds the ray tracer's own libraries. All stay loaded for the life of the process. Throws Error
+  // where one cannot be loaded or is of another version.
+  PeerLibrary(const std::string& path, const std::string& folder);
 
   const char* name() const { return name_(); }
+  // The ways in which it can be asked: "single" and others.
+  const std::vector<std::string>& modes() const { return modes_; }
   // Borrows the scene.
   std::unique_ptr<Peer> make(const PeerScene& scene, unsigned threads, bool robust) const {
     return std::unique_ptr<Peer>(make_(scene, threads, robust));
@@ -22,6 +25,7 @@ class PeerLibrary {
 
  private:
   const char* (*name_)() = nullptr;
+  std::vector<std::string> modes_;
   Peer* (*make_)(const PeerScene&, unsigned, bool) = nullptr;
 };
 

@@ -10,6 +10,10 @@ namespace {
 
 using procedural::Random;
 
+// Bits 0, 2 and 4 of a place in a tile as a number: along the Z curve 16 neighbours are a square of 4 x 4,
+// which packets trace better than two rows.
+std::size_t every_second_bit(std::size_t place) { return (place & 1) | (place >> 1 & 2) | (place >> 2 & 4); }
+
 std::vector<Ray> primary_rays(const Camera& camera, std::size_t count, Random& random) {
   constexpr std::size_t kTile = 8;
   const auto tiles = std::max<std::size_t>(1, static_cast<std::size_t>(std::sqrt(double(count))) / kTile);
@@ -18,8 +22,9 @@ std::vector<Ray> primary_rays(const Camera& camera, std::size_t count, Random& r
   rays.reserve(tiles * tiles * kTile * kTile);
   for (std::size_t i = 0; i < tiles * tiles * kTile * kTile; ++i) {
     const std::size_t tile = i / (kTile * kTile), in_tile = i % (kTile * kTile);
-    const auto x = static_cast<float>(tile % tiles * kTile + in_tile % kTile) + random.uniform();
-    const auto y = static_cast<float>(tile / tiles * kTile + in_tile / kTile) + random.uniform();
+    const auto x = static_cast<float>(tile % tiles * kTile + every_second_bit(in_tile)) + random.uniform();
+    const auto y =
+        static_cast<float>(tile / tiles * kTile + every_second_bit(in_tile >> 1)) + random.uniform();
     rays.push_back(camera_ray(camera, x / pixels, y / pixels, random.uniform()));
   }
   return rays;

@@ -22,8 +22,8 @@ constexpr double kDistanceTolerance = 1e-4;
 constexpr std::size_t kInsideRays = 1u << 17;
 // Builds are repeated until so many seconds are spent on them.
 constexpr double kBuildSeconds = 2.0;
-// Rays are traced again until so many seconds are spent, at least thrice.
-constexpr double kTraceSeconds = 3.0;
+// Rays are traced again until so many seconds are spent for each contestant, at least thrice.
+constexpr double kTraceSeconds = 0.75;
 
 std::vector<BuilderName> chosen_builders(const std::vector<std::string>& names) {
   std::vector<BuilderName> chosen;
@@ -64,6 +64,11 @@ class SceneRun {
     }
     sides_.assign(ours_.begin(), ours_.end());
     sides_.insert(sides_.end(), peers_.begin(), peers_.end());
+    for (std::size_t side = 0; side < sides_.size(); ++side) {
+      first_.push_back(contestants_.size());
+      for (std::size_t mode = 0; mode < sides_[side]->modes().size(); ++mode)
+        contestants_.push_back({side, mode});
+    }
   }
 
   std::vector<std::string> run() {
@@ -81,6 +86,14 @@ class SceneRun {
   }
 
  private:
+  // A side that is asked in one of its modes. Those of a side are neighbours, from first_[side] on.
+  struct Contestant {
+    std::size_t side, mode;
+  };
+  struct Measured {  // by contestant
+    std::vector<std::vector<float>> t;
+    std::vector<std::vector<double>> seconds;
+  };
   struct RaySet {
     RayKind kind;
     std::vector<Ray> rays;
@@ -125,26 +138,40 @@ class SceneRun {
   }
 
   void measure(Arena& arena, unsigned threads, const RaySet& set) {
-    std::vector<std::vector<float>> t(sides_.size(), std::vector<float>(set.rays.size()));
-    std::vector<std::vector<double>> seconds;
+    const std::size_t count = contestants_.size();
+    Measured found{std::vector(count, std::vector<float>(set.rays.size())), {}};
+    const auto trace = [&](std::size_t c) {
+      trace_all(*sides_[contestants_[c].side], contestants_[c].mode, set.kind, found.t[c]);
+    };
+    for (const auto& side : sides_) side->prepare(set.rays);
     arena.execute([&] {
-      for (std::size_t i = 0; i < sides_.size(); ++i)
-        trace_all(*sides_[i], set.kind, set.rays, t[i]);  // warm
-      seconds = interleave(sides_.size(), settings_.repetitions, 3, kTraceSeconds,
-                           [&](std::size_t i) { trace_all(*sides_[i], set.kind, set.rays, t[i]); });
+      for (std::size_t c = 0; c < count; ++c) trace(c);  // warm
+      found.seconds =
+          interleave(count, settings_.repetitions, 3, kTraceSeconds * static_cast<double>(count), trace);
     });
     settings_.tick();
     for (std::size_t i = 0; i < ours_.size(); ++i) {
-      if (peers_.empty()) write(threads, arena.threads(), set, i, sides_.size(), t, seconds);
+      if (peers_.empty()) write(threads, arena.threads(), set, i, sides_.size(), found);
       for (std::size_t p = ours_.size(); p < sides_.size(); ++p) {
-        write(threads, arena.threads(), set, i, p, t, seconds);
+        write(threads, arena.threads(), set, i, p, found);
       }
     }
   }
 
+  std::size_t ours_single(std::size_t i) const { return first_[i] + OurSide::kSingle; }
+  std::size_t ours_many(std::size_t i) const { return first_[i] + OurSide::kMany; }
+  // Contestants that are modes of side `p`.
+  std::vector<std::size_t> modes_of(std::size_t p) const {
+    std::vector<std::size_t> all;
+    for (std::size_t c = 0; c < contestants_.size(); ++c) {
+      if (contestants_[c].side == p) all.push_back(c);
+    }
+    return all;
+  }
+
   // A row of our side `i` beside the peer's side `p`; p == sides_.size(): no peer.
   void write(unsigned threads, unsigned used, const RaySet& set, std::size_t i, std::size_t p,
-             const std::vector<std::vector<float>>& t, const std::vector<std::vector<double>>& seconds) {
+             const Measured& found) {
     const BvhStatistics& tree = ours_[i]->trees().statistics();
     JsonRow row;
     row.add("scene", settings_.name);
@@ -157,8 +184,10 @@ class SceneRun {
     row.add("threads", threads);
     row.add("threads_used", used);
     row.add("ray_count", set.rays.size());
-    row.add("rounds", seconds[i].size());
-    write_speed(row, set, i, p, seconds);
+    row.add("rounds", found.seconds[ours_many(i)].size());
+    write_speed(row, set, i, found.seconds);
+    write_peer_speed(row, set, i, p, found.seconds);
+    write_build_time(row, i, p);
     write_sizes(row, i, p);
     const double rays = static_cast<double>(set.work[i].rays);
     row.add("nodes_per_ray", static_cast<double>(set.work[i].nodes) / rays);
@@ -171,37 +200,74 @@ class SceneRun {
     row.add("peer_misses", p < sides_.size() ? misses_[p] : kNotMeasured);
     row.add("mismatches", set.oracle[i].wrong);
     row.add("oracle_rays", set.oracle[i].rays);
-    const bool comparable = p < sides_.size() && !input_.sampled;
-    row.add("peer_mismatches", comparable ? static_cast<double>(count_differences(set.rays, t[i], t[p],
-                                                                                  kDistanceTolerance * size_))
-                                          : kNotMeasured);
+    row.add("mode_mismatches",
+            count_differences(set.rays, found.t[ours_many(i)], found.t[ours_single(i)], 0.0));
+    row.add("peer_mismatches", peer_mismatches(set, i, p, found.t));
     rows_.push_back(row.text());
   }
 
-  void write_speed(JsonRow& row, const RaySet& set, std::size_t i, std::size_t p,
-                   const std::vector<std::vector<double>>& seconds) const {
-    const bool beside = p < sides_.size();
-    const double mega = 1e-6 * static_cast<double>(set.rays.size());
-    const Spread ours = spread_of(seconds[i]), theirs = beside ? spread_of(seconds[p]) : Spread{};
-    const Spread ratio = beside ? speed_ratio(seconds[i], seconds[p]) : Spread{};
-    if (beside) {
-      row.add("robust", peers_[p - ours_.size()]->robust);
-    } else {
-      row.add("robust", true);
+  // The most of any of the peer's modes.
+  double peer_mismatches(const RaySet& set, std::size_t i, std::size_t p,
+                         const std::vector<std::vector<float>>& t) const {
+    if (p >= sides_.size() || input_.sampled) return kNotMeasured;
+    std::size_t most = 0;
+    for (const std::size_t c : modes_of(p)) {
+      most = std::max(most, count_differences(set.rays, t[ours_many(i)], t[c], kDistanceTolerance * size_));
     }
-    row.add("mrays", mega / ours.median);
-    row.add("mrays_low", mega / ours.high);
-    row.add("mrays_high", mega / ours.low);
-    row.add("peer_mrays", mega / theirs.median);
-    row.add("peer_mrays_low", mega / theirs.high);
-    row.add("peer_mrays_high", mega / theirs.low);
-    row.add("ratio", ratio.median);
-    row.add("ratio_low", ratio.low);
-    row.add("ratio_high", ratio.high);
+    return static_cast<double>(most);
+  }
+
+  static double mrays(const RaySet& set, const std::vector<double>& seconds) {
+    return 1e-6 * static_cast<double>(set.rays.size()) / spread_of(seconds).median;
+  }
+
+  static void write_spread(JsonRow& row, const std::string& name, const Spread& spread) {
+    row.add(name.c_str(), spread.median);
+    row.add((name + "_low").c_str(), spread.low);
+    row.add((name + "_high").c_str(), spread.high);
+  }
+
+  void write_speed(JsonRow& row, const RaySet& set, std::size_t i,
+                   const std::vector<std::vector<double>>& seconds) const {
+    const double mega = 1e-6 * static_cast<double>(set.rays.size());
+    const Spread many = spread_of(seconds[ours_many(i)]);
+    write_spread(row, "mrays", {mega / many.median, mega / many.high, mega / many.low});
+    row.add("single_mrays", mrays(set, seconds[ours_single(i)]));
+  }
+
+  // The peer in each of its modes, and our ratios: many at once to its best mode, one at a time to one at a
+  // time.
+  void write_peer_speed(JsonRow& row, const RaySet& set, std::size_t i, std::size_t p,
+                        const std::vector<std::vector<double>>& seconds) const {
+    const bool beside = p < sides_.size();
+    row.add("robust", beside ? peers_[p - ours_.size()]->robust : true);
+    if (!beside) {
+      for (const char* key : {"peer_mrays", "ratio", "ratio_low", "ratio_high", "single_ratio"})
+        row.add(key, kNotMeasured);
+      row.add("peer_mode", "");
+      return;
+    }
+    const std::vector<std::size_t> modes = modes_of(p);
+    const std::size_t best =
+        *std::ranges::max_element(modes, {}, [&](std::size_t c) { return mrays(set, seconds[c]); });
+    for (const std::size_t c : modes) {
+      row.add(("peer_" + mode_name(c) + "_mrays").c_str(), mrays(set, seconds[c]));
+    }
+    row.add("peer_mode", mode_name(best));
+    row.add("peer_mrays", mrays(set, seconds[best]));
+    write_spread(row, "ratio", speed_ratio(seconds[ours_many(i)], seconds[best]));
+    row.add("single_ratio", speed_ratio(seconds[ours_single(i)], seconds[modes.front()]).median);
+  }
+
+  const std::string& mode_name(std::size_t c) const {
+    return sides_[contestants_[c].side]->modes()[contestants_[c].mode];
+  }
+
+  void write_build_time(JsonRow& row, std::size_t i, std::size_t p) const {
     row.add("build_s", spread_of(build_seconds_[i]).median);
     row.add("topology_s", ours_[i]->trees().statistics().topology_seconds);
     row.add("bounds_s", ours_[i]->trees().statistics().bounds_seconds);
-    row.add("peer_build_s", beside ? spread_of(build_seconds_[p]).median : kNotMeasured);
+    row.add("peer_build_s", p < sides_.size() ? spread_of(build_seconds_[p]).median : kNotMeasured);
     row.add("build_repetitions", build_seconds_[i].size());
   }
 
@@ -240,6 +306,8 @@ class SceneRun {
   std::vector<std::shared_ptr<OurSide>> ours_;
   std::vector<std::shared_ptr<PeerSide>> peers_;
   std::vector<std::shared_ptr<Side>> sides_;  // ours, then the peer's
+  std::vector<Contestant> contestants_;
+  std::vector<std::size_t> first_;  // contestant of each side
   std::vector<std::vector<double>> build_seconds_;
   std::vector<double> misses_;
   std::vector<RaySet> ray_sets_;

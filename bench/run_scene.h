@@ -23,12 +23,12 @@ struct RunSettings {
   int build_repetitions = 3;  // fewer where builds take long
   std::uint32_t seed = 1;
   double oracle_tests = 2e7;              // triangles that the oracle tests for each builder and kind of ray
-  std::vector<bool> robust{true, false};  // the peer's modes; ours is always robust
+  std::vector<bool> robust{true, false};  // the peer with its robust flag and without; ours is always robust
   const PeerLibrary* peer = nullptr;
   std::function<void()> tick = [] {};  // between measurements; what it throws ends the run
 };
 
-// JSON objects, one for each builder, kind of ray, number of threads and mode of the peer.
+// JSON objects, one for each builder, kind of ray, number of threads and value of the peer's robust flag.
 std::vector<std::string> run_scene(const BenchScene& scene, const RunSettings& settings);
 
 }  // namespace msbvh::bench

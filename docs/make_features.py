@@ -1,9 +1,9 @@
 """Writes docs/features.md: every feature of the acceleration structure with its test, with and without it.
 
-    python docs/make_features.py [build/release/bench/msbvh_bench_features]    # under a minute
+    python docs/make_features.py [--allow-dirty] [build/release/bench/msbvh_bench_features]    # under a minute
 
 The executable comes with -DMSBVH_BUILD_BENCH=ON (`make setup` has it). Rows are those that it prints; nothing here
-knows a figure.
+knows a figure. A tree with uncommitted changes is refused, or with --allow-dirty marked.
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+
+import provenance
 
 ROOT = Path(__file__).resolve().parents[1]
 BENCH = Path("build/release/bench/msbvh_bench_features")
@@ -58,21 +60,27 @@ COLUMNS = (
 
 
 def main() -> None:
-    bench = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / BENCH
+    allow_dirty = "--allow-dirty" in sys.argv[1:]
+    arguments = [argument for argument in sys.argv[1:] if argument != "--allow-dirty"]
+    bench = Path(arguments[0]) if arguments else ROOT / BENCH
+    try:
+        commit = provenance.commit(allow_dirty=allow_dirty)
+    except provenance.DirtyTree as error:
+        sys.exit(f"make_features: error: {error}")
     load_average = os.getloadavg()[0]
     out = subprocess.run([bench], check=True, stdout=subprocess.PIPE, text=True).stdout
     rows = [json.loads(line) for line in out.splitlines()]
-    text = "\n".join(page(rows, bench, load_average))
+    text = "\n".join(page(rows, bench, load_average, commit))
     (ROOT / "docs" / "features.md").write_text(text + "\n", encoding="utf-8")
 
 
-def page(rows: list[Row], bench: Path, load_average: float) -> Iterator[str]:
+def page(rows: list[Row], bench: Path, load_average: float, commit: str) -> Iterator[str]:
     """The lines of docs/features.md."""
     counts = [row["ray_count"] for row in rows]
     yield HEAD.format(
         command=BENCH if bench.resolve() == (ROOT / BENCH).resolve() else bench.name,
-        commit=commit(),
-        processor=processor(),
+        commit=f" ({commit})",
+        processor=provenance.processor(),
         cores=os.cpu_count(),
         system=f"{platform.system()} {platform.release()}",
         load_average=load_average,
@@ -157,21 +165,6 @@ def link(path: str) -> str:
 def source(text: str) -> str:
     """A document or header as a link, a place in the paper as it is."""
     return link(text) if (ROOT / text).is_file() else text
-
-
-def commit() -> str:
-    command = ["git", "-C", str(ROOT), "describe", "--always", "--dirty", "--exclude=*"]
-    found = subprocess.run(command, check=False, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-    return f" ({found.stdout.strip()})" if found.returncode == 0 else ""
-
-
-def processor() -> str:
-    """The name that Linux has for it."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor()
-    return next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), "unknown")
 
 
 if __name__ == "__main__":

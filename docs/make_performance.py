@@ -1,13 +1,16 @@
 """Writes docs/performance.md and its plots: how fast we are, what we need, and where we are slower.
 
-    python docs/make_performance.py [bench.json]    # the report of `msbvh bench --peer embree --out DIR`
+    python docs/make_performance.py [--allow-dirty] [bench.json]
 
-Without a report it runs the benchmark, with Embree where the package was built with it: some 15 minutes.
-Plots need matplotlib (the extra `bench`); without it the page has tables only.
+bench.json is the report of `msbvh bench --peer embree --json`. Without it the benchmark runs with the options in
+MEASURED, beside Embree where the wheel embreex is installed: some 20 minutes on two cores. Plots need matplotlib; the
+extra `bench` brings both. A page is of a commit: a tree with uncommitted changes is refused, or with --allow-dirty
+marked.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import subprocess
 import sys
@@ -16,7 +19,8 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-from msbvh.bench import peer_library
+import provenance
+from msbvh.bench import find_peer
 from msbvh.errors import SceneError
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -24,47 +28,93 @@ IMAGES = ROOT / "docs" / "images"
 
 Row = dict[str, Any]
 KINDS = ("primary", "shadow", "random")
+PEER_MODES = {"single": "one", "packet_coherent": "packets, coherent", "packet_incoherent": "packets, incoherent"}
+"""The peer's modes as the report names them: the heading of their column."""
+
+MEASURED = ("--triangles", "100000")
+"""What the page is made of: every scene class at a size at which Embree's packets still find much in the caches. Each
+class's own size, up to 2 million triangles, takes hours."""
 
 SHARED = """The machine was shared: absolute figures are too low, and only ratios with a narrow spread say much.
+"""
+
+DIRTY = """**Made from a tree with uncommitted changes**: the commit above does not reproduce it.
 """
 
 HEAD = """# Performance
 
 Made by `{command}` and
-`python docs/make_performance.py` (`make bench` runs both in full): msbvh {msbvh}{commit}{peer},
-{processor}, {cores} cores, {system}, {instruction_set}; seed {seed}; load average {load_average:.1f} before the run.
-{shared}
-A cell is the median of {repetitions} rounds (3 at least, where rays take long) with the lowest and the highest in
-brackets. In a round each builder and each mode of the peer traces the same rays in turn, so that a ratio (ours over
-the peer's rays a second; above 1 we are faster) is taken from measurements that stand side by side. Times of rays are
-random: the worst case for caches.
-Primary rays come in tiles of 8 x 8 pixels, shadow rays start where they hit and ask for any hit, random rays join two
-random points of the scene's box. Ours is always watertight; the peer is measured with its robust flag unless a table
-says otherwise, in its high build quality. Where our motion is a curve, or bends at uneven times, the peer has as many
-linear keys as bring it within a tenth of a pixel (of 960 across the scene): *peer keys*.
+`python docs/make_performance.py` (`make bench` runs both): msbvh {msbvh}{commit}{peer},
+{processor}, {cores} cores, {system}; our instruction set: {instruction_set}; seed {seed}; load average
+{load_average:.1f} before the run, which took {minutes:.0f} minutes.
+{shared}{dirty}
+**What is compared.** All sides trace the same rays in one process, on the same threads, in turn: a round has one turn of
+each. We are asked one ray at a time (*one*) and a thousand at once, as the renderer asks (*many*). {peer_asked}
+A cell is the median of {repetitions} rounds (3 at least, where rays take long) in millions of rays a second. The
+**ratio** is ours, many at once, over the best of the peer's modes in that cell, from turns that stand side by side,
+with the lowest and the highest of the rounds in brackets: above 1 we are faster, and *slower* marks where we are not
+(*perhaps*: not in every round). The last column compares one ray at a time with one ray at a time.
+
+**What is traced.** Times of rays are random: the worst case for caches and packets. Primary rays come in tiles of 8 x 8
+pixels along a Z curve, so that a packet is a square of 4 x 4; shadow rays start where they hit and ask for any hit;
+random rays join two random points of the scene's box. Ours is always watertight; the peer has its robust flag set unless
+a table says otherwise. Where our motion is a curve, or bends at uneven times, the peer has as many linear keys as bring
+it within a tenth of a pixel (of 960 across the scene): *peer keys* in the table of bytes.
 """
+
+ASKED = """{peer}
+builds in its high quality (which cuts triangles to pieces only where nothing moves and the robust flag is not set) and
+is asked one ray at a time (`rtcIntersect1`, `rtcOccluded1`) and in packets of 16 (`rtcIntersect16`, `rtcOccluded16`) with
+the coherent and with the incoherent flag; its rays are in its own layout before the clock starts, and its threads flush
+denormals as it asks."""
+
+NO_PEER = "There was no peer in this run."
 
 
 def main() -> None:
-    report = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")) if len(sys.argv) > 1 else measured()
+    options = argument_parser().parse_args()
+    try:
+        report = of_file(options.report, options.allow_dirty) if options.report else measured(options.allow_dirty)
+    except provenance.DirtyTree as error:
+        sys.exit(f"make_performance: error: {error}")
     IMAGES.mkdir(exist_ok=True)
     text = "\n".join(page(report))
     (ROOT / "docs" / "performance.md").write_text(text + "\n", encoding="utf-8")
 
 
-def measured() -> dict[str, Any]:
-    command = [sys.executable, "-m", "msbvh", "bench", "--json", *peer_option()]
+def argument_parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(description="Writes docs/performance.md.")
+    parser.add_argument("report", nargs="?", type=Path, help="of `msbvh bench --json`; default: measures")
+    parser.add_argument("--allow-dirty", action="store_true", help="mark a tree with uncommitted changes, don't refuse it")
+    return parser
+
+
+def of_file(path: Path, allow_dirty: bool) -> dict[str, Any]:
+    """A report that was made before. Raises DirtyTree for one of a tree with uncommitted changes."""
+    report: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    found = report["machine"]["commit"]
+    if (found is None or found.endswith("-dirty")) and not allow_dirty:
+        raise provenance.DirtyTree(f"{path}: found a report of commit {found}; expected one of a clean tree")
+    return report
+
+
+def measured(allow_dirty: bool) -> dict[str, Any]:
+    """Runs the benchmark. Raises DirtyTree."""
+    commit = provenance.commit(allow_dirty=allow_dirty)
+    command = [sys.executable, "-m", "msbvh", "bench", "--json", *MEASURED, *peer_option()]
     with tempfile.TemporaryFile() as out:
-        subprocess.run(command, stdout=out, check=False)
+        subprocess.run(command, stdout=out, check=False)  # its exit code tells of wrong answers: the page shows them
         out.seek(0)
-        return json.load(out)
+        report: dict[str, Any] = json.load(out)
+    report["machine"]["commit"] = commit
+    return report
 
 
 def peer_option() -> list[str]:
     try:
-        peer_library("embree")
-    except SceneError:
-        print("no peer: the package was built without Embree", file=sys.stderr)
+        find_peer("embree")
+    except SceneError as error:
+        print(f"make_performance: warning: the page has no peer: {error}", file=sys.stderr)
         return []
     return ["--peer", "embree"]
 
@@ -72,37 +122,94 @@ def peer_option() -> list[str]:
 def page(report: dict[str, Any]) -> Iterator[str]:
     """The lines of docs/performance.md."""
     machine, rows = report["machine"], report["rows"]
-    yield HEAD.format(
-        **{
-            **machine,
-            "command": command_of(machine),
-            "shared": SHARED if machine["load_average"] > 0.5 else "",
-            "commit": f" ({machine['commit']})" if machine["commit"] else "",
-            "peer": f" against {machine['peer']}" if machine["peer"] else "",
-        }
-    )
+    yield head(machine)
+    beside = bool(machine["peer"])
     ours = [row for row in rows if row["builder"] == "msbvh" and row["robust"]]
-    if plot(ours, bool(machine["peer"])):
+    if plot(ours, beside):
         yield "![Ratios and bytes by scene](images/performance.png)\n"
     for threads in machine["threads"]:
         name = "all threads" if threads == 0 else f"{threads} thread{'s' if threads > 1 else ''}"
-        yield from table(
-            f"Rays a second, {name} (Mrays/s: ours / peer, ratio)",
-            [*(f"{kind} rays" for kind in KINDS), "peer keys"],
-            group([row for row in ours if row["threads"] == threads]),
-            lambda found: [*(speed(found.get(kind)) for kind in KINDS), figure(one(found)["peer_keys"], 0)],
-        )
+        chosen = [row for row in ours if row["threads"] == threads]
+        for kind in KINDS:
+            yield from speed_table(f"{kind.capitalize()} rays, {name} (Mrays/s)", chosen, kind, beside)
+        if beside:
+            yield from slower(f"Where we are slower, {name}", chosen)
     first = machine["threads"][0]
     ours = [row for row in ours if row["threads"] == first]
     fast = [row for row in rows if row["builder"] == "msbvh" and not row["robust"] and row["threads"] == first]
     if fast:
-        title = "Against the peer without its robust flag (Mrays/s: ours / peer, ratio), first number of threads"
+        title = "Against the peer without its robust flag, first number of threads (Mrays/s: ours many / its best, ratio)"
         yield from table(
             title, list(KINDS), group(fast), lambda found: [speed(found.get(kind)) for kind in KINDS]
         )
+        yield from slower("Where we are slower than the peer without its robust flag", fast)
     yield from cost_table(ours)
     yield from builder_table(rows, first)
     yield from check_table(ours)
+
+
+def head(machine: dict[str, Any]) -> str:
+    """What the figures depend on, and what they mean."""
+    commit, peer = machine["commit"], machine["peer"]
+    return HEAD.format(
+        **{
+            **machine,
+            "command": command_of(machine),
+            "minutes": machine["seconds"] / 60,
+            "shared": SHARED if machine["load_average"] > 0.5 else "",
+            "dirty": DIRTY if commit is None or commit.endswith("-dirty") else "",
+            "commit": f" ({commit})" if commit else "",
+            "peer": f" against {peer}" if peer else "",
+            "peer_asked": ASKED.format(peer=peer) if peer else NO_PEER,
+        }
+    )
+
+
+def speed_table(title: str, rows: list[Row], kind: str, beside: bool) -> Iterator[str]:
+    """A row a scene: each side in each of its modes."""
+    columns = ["ours: one", "ours: many"]
+    if beside:
+        columns += [f"peer: {heading}" for heading in PEER_MODES.values()]
+        columns += ["**ratio**: many / its best", "one / one"]
+
+    def cells(found: dict[str, Row]) -> list[str]:
+        row = found[kind]
+        ours = [figure(row["single_mrays"], 2), figure(row["mrays"], 2)]
+        if not beside:
+            return ours
+        if row["ratio"] is None:  # what the peer cannot show
+            return [*ours, *["-"] * (len(PEER_MODES) + 2)]
+        return [*ours, *peer_cells(row), ratio(row), figure(row["single_ratio"], 2)]
+
+    yield from table(title, columns, group(row for row in rows if row["rays"] == kind), cells)
+
+
+def peer_cells(row: Row) -> list[str]:
+    """Each mode; the best one in italics."""
+    cells = {mode: figure(row[f"peer_{mode}_mrays"], 2) for mode in PEER_MODES}
+    return [f"*{cell}*" if mode == row["peer_mode"] else cell for mode, cell in cells.items()]
+
+
+def ratio(row: Row) -> str:
+    return f"**{row['ratio']:.2f}** [{row['ratio_low']:.2f}, {row['ratio_high']:.2f}]{verdict(row)}"
+
+
+def verdict(row: Row) -> str:
+    """Marks a cell in which we are slower."""
+    if row["ratio"] >= 1.0:
+        return ""
+    return " *slower*" if row["ratio_high"] < 1.0 else " *slower, perhaps*"
+
+
+def slower(title: str, rows: list[Row]) -> Iterator[str]:
+    """The cells in which we are slower once more, the slowest first."""
+    every = [row for row in rows if row["ratio"] is not None]
+    found = sorted((row for row in every if row["ratio"] < 1.0), key=lambda row: row["ratio"])
+    yield f"## {title}: {len(found)} of {len(every)} cells\n"
+    for row in found:
+        keys = "1 key" if row["keys"] == 1 else f"{row['keys']} keys"
+        yield f"- {row['scene']}, {keys}, {row['rays']} rays: {ratio(row)}, by {PEER_MODES[row['peer_mode']]}"
+    yield ""
 
 
 def command_of(machine: dict[str, Any]) -> str:
@@ -144,12 +251,9 @@ def table(
 
 
 def speed(row: Row | None) -> str:
-    if row is None:
+    if row is None or row["ratio"] is None:
         return "-"
-    if row["ratio"] is None:
-        return f"{row['mrays']:.2f} [{row['mrays_low']:.2f}, {row['mrays_high']:.2f}]"
-    ratio = f"**{row['ratio']:.2f}** [{row['ratio_low']:.2f}, {row['ratio_high']:.2f}]"
-    return f"{row['mrays']:.2f} / {row['peer_mrays']:.2f}, {ratio}"
+    return f"{row['mrays']:.2f} / {row['peer_mrays']:.2f}, {ratio(row)}"
 
 
 def figure(value: float | None, digits: int) -> str:
@@ -167,14 +271,15 @@ def cost_table(ours: list[Row]) -> Iterator[str]:
         return [
             bytes_,
             figure(row["peer_bytes_per_tri"], 0),
+            figure(row["peer_keys"], 0),
             f"{row['build_s']:.2f} ({split})",
             figure(row["peer_build_s"], 2),
             figure(row["duplication"], 2),
             figure(row["sah"], 1),
         ]
 
-    columns = ["bytes/triangle (nodes + leaves + vertices)", "peer", "build s (topology + the rest)", "peer"]
-    columns += ["references/triangle", "SAH"]
+    columns = ["bytes/triangle (nodes + leaves + vertices)", "peer", "peer keys"]
+    columns += ["build s (topology + the rest)", "peer", "references/triangle", "SAH"]
     yield from table("Bytes and build time, first number of threads", columns, group(ours), cells)
     yield "Bytes are all that traversal reads; the peer's are what it holds after the build, by its own memory"
     yield "monitor, and its moving vertices. SAH: averaged over the shutter, in node tests.\n"
@@ -190,7 +295,7 @@ def builder_table(rows: list[Row], threads: int) -> Iterator[str]:
         return f"{row['mrays']:.2f} ({row['nodes_per_ray']:.1f}, {row['tests_per_ray']:.1f}; {row['build_s']:.2f} s)"
 
     yield from table(
-        "Builders: random rays, Mrays/s (nodes, triangles a ray; build)",
+        "Builders: random rays, many at once, Mrays/s (nodes, triangles a ray; build)",
         builders,
         group(by_builder),
         lambda found: [cell(found[builder]) for builder in builders],
@@ -206,14 +311,16 @@ def check_table(ours: list[Row]) -> Iterator[str]:
         return [
             figure(one(found)["misses"], 0),
             figure(one(found)["peer_misses"], 0),
+            str(sum(row["mode_mismatches"] for row in every)),
             f"{sum(row['mismatches'] for row in every)} of {sum(row['oracle_rays'] for row in every)}",
             f"{sum(differ):.0f} of {sum(row['ray_count'] for row in every)}" if differ else "-",
         ]
 
-    columns = ["leaks of 131072", "the peer's", "oracle disagrees", "hits unlike the peer's"]
+    columns = ["leaks of 131072", "the peer's", "one unlike many", "oracle disagrees", "hits unlike the peer's"]
     yield from table("Right or wrong", columns, group(ours), cells)
     yield "Leaks: rays from inside a closed scene that hit nothing. Hits unlike: one side hits and the other does"
-    yield "not, or their distances differ by more than 1e-4 of the scene; not compared where the motion differs."
+    yield "not, or their distances differ by more than 1e-4 of the scene, in the worst of its modes; not compared where the"
+    yield "motion differs. Our own two modes must agree to the bit: the benchmark fails where they don't."
 
 
 def plot(ours: list[Row], peer: bool) -> bool:
@@ -233,12 +340,12 @@ def plot(ours: list[Row], peer: bool) -> bool:
     size = (11, 1.5 + 0.36 * len(names))
     figure_, (left, right) = pyplot.subplots(1, 2, figsize=size, sharey=True, layout="constrained")
     for i, kind in enumerate(KINDS):
-        values = [found[kind]["ratio"] if kind in found else 0.0 for found in groups.values()]
+        values = [found[kind]["ratio"] or 0.0 if kind in found else 0.0 for found in groups.values()]
         left.barh([place + 0.27 * (i - 1) for place in places], values, 0.25, label=f"{kind} rays")
     left.axvline(1.0, color="black", linewidth=0.8)
     left.set_yticks(list(places), names)
     left.invert_yaxis()
-    left.set_xlabel("rays a second, ours / peer (robust)")
+    left.set_xlabel("rays a second, ours, many at once / peer, best mode (robust)")
     left.legend()
     bytes_ = [one(found) for found in groups.values()]
     right.barh([p - 0.2 for p in places], [row["bytes_per_tri"] for row in bytes_], 0.38, label="ours")

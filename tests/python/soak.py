@@ -9,9 +9,13 @@ from __future__ import annotations
 import os
 
 
+def is_soak() -> bool:
+    return "MSBVH_SOAK" in os.environ
+
+
 def soak_count(sample: int, whole: int) -> int:
     """How many cases to run."""
-    return whole if "MSBVH_SOAK" in os.environ else sample
+    return whole if is_soak() else sample
 
 
 def soak_figure(check: str, figure: str) -> None:

@@ -12,10 +12,13 @@ import pytest
 from conftest import ROOT, Run
 from exr import read_exr
 from msbvh import _core
-from msbvh.errors import Diagnostics
+from msbvh.errors import Diagnostics, SceneError
 from msbvh.reader import ReadSettings, read_frame
 from msbvh.stage import open_stage
+from pxr import Usd
+from random_edits import EditedStage
 from shared_scenes import MOTION_GROUPS, SharedScene, shared_scenes
+from soak import soak_count, soak_figure
 
 POLICIES = ("auto", "always", "never")
 SHOWCASE = ROOT / "testenv" / "showcase" / "showcase.usda"
@@ -159,3 +162,44 @@ def test_public_scenes(shared: SharedScene | None) -> None:
         always.verify()
         expected = _core.Renderer(result.scene, **settings).render()
         assert np.array_equal(always.render(), expected)
+
+
+EDITS_OF_SEQUENCE = 40
+
+
+@pytest.mark.soak
+def test_edits_between_frames_render_as_the_edited_stage_alone() -> None:
+    """A renderer that is kept while the stage is edited shows what a new one shows of a new stage, to the bit."""
+    edits = soak_count(40, 20_000)
+    seen: dict[str, int] = {"built": 0, "refitted": 0, "kept": 0}
+    for seed in range(edits // EDITS_OF_SEQUENCE):
+        edited = EditedStage(seed)
+        kept: _core.Renderer | None = None
+        history: list[str] = []
+        for _ in range(EDITS_OF_SEQUENCE):
+            history.append(edited.edit())
+            shown, kept = picture(edited.stage, edited.frame, kept, "always" if seed % 2 else "auto")
+            alone, _ = picture(edited.copy(), edited.frame, None, "never")
+            assert (shown is None) == (alone is None), (seed, history)
+            if kept is not None and shown is not None:
+                assert np.array_equal(shown, alone), (seed, history)
+                seen = {way: count + kept.statistics["accel"][way] for way, count in seen.items()}
+    assert all(seen.values())
+    ways_taken = ", ".join(f"{count} {way}" for way, count in seen.items())
+    soak_figure("edits", f"{edits} edited frames as rendered alone; trees: {ways_taken}")
+
+
+def picture(
+    stage: Usd.Stage, frame: float, kept: _core.Renderer | None, policy: str
+) -> tuple[np.ndarray | None, _core.Renderer | None]:
+    """The picture, by the renderer that is kept from the last frame where there is one; None: nothing to be seen."""
+    try:
+        result = read_frame(stage, frame, ReadSettings(camera="/Camera", width=32), Diagnostics())
+    except SceneError:
+        return None, kept
+    settings = {"width": result.camera.width, "height": result.camera.height, "spp": 2, "max_bounces": 1, "seed": 5}
+    if kept is None:
+        kept = _core.Renderer(result.scene, **settings, keep_topology=policy != "never")
+    else:
+        kept.commit(result.scene, **settings, refit=policy, keep_topology=True)
+    return kept.render(), kept

@@ -67,7 +67,8 @@ void heed_signals() {
 std::vector<std::string> run(const SceneHandle& scene, const Ball& interior, const std::string& name,
                              const std::vector<std::string>& builders, const std::vector<unsigned>& threads,
                              std::size_t rays, int repetitions, int build_repetitions, std::uint32_t seed,
-                             double oracle_tests, const std::vector<bool>& robust, const std::string& peer) {
+                             double oracle_tests, const std::vector<bool>& robust, const std::string& peer,
+                             const std::string& peer_folder) {
   bench::RunSettings settings;
   settings.name = name;
   settings.builders = builders;
@@ -81,7 +82,7 @@ std::vector<std::string> run(const SceneHandle& scene, const Ball& interior, con
   settings.tick = heed_signals;
   nb::gil_scoped_release release;
   std::optional<bench::PeerLibrary> library;
-  if (!peer.empty()) settings.peer = &library.emplace(peer);
+  if (!peer.empty()) settings.peer = &library.emplace(peer, peer_folder);
   const auto& [x, y, z, radius] = interior;
   return bench::run_scene({scene.scene, {{x, y, z}, radius}}, settings);
 }
@@ -96,9 +97,10 @@ void bind_bench(nb::module_& m) {
   m.def("bench_run", &run, nb::arg("scene"), nb::arg("interior"), nb::kw_only(), nb::arg("name"),
         nb::arg("builders"), nb::arg("threads"), nb::arg("rays"), nb::arg("repetitions"),
         nb::arg("build_repetitions"), nb::arg("seed"), nb::arg("oracle_tests"), nb::arg("robust"),
-        nb::arg("peer"));
-  m.def("bench_peer_name",
-        [](const std::string& path) { return std::string(bench::PeerLibrary(path).name()); });
+        nb::arg("peer"), nb::arg("peer_folder"));
+  m.def("bench_peer_name", [](const std::string& path, const std::string& folder) {
+    return std::string(bench::PeerLibrary(path, folder).name());
+  });
 }
 
 }  // namespace msbvh::python

@@ -373,15 +373,16 @@ def bench_run(
     oracle_tests: float,
     robust: Sequence[bool],
     peer: str,
+    peer_folder: str,
 ) -> list[str]:
     """Rows as JSON. ``builders`` empty: msbvh and mbvh; ``threads`` 0: all; ``peer``: path of its library, empty for none;
-    ``robust``: the peer's modes; ``oracle_tests``: triangles that the oracle tests a builder and kind of ray.
+    ``peer_folder``: where the peer finds the ray tracer's libraries; ``robust``: the peer with its flag and without; ``oracle_tests``: triangles that the oracle tests a builder and kind of ray.
 
     Without the GIL; a signal's exception ends it between two measurements.
     """
 
-def bench_peer_name(path: str) -> str:
-    """Of a peer's library: its name and version."""
+def bench_peer_name(path: str, folder: str) -> str:
+    """The name, version and instruction set that a peer's library states; arguments as in bench_run."""
 
 def arm_crash_line(line: str) -> None: ...
 def disarm_crash_line() -> None: ...

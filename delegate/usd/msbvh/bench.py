@@ -1,17 +1,19 @@
 """The benchmark: scenes, builders and a peer side by side in one run; the rows come from the harness in bench/.
 
 The harness is part of the extension, so that `msbvh bench` works wherever the package is installed. A peer is a
-library of its own beside the extension, present where the package was built with one (CMake's
-MSBVH_BENCH_EMBREE), and loaded only by --peer.
+library of its own beside the extension, loaded only by --peer; Embree itself comes from the wheel embreex (the extra
+`bench`), whose libraries it finds by itself.
 """
 
 from __future__ import annotations
 
 import fnmatch
+import importlib.metadata
 import json
 import os
 import platform
 import subprocess
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -58,7 +60,7 @@ class BenchSettings:
     """0: all. None: 1 and all, or for a quick run 1."""
     seed: int = 1
     repetitions: int | None = None
-    """None: 5."""
+    """None: 5, or for a quick run 3."""
     triangles: int | None = None
     """For every procedural scene; None: each class's own."""
 
@@ -68,7 +70,7 @@ class BenchSettings:
 
     @property
     def rounds(self) -> int:
-        return self.repetitions or 5
+        return self.repetitions or (3 if self.quick else 5)
 
     def wants(self, *names: str) -> bool:
         """Whether a scene of one of these names is measured."""
@@ -83,17 +85,45 @@ class Case:
     make: Callable[[], tuple[Any, tuple[float, float, float, float]]] = field(repr=False)
 
 
-def peer_library(peer: str) -> Path:
-    """The library of a peer. Raises SceneError where it was not built."""
+@dataclass(frozen=True)
+class Peer:
+    """Another ray tracer: the library of ours that asks it, and the folder that holds its own."""
+
+    library: Path
+    folder: Path
+
+    @property
+    def name(self) -> str:
+        """As it states itself: `Embree 4.4.0 (AVX-512)`."""
+        return _core.bench_peer_name(str(self.library), str(self.folder))
+
+
+EMBREE = ("embreex", "embreex.libs", "libembree4")
+"""The wheel that brings Embree, its folder of libraries, and how the library's name begins."""
+
+
+def find_peer(peer: str) -> Peer:
+    """The peer of this name. Raises SceneError where it is not installed."""
     name = f"msbvh_peer_{peer}.so"
     extension = Path(_core.__file__).parent
-    found = [path for path in (extension / name, *_build_folders(name)) if path.is_file()]
-    if found:
-        return found[0]
-    raise SceneError(
-        f"--peer {peer}: found no {extension / name}; expected a build that had the peer's library:"
-        " install libembree-dev, then make bench"
-    )
+    built = [path for path in (extension / name, *_build_folders(name)) if path.is_file()]
+    if not built:
+        raise SceneError(f"--peer {peer}: found no {extension / name}; expected an installation that has it")
+    folder = _embree_folder()
+    if folder is None:
+        raise SceneError(f"--peer {peer}: Embree is not installed; expected the package embreex: pip install embreex==4.4.*")
+    return Peer(built[0], folder)
+
+
+def _embree_folder() -> Path | None:
+    """Where the wheel embreex keeps libembree4; None where it is not installed."""
+    wheel, folder, library = EMBREE
+    try:
+        files = importlib.metadata.files(wheel) or []
+    except importlib.metadata.PackageNotFoundError:
+        return None
+    found = [Path(file.locate()) for file in files if file.parent.name == folder and file.name.startswith(library)]
+    return found[0].parent if found and found[0].is_file() else None
 
 
 def _build_folders(name: str) -> Iterator[Path]:
@@ -177,8 +207,9 @@ def run(
     settings: BenchSettings, progress: Callable[[float], object], note: Callable[[str], None]
 ) -> Report:
     """Measures; {"machine": ..., "rows": [...]}. `note` hears of scenes that are left out."""
-    load = os.getloadavg()[0]
-    peer = str(peer_library(settings.peer)) if settings.peer else ""
+    load, begin = os.getloadavg()[0], time.monotonic()
+    peer = find_peer(settings.peer) if settings.peer else None
+    about = machine(settings, peer)
     every = list(cases(settings))
     rows: list[Row] = []
     for done, case in enumerate(every):
@@ -192,10 +223,10 @@ def run(
         if rows and rows[-1]["peer_missing"]:
             note(f"bench: {case.name} has no peer: {rows[-1]['peer_missing']}")
     progress(1.0)
-    return {"machine": {**machine(settings, peer), "load_average": load}, "rows": rows}
+    return {"machine": {**about, "load_average": load, "seconds": time.monotonic() - begin}, "rows": rows}
 
 
-def _run_arguments(settings: BenchSettings, name: str, peer: str) -> dict[str, Any]:
+def _run_arguments(settings: BenchSettings, name: str, peer: Peer | None) -> dict[str, Any]:
     return {
         "name": name,
         "builders": list(settings.builders),
@@ -206,11 +237,12 @@ def _run_arguments(settings: BenchSettings, name: str, peer: str) -> dict[str, A
         "seed": settings.seed,
         "oracle_tests": 4e5 if settings.quick else 1e7,
         "robust": [True] if settings.quick else [True, False],
-        "peer": peer,
+        "peer": str(peer.library) if peer else "",
+        "peer_folder": str(peer.folder) if peer else "",
     }
 
 
-def machine(settings: BenchSettings, peer: str) -> dict[str, Any]:
+def machine(settings: BenchSettings, peer: Peer | None) -> dict[str, Any]:
     """What the figures depend on."""
     return {
         "processor": _processor(),
@@ -219,7 +251,7 @@ def machine(settings: BenchSettings, peer: str) -> dict[str, Any]:
         "instruction_set": _core.supported_instruction_sets()[-1],
         "msbvh": _core.__version__,
         "commit": _commit(),
-        "peer": _core.bench_peer_name(peer) if peer else None,
+        "peer": peer.name if peer else None,
         "threads": settings.thread_counts,
         "seed": settings.seed,
         "repetitions": settings.rounds,

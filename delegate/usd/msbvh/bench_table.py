@@ -13,8 +13,10 @@ COLUMNS: Sequence[tuple[str, str, str]] = (
     ("builder", "builder", "{}"),
     ("threads_used", "thr", "{}"),
     ("robust", "robust", "{:d}"),
-    ("mrays", "Mrays/s", "{:.2f}"),
+    ("single_mrays", "one: Mrays/s", "{:.2f}"),
+    ("mrays", "many: Mrays/s", "{:.2f}"),
     ("peer_mrays", "peer", "{:.2f}"),
+    ("peer_mode", "in mode", "{}"),
     ("ratio", "ratio", "{:.2f}"),
     ("bytes_per_tri", "B/tri", "{:.0f}"),
     ("peer_bytes_per_tri", "peer", "{:.0f}"),
@@ -33,7 +35,8 @@ COLUMNS: Sequence[tuple[str, str, str]] = (
 
 
 def table(report: dict[str, Any]) -> str:
-    """Lines of equal columns, under a line about the machine."""
+    """Lines of equal columns, under a line about the machine. Speeds are Mrays/s: ours one ray at a time and many at once,
+    the peer in the best of its modes; the ratio is that of the last two."""
     rows = [[heading for _, heading, _ in COLUMNS], *([*map(str, cells(row))] for row in report["rows"])]
     widths = [max(len(row[i]) for row in rows) for i in range(len(COLUMNS))]
     lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in rows]
@@ -42,7 +45,7 @@ def table(report: dict[str, Any]) -> str:
 
 def cells(row: dict[str, Any]) -> list[str]:
     """A row's figures as text; `-` for what was not measured."""
-    return ["-" if row[key] is None else form.format(row[key]) for key, _, form in COLUMNS]
+    return ["-" if row[key] in (None, "") else form.format(row[key]) for key, _, form in COLUMNS]
 
 
 def machine_line(machine: dict[str, Any]) -> str:
