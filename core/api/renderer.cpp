@@ -83,6 +83,7 @@ Renderer::~Renderer() = default;
 
 void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& settings) {
   check(settings);
+  if (!scene) throw Error("renderer: found no scene behind the pointer; expected one");
   validate(*scene);
   auto data = std::make_unique<Data>();
   data->scene = std::move(scene);
