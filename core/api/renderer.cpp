@@ -90,9 +90,9 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   data->settings = settings;
   data->plan = plan_effects(*data->scene, {.max_bounces = settings.max_bounces});
   data->build(data_ && data_->trees ? &*data_->trees : nullptr);
-  data->frame.emplace(FrameContext{SceneIndex(*data->scene), LightSet(*data->scene),
-                                   Tracer(data->trees->world().bvh()), settings.max_bounces,
-                                   settings.show_domes});
+  const Bvh& world = data->trees->world().bvh();
+  data->frame.emplace(FrameContext{SceneIndex(*data->scene), LightSet(*data->scene), world, Tracer(world),
+                                   settings.max_bounces, settings.show_domes});
   data_ = std::move(data);
 }
 

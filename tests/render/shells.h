@@ -42,14 +42,14 @@ inline std::vector<Vec3f> random_pose(const Shell& shell, const std::vector<Vec3
   return pose;
 }
 
-// Around the origin, corners at least a little apart.
+// Around the origin; its inscribed sphere has a radius of more than 1 / 400.
 inline std::vector<Vec3f> tetrahedron(Random& random) {
   for (;;) {
     std::vector<Vec3f> c;
     for (int i = 0; i < 4; ++i) c.push_back(random.direction());
     const Vec3f middle = (c[0] + c[1] + c[2] + c[3]) * 0.25f;
     for (Vec3f& p : c) p = p - middle;
-    if (std::abs(dot(c[1] - c[0], cross(c[2] - c[0], c[3] - c[0]))) > 1e-3f) return c;
+    if (std::abs(dot(c[1] - c[0], cross(c[2] - c[0], c[3] - c[0]))) > 0.02f) return c;
   }
 }
 
@@ -94,26 +94,25 @@ class Trap {
       pictures::add_instance(scene_, shell_mesh(shell, random, {}), {open, close});
     }
     build();
-    radius_ = 0.02f * shell.scale;
+    radius_ = 0.001f * shell.scale;
   }
 
   const Scene& scene() const { return scene_; }
   const SceneIndex& index() const { return index_; }
   const Accel& accel() const { return accel_; }
 
-  // From about the centre of the shell towards a place near an edge of it, or anywhere.
+  // From about the centre of the shell.
   Ray first_ray(Random& random) const {
     Ray ray;
     ray.time = random.uniform();
     const Vec3d middle = to_world({}, ray.time) + (scene_.instances.empty() ? centre_ : Vec3d{});
     ray.org = Vec3f(middle) + random.direction() * radius_;
-    ray.dir = towards_edge(ray.org, ray.time, random);
+    ray.dir = random.direction();
     return ray;
   }
 
-  // A direction from `origin` to a point of the shell that is, more often than not, next to an edge or a corner.
+  // A direction from `origin` to a point of the shell next to an edge or a corner.
   Vec3f towards_edge(const Vec3f& origin, float time, Random& random) const {
-    if (random.uniform() < 0.2f) return random.direction();
     const TriangleMesh& shape = scene_.meshes[0].shape;
     const Triangle& t = shape.triangles[random.next() % shape.triangles.size()];
     const auto beside = [&] { return std::pow(10.0, double(random.uniform(-9.0f, -1.0f))); };

@@ -1,0 +1,82 @@
+#include "core/shade/ray_origin.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace msbvh {
+namespace {
+
+// How far from where it is the tracer may see a point, relative to its distance from the ray's origin: 5
+// roundings of 2^-24 (section 3 of watertight.md), and 1 each for origin and direction in an instance's space.
+constexpr double kViewError = 7 * 0x1p-24;
+// The sine of the angle between two faces that meet is at least 1 / kSharpest where origins away from edges are not
+// looked at: 7 degrees. Doubling it doubles how often neighbours are looked at.
+constexpr double kSharpest = 8.0;
+// Heights of a triangle in view errors from which on a ray sees faces at about the angles that they have.
+constexpr double kWellSeen = 64.0;
+// Cosine below which a ray counts as seeing a triangle edge-on: the way back to a height grows with its inverse.
+constexpr double kEdgeOn = 1.0 / 64;
+// The share of a ray's way that an origin goes back on it without a look at its neighbours.
+constexpr double kShortStep = 0.25;
+// How far around an origin to look for neighbours, in what the triangle that was hit needs: also for larger ones.
+constexpr double kReach = 4.0;
+// The longest way back, likewise. What is reached by no shorter one is a place between faces that all but touch.
+constexpr double kLongestWay = 16384.0;
+
+// Lower bounds.
+struct Inside {
+  double to_edges;  // distance of the hit from the triangle's edges
+  double height;    // of the triangle
+};
+
+Inside inside(const WorldTriangle& t, const Hit& hit) {
+  const Vec3d a = t.vertex[1] - t.vertex[0], b = t.vertex[2] - t.vertex[0], c = b - a;
+  const Vec3d n = cross(a, b);
+  const double longest2 = std::max({dot(a, a), dot(b, b), dot(c, c)});
+  const double height = longest2 > 0.0 ? std::sqrt(dot(n, n) / longest2) : 0.0;
+  return {height * std::min({double(hit.u), double(hit.v), 1.0 - double(hit.u) - double(hit.v)}), height};
+}
+
+}  // namespace
+
+RayOrigin origin_at(const WorldTriangle& triangle, const Hit& hit, const Ray& ray, const Vec3d& position,
+                    const Vec3d& normal) {
+  RayOrigin o;
+  o.position = position;
+  o.normal = normal;
+  o.back = -normalize(Vec3d(ray.dir));
+  o.way = dot(Vec3d(ray.org) - position, o.back);
+  o.view_error = kViewError * std::abs(o.way);
+  o.need = length(triangle.margin);
+  const double cosine = dot(normal, o.back);
+  const double step = o.need / std::max(cosine, kEdgeOn);
+  o.before = Vec3f(position + o.back * step);
+  o.beyond = Vec3f(position - normal * o.need);
+  const Inside in = inside(triangle, hit);
+  o.beside_edge = cosine < kEdgeOn || in.to_edges < kSharpest * o.need ||
+                  in.height < kWellSeen * o.view_error || step > kShortStep * o.way;
+  return o;
+}
+
+bool clear_origin(const Surroundings& around, const Ray& ray, RayOrigin& o) {
+  if (!o.beside_edge) return true;
+  const double needed = o.need + o.view_error, longest = kLongestWay * needed;
+  const double cosine = dot(o.normal, o.back);
+  const Vec3d from(ray.org);
+  double reach = kReach * needed;
+  for (double step = needed / cosine; step < std::min(o.way, longest);) {
+    const Vec3f place(from - o.back * (o.way - step));
+    const Clearance clearance = clearance_at(around, place, ray.time, o.view_error, reach);
+    if (clearance.clear) {
+      o.before = place;
+      return true;
+    }
+    reach = std::max(reach, 1.25 * clearance.needed);
+    step = std::max(2.0 * step, clearance.needed);
+  }
+  // A ray that has come no further than that may start again where it started.
+  o.before = ray.org;
+  return o.way <= longest;
+}
+
+}  // namespace msbvh
