@@ -145,10 +145,10 @@ class Search {
   void look_at(const BlockHeader& block, std::uint32_t instance) {
     if (block.kind == BlockKind::kGrid) return;
     const HitSource source = around_.index.resolve({.mesh = block.owner, .instance = instance});
-    const ObjectPose pose(source, time_);
+    const std::optional<InstancePose> pose = instance_pose(source, time_);
     for (std::uint32_t i = 0; i < block.count; ++i) {
       const WorldTriangle triangle = world_triangle(source, pose, block.triangles()[i], time_);
-      const double needed = length(triangle.margin) + view_error_;
+      const double needed = triangle.margin + view_error_;
       const double distance2 = squared_distance(place_, triangle.vertex);
       if (distance2 > reach_ * reach_ && distance2 > needed * needed) continue;
       found_.needed = std::max(found_.needed, needed);

@@ -17,7 +17,7 @@ struct Clearance {
   double needed = 0.0;  // the most that a triangle in reach needs
 };
 
-// Looks at the triangles within `reach` of the place at a time of the shutter. Each needs the length of its
+// Looks at the triangles within `reach` of the place at a time of the shutter. Each needs its
 // WorldTriangle::margin and `view_error`, in world units.
 Clearance clearance_at(const Surroundings& around, const Vec3f& place, float time, double view_error,
                        double reach);

@@ -123,7 +123,7 @@ class PathTracer {
       if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) continue;
       float visible = 1.0f;
       if (light.casts_shadow) {
-        Ray shadow = leave(surface.origin, surface.geometric_normal, light.direction, time);
+        Ray shadow = leave(surface, light.direction, time);
         shadow.tfar = light.distance;
         visible = transmittance(shadow);
       }
@@ -137,7 +137,7 @@ class PathTracer {
     const Point2 random = sampler_.pair(Dimension::kBounce, depth);
     const Vec3f direction = Basis(surface.shading_normal)(sample_cosine_hemisphere(random));
     if (dot(direction, surface.geometric_normal) <= 0.0f) return false;
-    ray = leave(surface.origin, surface.geometric_normal, direction, ray.time);
+    ray = leave(surface, direction, ray.time);
     return true;
   }
 

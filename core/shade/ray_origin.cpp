@@ -23,49 +23,40 @@ constexpr double kReach = 4.0;
 // The longest way back, likewise. What is reached by no shorter one is a place between faces that all but touch.
 constexpr double kLongestWay = 16384.0;
 
-// Lower bounds.
-struct Inside {
-  double to_edges;  // distance of the hit from the triangle's edges
-  double height;    // of the triangle
-};
-
-Inside inside(const WorldTriangle& t, const Hit& hit) {
-  const Vec3d a = t.vertex[1] - t.vertex[0], b = t.vertex[2] - t.vertex[0], c = b - a;
-  const Vec3d n = cross(a, b);
+// Whether the hit is at least so far from the edges, in a triangle of at least such a height. A height is twice the
+// area by the edge that it stands on.
+bool well_inside(const WorldTriangle& t, const Hit& hit, double doubled_area, double from_edges, double height) {
+  const Vec3d a = t.vertex[1] - t.vertex[0], b = t.vertex[2] - t.vertex[0], c = t.vertex[2] - t.vertex[1];
+  const double least = std::min({hit.u, hit.v, 1.0f - hit.u - hit.v});
   const double longest2 = std::max({dot(a, a), dot(b, b), dot(c, c)});
-  const double height = longest2 > 0.0 ? std::sqrt(dot(n, n) / longest2) : 0.0;
-  return {height * std::min({double(hit.u), double(hit.v), 1.0 - double(hit.u) - double(hit.v)}), height};
+  const double needed = std::max(from_edges, height * least);
+  return doubled_area * least > 0.0 && doubled_area * doubled_area * least * least > needed * needed * longest2;
 }
 
 }  // namespace
 
 RayOrigin origin_at(const WorldTriangle& triangle, const Hit& hit, const Ray& ray, const Vec3d& position,
-                    const Vec3d& normal) {
+                    const Vec3d& normal, double doubled_area) {
   RayOrigin o;
-  o.position = position;
-  o.normal = normal;
-  o.back = -normalize(Vec3d(ray.dir));
-  o.way = dot(Vec3d(ray.org) - position, o.back);
-  o.view_error = kViewError * std::abs(o.way);
-  o.need = length(triangle.margin);
-  const double cosine = dot(normal, o.back);
-  const double step = o.need / std::max(cosine, kEdgeOn);
-  o.before = Vec3f(position + o.back * step);
-  o.beyond = Vec3f(position - normal * o.need);
-  const Inside in = inside(triangle, hit);
-  o.beside_edge = cosine < kEdgeOn || in.to_edges < kSharpest * o.need ||
-                  in.height < kWellSeen * o.view_error || step > kShortStep * o.way;
+  const Vec3d from(ray.org), back = -normalize(Vec3d(ray.dir));
+  o.need = triangle.margin;
+  o.way = dot(from - position, back);
+  o.view_error = kViewError * o.way;
+  o.cosine = dot(normal, back);
+  const double step = o.need / std::max(o.cosine, kEdgeOn);
+  o.before = Vec3f(position + back * step);
+  o.beside_edge = o.cosine < kEdgeOn || step > kShortStep * o.way ||
+                  !well_inside(triangle, hit, doubled_area, kSharpest * o.need, kWellSeen * o.view_error);
   return o;
 }
 
 bool clear_origin(const Surroundings& around, const Ray& ray, RayOrigin& o) {
   if (!o.beside_edge) return true;
   const double needed = o.need + o.view_error, longest = kLongestWay * needed;
-  const double cosine = dot(o.normal, o.back);
-  const Vec3d from(ray.org);
+  const Vec3d from(ray.org), along = normalize(Vec3d(ray.dir));
   double reach = kReach * needed;
-  for (double step = needed / cosine; step < std::min(o.way, longest);) {
-    const Vec3f place(from - o.back * (o.way - step));
+  for (double step = needed / o.cosine; step < std::min(o.way, longest);) {
+    const Vec3f place(from + along * (o.way - step));
     const Clearance clearance = clearance_at(around, place, ray.time, o.view_error, reach);
     if (clearance.clear) {
       o.before = place;

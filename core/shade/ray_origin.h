@@ -11,35 +11,24 @@ namespace msbvh {
 
 struct RayOrigin {
   Vec3f before;  // on the side that the ray came from
-  Vec3f beyond;  // on the other side, for rays that go through: clear of the triangle that was hit, no more
-
   // Next to an edge, or seen edge-on: `before` is not proved to be clear of what else is there. clear_origin() must
   // find a place that is.
   bool beside_edge = false;
 
-  // For it. World units; unit vectors.
-  Vec3d position, normal;  // of the hit, as origin_at() was told
-  Vec3d back;              // against the ray that came
-  double way = 0.0;        // from the hit back to the ray's origin
-  double need = 0.0;       // how far from the triangle an origin must be
+  // World units.
+  double need = 0.0;        // how far from the triangle an origin must be
   double view_error = 0.0;  // how far the ray may have passed from where it seems to have
+  double way = 0.0;         // from the hit back to the ray's origin
+  double cosine = 0.0;      // between that way and the normal
 };
 
-// Of the triangle that `ray` hit at `position`, which has the barycentrics u and v. `normal`: unit, on the ray's side.
+// Of the triangle that `ray` hit at `position`. `normal` is the triangle's, on the ray's side, as long as its doubled
+// area is large.
 RayOrigin origin_at(const WorldTriangle& triangle, const Hit& hit, const Ray& ray, const Vec3d& position,
-                    const Vec3d& normal);
+                    const Vec3d& normal, double doubled_area);
 
 // Moves origin.before to where it is clear of all surfaces, if it is beside an edge. False: no place was found,
 // and nothing may leave the surface there.
 bool clear_origin(const Surroundings& around, const Ray& ray, RayOrigin& origin);
-
-// `normal` as above. Hits count from 0 on.
-inline Ray leave(const RayOrigin& origin, const Vec3f& normal, const Vec3f& direction, float time) {
-  Ray ray;
-  ray.org = dot(direction, normal) < 0.0f ? origin.beyond : origin.before;
-  ray.dir = direction;
-  ray.time = time;
-  return ray;
-}
 
 }  // namespace msbvh

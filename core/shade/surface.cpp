@@ -19,7 +19,7 @@ Vec3f display_color(const HitSource& source, const Hit& hit, float time, Vec3f f
 
 void set_colors(const Material* material, const HitSource& source, const Hit& hit, float time,
                 SurfacePoint& surface) {
-  const Material standard{.diffuse_from_display_color = true};
+  static const Material standard{.diffuse_from_display_color = true};
   const Material& m = material ? *material : standard;
   const auto color = [&](Vec3f constant, bool from_display_color) {
     return from_display_color ? display_color(source, hit, time, constant) : constant;
@@ -28,27 +28,26 @@ void set_colors(const Material* material, const HitSource& source, const Hit& hi
   surface.emission = color(m.emissive_color, m.emissive_from_display_color);
 }
 
-// Two-sided: normals are turned to the side that the ray came from, so that neither the winding nor a mirroring
-// transform matters.
-Vec3d geometric_normal(const WorldTriangle& triangle, const Ray& ray) {
+// Of a triangle that has no area left in double precision: across the line, as far as there is one.
+Vec3d line_normal(const WorldTriangle& triangle, const Vec3d& d) {
   const Vec3d* v = triangle.vertex;
-  const Vec3d d(ray.dir), a = v[1] - v[0], b = v[2] - v[0], c = v[2] - v[1];
-  const Vec3d n = normalize(cross(a, b));
-  if (n != Vec3d{}) return dot(n, d) > 0.0 ? -n : n;
-  // No area left in double precision. Across the line, as far as there is one.
+  const Vec3d a = v[1] - v[0], b = v[2] - v[0], c = v[2] - v[1];
   const Vec3d ab = dot(a, a) > dot(b, b) ? a : b, longest = dot(ab, ab) > dot(c, c) ? ab : c;
   const double l2 = dot(longest, longest);
   const Vec3d across = l2 > 0.0 ? longest * (dot(longest, d) / l2) - d : -d;
   return normalize(across == Vec3d{} ? -d : across);
 }
 
-// Where the mesh has none, the geometric one.
-Vec3f shading_normal(const HitSource& source, const Hit& hit, float mesh_time, const ObjectPose& pose, const Vec3f& ng) {
+// Where the mesh has none, the geometric one. Turned to the side that the ray came from.
+Vec3f shading_normal(const HitSource& source, const Hit& hit, float mesh_time,
+                     const std::optional<InstancePose>& pose, const Vec3f& ng) {
   const Mesh& mesh = *source.mesh;
   if (!mesh.normals.authored()) return ng;
-  const Vec3d authored(
-      interpolate(mesh.normals, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), mesh_time));
-  const Vec3f ns(normalize(transform_normal(pose.world_from_object, authored)));
+  const Vec3f authored =
+      interpolate(mesh.normals, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), mesh_time);
+  const Vec3d in_world =
+      pose ? transform_normal(pose->world_from_object, Vec3d(authored)) : Vec3d(authored);
+  const Vec3f ns(normalize(in_world));
   if (ns == Vec3f{}) return ng;
   return dot(ns, ng) < 0.0f ? -ns : ns;
 }
@@ -56,17 +55,22 @@ Vec3f shading_normal(const HitSource& source, const Hit& hit, float mesh_time, c
 }  // namespace
 
 SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray) {
-  const ObjectPose pose(source, ray.time);
+  const std::optional<InstancePose> pose = instance_pose(source, ray.time);
   const WorldTriangle triangle = world_triangle(source, pose, hit.triangle, ray.time);
-  const Vec3d* v = triangle.vertex;
-  const Vec3d position = v[0] + (v[1] - v[0]) * double(hit.u) + (v[2] - v[0]) * double(hit.v);
-  const Vec3d normal = geometric_normal(triangle, ray);
+  const Vec3d &a = triangle.vertex[0], ab = triangle.vertex[1] - a, ac = triangle.vertex[2] - a;
+  const Vec3d position = a + ab * double(hit.u) + ac * double(hit.v), d(ray.dir);
+  // Two-sided: normals are turned to the side that the ray came from, so that neither the winding nor a mirroring
+  // transform matters.
+  const Vec3d across = cross(ab, ac);
+  const double doubled_area = length(across);
+  Vec3d normal = doubled_area > 0.0 ? across * (1.0 / doubled_area) : line_normal(triangle, d);
+  if (dot(normal, d) > 0.0) normal = -normal;
   SurfacePoint surface;
   surface.position = Vec3f(position);
   surface.geometric_normal = Vec3f(normal);
   surface.shading_normal =
       shading_normal(source, hit, source.mesh_time(ray.time), pose, surface.geometric_normal);
-  surface.origin = origin_at(triangle, hit, ray, position, normal);
+  surface.origin = origin_at(triangle, hit, ray, position, normal, doubled_area);
   set_colors(material_of(scene, *source.mesh), source, hit, ray.time, surface);
   return surface;
 }

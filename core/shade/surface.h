@@ -19,6 +19,19 @@ struct SurfacePoint {
 // The hit of `ray`, through the instance's transform at the ray's time.
 SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray);
 
+// A ray from the surface in `direction`, on either side of it; clear_origin() comes first. To the far side it starts
+// clear of the triangle that was hit, and no more is proved. Hits count from tnear = 0 on.
+inline Ray leave(const SurfacePoint& surface, const Vec3f& direction, float time) {
+  Ray ray;
+  const Vec3f& n = surface.geometric_normal;
+  // Twice, for the roundings of the position and of this.
+  const float beyond = 2.0f * static_cast<float>(surface.origin.need);
+  ray.org = dot(direction, n) < 0.0f ? surface.position - n * beyond : surface.origin.before;
+  ray.dir = direction;
+  ray.time = time;
+  return ray;
+}
+
 // In [0, 1].
 float opacity_at(const Scene& scene, const HitSource& source, const Hit& hit, float time);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "core/base/affine.h"
 #include "core/geometry/triangle_mesh.h"
@@ -9,24 +10,28 @@
 
 namespace msbvh {
 
-// How the meshes of a hit's source stand in the world at one time.
-struct ObjectPose {
+// How an instance stands in the world at one time. For sources in the world itself there is none.
+struct InstancePose {
   Affine3d world_from_object;
-  Affine3d size;            // by element, the largest at the controls around the time
-  double error = 0.0;       // relative to the sizes of the terms of a point's way out of the instance
-  bool instanced = false;   // else in the world itself: nothing of the above is used
+  Vec3f reach;  // by axis, how far a corner of the cube [-1, 1]^3 in the object can be from the instance's origin ...
+  Vec3f place;  // ... and that from the world's; both at all controls around the time
+  float error;  // relative to the sizes of the terms of a point's way out of the instance
 
-  ObjectPose(const HitSource& source, float shutter_time);
+  InstancePose(const HitSource& source, float shutter_time);
 };
+
+inline std::optional<InstancePose> instance_pose(const HitSource& source, float shutter_time) {
+  return source.instances ? std::optional<InstancePose>(std::in_place, source, shutter_time) : std::nullopt;
+}
 
 struct WorldTriangle {
   Vec3d vertex[3];
-  // By axis: a bound on how far any point of the triangle is from where the tracer sees it, for a ray that starts
-  // about as near as the triangle is large. The rounding of that origin is included.
-  Vec3d margin;
+  // A bound on how far any point of the triangle is from where the tracer sees it, for a ray that starts about as
+  // near as the triangle is large. The rounding of that origin is included.
+  double margin;
 };
 
-WorldTriangle world_triangle(const HitSource& source, const ObjectPose& pose, std::uint32_t triangle,
-                             float shutter_time);
+WorldTriangle world_triangle(const HitSource& source, const std::optional<InstancePose>& pose,
+                             std::uint32_t triangle, float shutter_time);
 
 }  // namespace msbvh

@@ -82,7 +82,7 @@ class Walker {
     // To the upper side, by a mirror.
     if (cosine < 0.0f) direction += surface.geometric_normal * (-2.0f * cosine);
     if (dot(direction, surface.geometric_normal) < 0.0f) direction = surface.geometric_normal;
-    return leave(surface.origin, surface.geometric_normal, direction, time);
+    return leave(surface, direction, time);
   }
 
   const Trap& trap_;

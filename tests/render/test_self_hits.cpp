@@ -83,7 +83,7 @@ int self_hits(const Subject& subject, RandomVectors& random, int& spawned) {
     next.dir = random.vector(1.0f);
     if (i % 2 == 0) next.dir += point.geometric_normal * (-0.999f * dot(next.dir, point.geometric_normal));
     if (dot(next.dir, next.dir) < 1e-6f) continue;
-    next = leave(point.origin, point.geometric_normal, next.dir, ray.time);
+    next = leave(point, next.dir, ray.time);
     hits += subject.accel.occluded(next);
     ++spawned;
   }
