@@ -29,6 +29,7 @@ struct Shell {
   float scale = 1.0f;
   float place = 0.0f;  // of the centre, on each axis
   bool instanced = false;
+  bool resting = false;  // the instance does not move
 };
 
 // The centre lies inside at any time.
@@ -91,7 +92,8 @@ class Trap {
       Affine3f open{axis({1, 0, 0}), axis({0, 1, 0}), axis({0, 0, 1}), place}, close = open;
       close.x += random.direction() * 0.3f;
       close.t += random.direction() * shell.scale;
-      pictures::add_instance(scene_, shell_mesh(shell, random, {}), {open, close});
+      const std::vector<Affine3f> keys{open, close};
+      pictures::add_instance(scene_, shell_mesh(shell, random, {}), shell.resting ? std::vector{open} : keys);
     }
     build();
     radius_ = 0.001f * shell.scale;
@@ -126,7 +128,7 @@ class Trap {
   Vec3d to_world(const Vec3d& p, float time) const {
     if (scene_.instances.empty()) return p;
     const std::vector<Affine3f>& keys = scene_.instances[0].world_from_prototype;
-    return lerp(Affine3d(keys[0]), Affine3d(keys[1]), double(time)).point(p);
+    return lerp(Affine3d(keys.front()), Affine3d(keys.back()), double(time)).point(p);
   }
 
   void build() {
@@ -136,7 +138,7 @@ class Trap {
       const auto object = std::make_shared<Accel>();
       object->add_mesh(scene_.meshes[0].shape);
       object->commit();
-      accel_.add_instances(object, {1, 1}, scene_.instances[0].world_from_prototype);
+      accel_.add_instances(object, scene_.instances[0].form(), scene_.instances[0].world_from_prototype);
     }
     accel_.commit();
     index_ = SceneIndex(scene_);
