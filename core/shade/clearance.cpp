@@ -48,8 +48,8 @@ Box3f outer_box(const Vec3d& centre, const Vec3d& half) {
   return box;
 }
 
-// The leaves of a tree that a box meets at one time. Boxes and vertices are interpolated by the same routine, hence
-// boxes hold what they bound bit by bit (core/base/lerp.h).
+// The leaves of a tree that a box meets at one time. Boxes and vertices are interpolated by the same
+// routine, hence boxes hold what they bound bit by bit (core/base/lerp.h).
 class BoxWalk {
  public:
   BoxWalk(const Bvh& bvh, float time, const Box3f& box) : bvh_(bvh), time_(time), box_(box) {}

@@ -6,31 +6,35 @@
 namespace msbvh {
 namespace {
 
+// docs/design/watertight.md, section 4, derives these.
+//
 // How far from where it is the tracer may see a point, relative to its distance from the ray's origin: 5
-// roundings of 2^-24 (section 3 of watertight.md), and 1 each for origin and direction in an instance's space.
+// roundings of 2^-24 of the triangle test, and 1 each for the ray's origin and direction in an instance's space.
 constexpr double kViewError = 7 * 0x1p-24;
-// The sine of the angle between two faces that meet is at least 1 / kSharpest where origins away from edges are not
-// looked at: 7 degrees. Doubling it doubles how often neighbours are looked at.
+// Of the angle at which two faces meet: its sine is at least 1 / kSharpest (7 degrees) where hits away from edges
+// are taken to be clear of neighbours. Doubling it doubles how often neighbours are looked at.
 constexpr double kSharpest = 8.0;
 // Heights of a triangle in view errors from which on a ray sees faces at about the angles that they have.
 constexpr double kWellSeen = 64.0;
-// Cosine below which a ray counts as seeing a triangle edge-on: the way back to a height grows with its inverse.
+// Cosine below which a ray sees a triangle edge-on: the way back to a height grows with its inverse.
 constexpr double kEdgeOn = 1.0 / 64;
 // The share of a ray's way that an origin goes back on it without a look at its neighbours.
 constexpr double kShortStep = 0.25;
-// How far around an origin to look for neighbours, in what the triangle that was hit needs: also for larger ones.
+// How far around an origin to look for neighbours, in what the triangle that was hit needs. Larger triangles
+// need more, and are found when they come so near.
 constexpr double kReach = 4.0;
-// The longest way back, likewise. What is reached by no shorter one is a place between faces that all but touch.
+// The longest way back, likewise. Where it takes more, faces all but touch, or the ray all but runs in one.
 constexpr double kLongestWay = 16384.0;
 
-// Whether the hit is at least so far from the edges, in a triangle of at least such a height. A height is twice the
-// area by the edge that it stands on.
-bool well_inside(const WorldTriangle& t, const Hit& hit, double doubled_area, double from_edges, double height) {
+// Whether the hit is at least so far from the edges, in a triangle of at least such a height. A height is
+// twice the area by the edge that it stands on.
+bool well_inside(const WorldTriangle& t, const Hit& hit, double doubled_area, double from_edges,
+                 double height) {
   const Vec3d a = t.vertex[1] - t.vertex[0], b = t.vertex[2] - t.vertex[0], c = t.vertex[2] - t.vertex[1];
   const double least = std::min({hit.u, hit.v, 1.0f - hit.u - hit.v});
   const double longest2 = std::max({dot(a, a), dot(b, b), dot(c, c)});
-  const double needed = std::max(from_edges, height * least);
-  return doubled_area * least > 0.0 && doubled_area * doubled_area * least * least > needed * needed * longest2;
+  const double needed = std::max(from_edges, height * least), found = doubled_area * least;
+  return found > 0.0 && found * found > needed * needed * longest2;
 }
 
 }  // namespace

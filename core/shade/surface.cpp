@@ -59,8 +59,8 @@ SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& 
   const WorldTriangle triangle = world_triangle(source, pose, hit.triangle, ray.time);
   const Vec3d &a = triangle.vertex[0], ab = triangle.vertex[1] - a, ac = triangle.vertex[2] - a;
   const Vec3d position = a + ab * double(hit.u) + ac * double(hit.v), d(ray.dir);
-  // Two-sided: normals are turned to the side that the ray came from, so that neither the winding nor a mirroring
-  // transform matters.
+  // Two-sided: normals are turned to the side that the ray came from, so that neither the winding nor a
+  // mirroring transform matters.
   const Vec3d across = cross(ab, ac);
   const double doubled_area = length(across);
   Vec3d normal = doubled_area > 0.0 ? across * (1.0 / doubled_area) : line_normal(triangle, d);

@@ -19,8 +19,8 @@ struct SurfacePoint {
 // The hit of `ray`, through the instance's transform at the ray's time.
 SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray);
 
-// A ray from the surface in `direction`, on either side of it; clear_origin() comes first. To the far side it starts
-// clear of the triangle that was hit, and no more is proved. Hits count from tnear = 0 on.
+// A ray from the surface in `direction`, on either side of it; clear_origin() comes first. To the far side
+// it starts clear of the triangle that was hit, and no more is proved. Hits count from tnear = 0 on.
 inline Ray leave(const SurfacePoint& surface, const Vec3f& direction, float time) {
   Ray ray;
   const Vec3f& n = surface.geometric_normal;

@@ -9,18 +9,20 @@ namespace {
 
 // Error bounds count roundings of 2^-24; docs/design/watertight.md, section 4, derives them.
 constexpr float kRounding = 0x1p-24f;
-// Relative to the largest coordinate of the triangle's vertices: 1 for rounding the origin of a ray that leaves it,
-// in the space that the tracer sees the triangle in.
+// Relative to the largest coordinate of the triangle's vertices: 1 for rounding the origin of a ray that
+// leaves it, in the space that the tracer sees the triangle in.
 constexpr float kPlaceError = 1 * kRounding;
-// Likewise, at the controls around the time and for each degree of a moving mesh: 3 by which its interpolation here
-// and in the tracer may part, where the tracer fuses the last two operations (core/base/lerp.h).
+// Likewise, at the controls around the time and for each degree of a moving mesh: 3 by which its
+// interpolation here and in the tracer may part, where the tracer fuses the last two operations
+// (core/base/lerp.h).
 constexpr float kMotionError = 3 * kRounding;
 // Relative to the triangle's extent on any axis, since the test works on differences to the ray's origin and
 // its shear mixes the axes: 1 for the difference, 3 for the shear, 5 for the distance. Never 0, so that a ray
 // does not start in the plane of a triangle that lies in a plane of coordinates.
 constexpr float kTestError = 9 * kRounding;
-// Relative to the sum of the sizes of the terms of a point's way out of an instance: 1 for rounding the origin in the
-// world. The tracer inverts and applies the matrix in double precision: the way in adds nothing.
+// Relative to the sum of the sizes of the terms of a point's way out of an instance: 1 for rounding the
+// origin in the world. The tracer inverts and applies the matrix in double precision: the way in adds
+// nothing.
 constexpr float kTransformError = 1 * kRounding;
 // Likewise, for each degree of a moving instance: 3 as above, of its matrix.
 constexpr float kTransformMotionError = 3 * kRounding;
@@ -49,7 +51,8 @@ struct TrianglePose {
 
   // On each axis.
   float margin(const TrackForm& form) const {
-    const Vec3f extent = max(max(vertex[0], vertex[1]), vertex[2]) - min(min(vertex[0], vertex[1]), vertex[2]);
+    const Vec3f &a = vertex[0], &b = vertex[1], &c = vertex[2];
+    const Vec3f extent = max(max(a, b), c) - min(min(a, b), c);
     const float place = kPlaceError + (form.moving() ? kMotionError * float(form.degree) : 0.0f);
     return size * place + largest(extent) * kTestError;
   }

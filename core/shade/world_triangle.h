@@ -13,8 +13,9 @@ namespace msbvh {
 // How an instance stands in the world at one time. For sources in the world itself there is none.
 struct InstancePose {
   Affine3d world_from_object;
-  Vec3f reach;  // by axis, how far a corner of the cube [-1, 1]^3 in the object can be from the instance's origin ...
-  Vec3f place;  // ... and that from the world's; both at all controls around the time
+  // By axis, at all controls around the time: how far a corner of the cube [-1, 1]^3 in the object can be from
+  // the instance's origin, and that from the world's.
+  Vec3f reach, place;
   float error;  // relative to the sizes of the terms of a point's way out of the instance
 
   InstancePose(const HitSource& source, float shutter_time);
@@ -26,8 +27,8 @@ inline std::optional<InstancePose> instance_pose(const HitSource& source, float 
 
 struct WorldTriangle {
   Vec3d vertex[3];
-  // A bound on how far any point of the triangle is from where the tracer sees it, for a ray that starts about as
-  // near as the triangle is large. The rounding of that origin is included.
+  // A bound on how far any point of the triangle is from where the tracer sees it, for a ray that starts
+  // about as near as the triangle is large. The rounding of that origin is included.
   double margin;
 };
 

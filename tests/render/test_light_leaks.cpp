@@ -175,8 +175,8 @@ TEST_CASE("a closed shell is black inside, whatever shines on it from outside") 
   }
 }
 
-// Nothing hides the dome from a convex body: each sample has the albedo times its radiance, exactly. The triangles
-// are so small, for where they are, that most hits are next to an edge.
+// Nothing hides the dome from a convex body: each sample has the albedo times its radiance, exactly. The
+// triangles are so small, for where they are, that most hits are next to an edge.
 TEST_CASE("next to edges a convex body is as bright as elsewhere") {
   const float place = 1000.0f;
   Scene scene;

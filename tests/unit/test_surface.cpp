@@ -181,7 +181,8 @@ TEST_CASE("spawned rays start beyond the surface, at coordinates of 1e4") {
     const double side = dot(normal, Vec3d(point.geometric_normal)) > 0 ? 1.0 : -1.0;
     for (const float leaving : {1.0f, -1.0f}) {
       const Vec3f direction = point.geometric_normal * leaving;
-      const double height = dot(normal, Vec3d(leave(point, direction, time).org) - corner[0]) * side * leaving;
+      const Vec3d from_corner = Vec3d(leave(point, direction, time).org) - corner[0];
+      const double height = dot(normal, from_corner) * side * leaving;
       CHECK(height > 0.0);
       CHECK(height < 0.1);
     }
