@@ -29,17 +29,15 @@ struct Accel::Data {
   std::optional<Tracer> tracer;
 
   void require_open() const {
-    if (bvh) throw Error("accelerator: geometry was added after commit(); expected before");
+    if (bvh) throw Error("accelerator: changed or committed after commit(); expected before");
   }
-  const Bvh& committed() const {
-    if (!bvh) throw Error("accelerator: used before commit()");
-    return *bvh;
-  }
+  // All or nothing: a tree that no kernel can trace is not committed.
   void close(BuiltBvh built) {
-    bvh = std::make_shared<const Bvh>(std::move(built.bvh));
+    auto tree = std::make_shared<const Bvh>(std::move(built.bvh));
+    tracer.emplace(*tree);
+    bvh = std::move(tree);
     topology = std::move(built.topology);
     input = {};
-    tracer.emplace(*bvh);
   }
 };
 
@@ -48,26 +46,45 @@ Accel::~Accel() = default;
 Accel::Accel(Accel&&) noexcept = default;
 Accel& Accel::operator=(Accel&&) noexcept = default;
 
+Accel::Data& Accel::data() const {
+  if (!data_) throw Error("accelerator: used after it was moved from; expected the one it was moved to");
+  return *data_;
+}
+
+BvhInput& Accel::open() {
+  data().require_open();
+  return data_->input;
+}
+
+const Accel::Data& Accel::committed() const {
+  if (!data_ || !data_->tracer) [[unlikely]] {
+    data();
+    throw Error("accelerator: used before commit(); expected after one that succeeded");
+  }
+  return *data_;
+}
+
 std::uint32_t Accel::add_mesh(TriangleMesh mesh) {
   return add_mesh(std::make_shared<const TriangleMesh>(validated(std::move(mesh))));
 }
 
 std::uint32_t Accel::add_mesh(std::shared_ptr<const TriangleMesh> mesh) {
-  data_->require_open();
-  data_->input.meshes.push_back(std::move(mesh));
-  return static_cast<std::uint32_t>(data_->input.meshes.size() - 1);
+  if (!mesh) throw Error("accelerator: found no mesh behind the pointer; expected one");
+  std::vector<std::shared_ptr<const TriangleMesh>>& meshes = open().meshes;
+  meshes.push_back(std::move(mesh));
+  return static_cast<std::uint32_t>(meshes.size() - 1);
 }
 
 std::uint32_t Accel::add_grids(GridMesh mesh) {
-  data_->require_open();
+  std::vector<std::shared_ptr<const GridMesh>>& grids = open().grids;
   validate(mesh);
-  data_->input.grids.push_back(std::make_shared<const GridMesh>(std::move(mesh)));
-  return static_cast<std::uint32_t>(data_->input.grids.size() - 1);
+  grids.push_back(std::make_shared<const GridMesh>(std::move(mesh)));
+  return static_cast<std::uint32_t>(grids.size() - 1);
 }
 
 std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, const TrackForm& form,
                                    std::span<const Affine3f> world_from_object, const Clock& clock) {
-  data_->require_open();
+  BvhInput& in = open();
   if (!object || object->bvh().instanced) {
     throw Error("accelerator: an instance of an Accel that holds instances; expected one with meshes only");
   }
@@ -80,7 +97,6 @@ std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, const Tr
   if (!std::ranges::all_of(world_from_object, [](const Affine3f& m) { return is_finite(m); })) {
     throw Error("accelerator: an instance's matrix has an element that is not finite; expected finite ones");
   }
-  BvhInput& in = data_->input;
   const auto first = static_cast<std::uint32_t>(in.instances.size());
   std::uint64_t first_control = in.instance_controls.size();
   const std::size_t count = world_from_object.size() / form.controls();
@@ -94,29 +110,32 @@ std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, const Tr
 }
 
 void Accel::set_clock(const Clock& clock) {
-  data_->require_open();
+  BvhInput& in = open();
   require_valid(clock);
-  data_->input.clock = clock;
+  in.clock = clock;
 }
 
 void Accel::commit(const BuildSettings& settings) {
-  data_->require_open();
-  data_->close(build_bvh(data_->input, settings));
+  const BvhInput& in = open();
+  data_->close(build_bvh(in, settings));
 }
 
 void Accel::commit_from(Accel& previous, const BuildSettings& settings) {
-  data_->require_open();
-  data_->close(next_bvh(data_->input, settings, previous.bvh(), previous.data_->topology));
+  const BvhInput& in = open();
+  const Bvh& last = previous.bvh();
+  data_->close(next_bvh(in, settings, last, previous.data_->topology));
 }
 
-bool Accel::intersect(const Ray& ray, Hit& hit) const { return data_->tracer->intersect(ray, hit); }
-bool Accel::occluded(const Ray& ray) const { return data_->tracer->occluded(ray); }
-void Accel::intersect(std::span<const Ray> rays, Hit* hits) const { data_->tracer->intersect(rays, hits); }
+bool Accel::intersect(const Ray& ray, Hit& hit) const { return committed().tracer->intersect(ray, hit); }
+bool Accel::occluded(const Ray& ray) const { return committed().tracer->occluded(ray); }
+void Accel::intersect(std::span<const Ray> rays, Hit* hits) const {
+  committed().tracer->intersect(rays, hits);
+}
 void Accel::occluded(std::span<const Ray> rays, bool* occluded) const {
-  data_->tracer->occluded(rays, occluded);
+  committed().tracer->occluded(rays, occluded);
 }
 
-const Bvh& Accel::bvh() const { return data_->committed(); }
+const Bvh& Accel::bvh() const { return *committed().bvh; }
 const BvhStatistics& Accel::statistics() const { return bvh().statistics; }
 void Accel::verify() const { msbvh::verify(bvh()); }
 

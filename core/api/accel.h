@@ -26,6 +26,8 @@
 
 namespace msbvh {
 
+struct BvhInput;
+
 class Accel {
  public:
   Accel();
@@ -60,8 +62,8 @@ class Accel {
   // triangles at the same distance rounding puts first.
   void commit_from(Accel& previous, const BuildSettings& settings = {});
 
-  // Rays at any time, from any thread, after commit(). See Tracer for a chosen instruction set and for
-  // counting.
+  // Rays at any time, from any thread. See Tracer for a chosen instruction set and for counting. These and
+  // all below throw Error before commit(), and after one that threw.
   bool intersect(const Ray& ray, Hit& hit) const;
   bool occluded(const Ray& ray) const;
   // The same for many rays, coherent or not: faster from some dozens of rays on. As many hits as rays.
@@ -77,6 +79,9 @@ class Accel {
 
  private:
   struct Data;
+  Data& data() const;             // throws Error for an Accel that was moved from
+  BvhInput& open();               // what is built from; throws Error after commit()
+  const Data& committed() const;  // throws Error before commit()
   std::unique_ptr<Data> data_;
 };
 

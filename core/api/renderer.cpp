@@ -83,15 +83,16 @@ Renderer::~Renderer() = default;
 
 void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& settings) {
   check(settings);
+  if (!scene) throw Error("renderer: found no scene behind the pointer; expected one");
   validate(*scene);
   auto data = std::make_unique<Data>();
   data->scene = std::move(scene);
   data->settings = settings;
   data->plan = plan_effects(*data->scene, {.max_bounces = settings.max_bounces});
   data->build(data_ && data_->trees ? &*data_->trees : nullptr);
-  data->frame.emplace(FrameContext{SceneIndex(*data->scene), LightSet(*data->scene),
-                                   Tracer(data->trees->world().bvh()), settings.max_bounces,
-                                   settings.show_domes});
+  const Bvh& world = data->trees->world().bvh();
+  data->frame.emplace(FrameContext{SceneIndex(*data->scene), LightSet(*data->scene), world, Tracer(world),
+                                   settings.max_bounces, settings.show_domes});
   data_ = std::move(data);
 }
 

@@ -24,6 +24,7 @@ namespace msbvh {
 struct FrameContext {
   SceneIndex index;
   LightSet lights;
+  const Bvh& world;  // that the tracer traces
   Tracer tracer;
   std::uint32_t max_bounces;  // 0: direct light only
   bool show_domes;            // camera rays that meet nothing see the dome
@@ -52,7 +53,7 @@ class PathTracer {
       if (depth == 0) result.alpha = 1.0f;
       result.radiance += throughput * surface.emission;
       throughput = throughput * surface.albedo;
-      if (throughput == Vec3f{}) return result;
+      if (throughput == Vec3f{} || !clear_origin(surroundings(), ray, surface.origin)) return result;
       result.radiance += throughput * direct_light(surface, ray.time, depth);
       if (!sample_bounce(surface, depth, ray)) return result;
       if (depth == max_bounces()) {
@@ -70,6 +71,7 @@ class PathTracer {
  private:
   static constexpr bool kOpacity = kEffects.has(Effect::kOpacity);
 
+  Surroundings surroundings() const { return {frame_.index, frame_.world}; }
   std::uint32_t max_bounces() const { return kEffects.has(Effect::kIndirectLight) ? frame_.max_bounces : 0; }
 
   // The same ray cannot find the same triangle at the same distance again.
@@ -137,14 +139,6 @@ class PathTracer {
     if (dot(direction, surface.geometric_normal) <= 0.0f) return false;
     ray = leave(surface, direction, ray.time);
     return true;
-  }
-
-  static Ray leave(const SurfacePoint& surface, const Vec3f& direction, float time) {
-    Ray ray;
-    ray.org = offset_origin(surface, direction);
-    ray.dir = direction;
-    ray.time = time;
-    return ray;
   }
 
   const FrameContext& frame_;

@@ -17,7 +17,8 @@ namespace detail {
 template <typename T>
 T value_at_key(const Primvar<T>& primvar, const TriangleMesh& shape, std::uint32_t triangle,
                const Barycentrics& b, std::uint32_t key) {
-  const T* values = primvar.values.data() + key * value_count(primvar.interpolation, shape);
+  const T* values = primvar.values.data();
+  if (key != 0) values += key * value_count(primvar.interpolation, shape);
   const auto blend = [&](std::size_t i0, std::size_t i1, std::size_t i2) {
     return values[i0] * b.b0 + values[i1] * b.b1 + values[i2] * b.b2;
   };

@@ -1,89 +1,11 @@
 #include "core/shade/surface.h"
 
-#include <algorithm>
-
-#include "core/motion/affine_track.h"
 #include "core/scene/opacity.h"
 #include "core/shade/primvar.h"
+#include "core/shade/world_triangle.h"
 
 namespace msbvh {
 namespace {
-
-// Error bounds count roundings of 2^-24 and are rounded up to a power of two.
-//
-// Relative to the largest coordinate, by axis, of the triangle's vertices at the controls around the time,
-// and for each degree: 2 x 4 for their interpolation, whose last two operations the tracer may fuse
-// (core/base/lerp.h); 3 for rounding the position, the moved origin, and that origin in an instance's space.
-// In all 11.
-constexpr double kVertexError = 16 * 0x1p-24;
-// Relative to the triangle's extent on any axis, since the test works on differences to the ray's origin and
-// its shear mixes the axes: 1 for the difference, 3 for the shear, 5 for the distance. In all 9. Never 0, so
-// that a ray does not start in the plane of a triangle that lies in a plane of coordinates.
-constexpr double kTestError = 16 * 0x1p-24;
-// A point's way out of an instance, relative to the sum of the sizes of its terms, for each degree: 2 x 4 for
-// the interpolation of the matrix on either side, 2 for rounding the position and the moved origin. In
-// all 10. The tracer inverts and applies the matrix in double precision, so that the way in adds nothing.
-constexpr double kTransformError = 16 * 0x1p-24;
-
-// A triangle at one time, in its mesh's space.
-struct TrianglePose {
-  Vec3d vertex[3];
-  Vec3d size;  // by axis, the largest coordinate at the controls around the time
-  std::uint32_t degree = 1;
-
-  // How far the tracer's triangle may be from this one.
-  Vec3d margin() const {
-    const Vec3d extent =
-        max(max(vertex[0], vertex[1]), vertex[2]) - min(min(vertex[0], vertex[1]), vertex[2]);
-    const double test = kTestError * std::max({extent.x, extent.y, extent.z});
-    return size * (kVertexError * degree) + Vec3d{test, test, test};
-  }
-};
-
-TrianglePose pose_at(const TriangleMesh& shape, std::uint32_t triangle, float time) {
-  const std::uint32_t first = locate(time, shape.segments).key * shape.degree;
-  const std::uint32_t controls = shape.segments == 0 ? 1 : shape.degree + 1;
-  TrianglePose pose;
-  for (int corner = 0; corner < 3; ++corner) {
-    const std::uint32_t vertex = shape.triangles[triangle][corner];
-    pose.vertex[corner] = Vec3d(shape.position(vertex, time));
-    for (std::uint32_t c = first; c < first + controls; ++c) {
-      pose.size = max(pose.size, Vec3d(abs(shape.control_positions(c)[vertex])));
-    }
-  }
-  pose.degree = shape.degree;
-  return pose;
-}
-
-Affine3d abs(const Affine3d& a) {
-  return {msbvh::abs(a.x), msbvh::abs(a.y), msbvh::abs(a.z), msbvh::abs(a.t)};
-}
-
-// An instance's transform at one time.
-struct InstancePose {
-  Affine3d world_from_object;
-  Affine3d size;  // by element, the largest at the controls around the time
-  std::uint32_t degree;
-
-  InstancePose(const HitSource& source, float shutter_time) : degree(source.instances->degree) {
-    const float time = source.instance_time(shutter_time);
-    const TrackForm form = source.instances->form();
-    const std::span<const Affine3f> controls = source.instance_controls();
-    world_from_object = Affine3d(evaluate(controls, form, time));
-    const std::uint32_t first = locate(time, form.segments).key * degree;
-    size = abs(Affine3d(controls[first]));
-    for (std::uint32_t c = first + 1; form.moving() && c <= first + degree; ++c) {
-      const Affine3d m = abs(Affine3d(controls[c]));
-      size = {max(size.x, m.x), max(size.y, m.y), max(size.z, m.z), max(size.t, m.t)};
-    }
-  }
-};
-
-// The triangle's own bound carried to the world, and that of the way there.
-Vec3d instanced_margin(const TrianglePose& triangle, const InstancePose& instance) {
-  const double error = kTransformError * instance.degree;
-  return instance.size.vector(triangle.margin() + triangle.size * error) + instance.size.t * error;
-}
 
 // The instance's, else the mesh's, else `fallback`.
 Vec3f display_color(const HitSource& source, const Hit& hit, float time, Vec3f fallback) {
@@ -97,7 +19,7 @@ Vec3f display_color(const HitSource& source, const Hit& hit, float time, Vec3f f
 
 void set_colors(const Material* material, const HitSource& source, const Hit& hit, float time,
                 SurfacePoint& surface) {
-  const Material standard{.diffuse_from_display_color = true};
+  static const Material standard{.diffuse_from_display_color = true};
   const Material& m = material ? *material : standard;
   const auto color = [&](Vec3f constant, bool from_display_color) {
     return from_display_color ? display_color(source, hit, time, constant) : constant;
@@ -106,43 +28,49 @@ void set_colors(const Material* material, const HitSource& source, const Hit& hi
   surface.emission = color(m.emissive_color, m.emissive_from_display_color);
 }
 
-// Two-sided: the normals end up on the side that the ray came from, so that neither the winding nor a
-// mirroring transform matters.
-void set_normals(const HitSource& source, const Hit& hit, const Ray& ray, const Affine3d& world_from_object,
-                 const Vec3d& object_normal, SurfacePoint& surface) {
-  const float time = source.mesh_time(ray.time);
-  Vec3f ng(normalize(transform_normal(world_from_object, object_normal)));
-  if (ng == Vec3f{}) ng = -normalize(ray.dir);  // no area left in double precision: nothing better is known
-  if (dot(ng, ray.dir) > 0.0f) ng = -ng;
-  surface.geometric_normal = surface.shading_normal = ng;
+// Of a triangle that has no area left in double precision: across the line, as far as there is one.
+Vec3d line_normal(const WorldTriangle& triangle, const Vec3d& d) {
+  const Vec3d* v = triangle.vertex;
+  const Vec3d a = v[1] - v[0], b = v[2] - v[0], c = v[2] - v[1];
+  const Vec3d ab = dot(a, a) > dot(b, b) ? a : b, longest = dot(ab, ab) > dot(c, c) ? ab : c;
+  const double l2 = dot(longest, longest);
+  const Vec3d across = l2 > 0.0 ? longest * (dot(longest, d) / l2) - d : -d;
+  return normalize(across == Vec3d{} ? -d : across);
+}
+
+// Where the mesh has none, the geometric one. Turned to the side that the ray came from.
+Vec3f shading_normal(const HitSource& source, const Hit& hit, float mesh_time,
+                     const std::optional<InstancePose>& pose, const Vec3f& ng) {
   const Mesh& mesh = *source.mesh;
-  if (!mesh.normals.authored()) return;
-  const Vec3d authored(
-      interpolate(mesh.normals, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time));
-  const Vec3f ns(normalize(transform_normal(world_from_object, authored)));
-  if (ns == Vec3f{}) return;
-  surface.shading_normal = dot(ns, ng) < 0.0f ? -ns : ns;
+  if (!mesh.normals.authored()) return ng;
+  const Vec3f authored =
+      interpolate(mesh.normals, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), mesh_time);
+  const Vec3d in_world =
+      pose ? transform_normal(pose->world_from_object, Vec3d(authored)) : Vec3d(authored);
+  const Vec3f ns(normalize(in_world));
+  if (ns == Vec3f{}) return ng;
+  return dot(ns, ng) < 0.0f ? -ns : ns;
 }
 
 }  // namespace
 
 SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray) {
-  const float time = source.mesh_time(ray.time);
-  const TrianglePose triangle = pose_at(source.mesh->shape, hit.triangle, time);
-  const Vec3d edge1 = triangle.vertex[1] - triangle.vertex[0],
-              edge2 = triangle.vertex[2] - triangle.vertex[0];
-  const Vec3d in_object = triangle.vertex[0] + edge1 * double(hit.u) + edge2 * double(hit.v);
+  const std::optional<InstancePose> pose = instance_pose(source, ray.time);
+  const WorldTriangle triangle = world_triangle(source, pose, hit.triangle, ray.time);
+  const Vec3d &a = triangle.vertex[0], ab = triangle.vertex[1] - a, ac = triangle.vertex[2] - a;
+  const Vec3d position = a + ab * double(hit.u) + ac * double(hit.v), d(ray.dir);
+  // Two-sided: normals are turned to the side that the ray came from, so that neither the winding nor a
+  // mirroring transform matters.
+  const Vec3d across = cross(ab, ac);
+  const double doubled_area = length(across);
+  Vec3d normal = doubled_area > 0.0 ? across * (1.0 / doubled_area) : line_normal(triangle, d);
+  if (dot(normal, d) > 0.0) normal = -normal;
   SurfacePoint surface;
-  if (source.instances) {
-    const InstancePose instance(source, ray.time);
-    surface.position = Vec3f(instance.world_from_object.point(in_object));
-    surface.self_hit_margin = Vec3f(instanced_margin(triangle, instance));
-    set_normals(source, hit, ray, instance.world_from_object, cross(edge1, edge2), surface);
-  } else {
-    surface.position = Vec3f(in_object);
-    surface.self_hit_margin = Vec3f(triangle.margin());
-    set_normals(source, hit, ray, Affine3d{}, cross(edge1, edge2), surface);
-  }
+  surface.position = Vec3f(position);
+  surface.geometric_normal = Vec3f(normal);
+  surface.shading_normal =
+      shading_normal(source, hit, source.mesh_time(ray.time), pose, surface.geometric_normal);
+  surface.origin = origin_at(triangle, hit, ray, position, normal, doubled_area);
   set_colors(material_of(scene, *source.mesh), source, hit, ray.time, surface);
   return surface;
 }

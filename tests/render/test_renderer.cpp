@@ -125,6 +125,29 @@ TEST_CASE("settings out of range and broken scenes are errors in one line") {
   CHECK_THROWS_AS(Renderer().render(), Error);
   CHECK_THROWS_AS(Renderer().plan(), Error);
   CHECK_THROWS_AS(Renderer().statistics(), Error);
+  CHECK_THROWS_AS(Renderer().verify(), Error);
+  CHECK_THROWS_AS(Renderer().commit(nullptr, {}), Error);
+}
+
+TEST_CASE("a renderer whose first commit failed has nothing to render; a later one keeps the last frame") {
+  RenderSettings settings{.width = 4, .height = 4, .spp = 1, .max_bounces = 0, .build = {}};
+  RenderSettings cancelled = settings;
+  cancelled.build.cancelled = [] { return true; };
+  Renderer renderer;
+  CHECK_THROWS_AS(renderer.commit(std::make_shared<Scene>(quad_scene()), cancelled), Cancelled);
+  CHECK_THROWS_AS(renderer.render(), Error);
+  renderer.commit(std::make_shared<Scene>(quad_scene()), settings);
+  const Image image = renderer.render();
+  CHECK_THROWS_AS(renderer.commit(std::make_shared<Scene>(quad_scene()), cancelled), Cancelled);
+  CHECK(renderer.render().rgba == image.rgba);
+}
+
+TEST_CASE("a scene without anything in it renders to nothing") {
+  Scene scene;
+  scene.camera = pixel_camera(4, 4);
+  for (const float value : render(scene, {.width = 4, .height = 4, .spp = 1, .build = {}}).rgba) {
+    CHECK(value == 0.0f);
+  }
 }
 
 }  // namespace

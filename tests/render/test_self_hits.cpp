@@ -74,15 +74,16 @@ int self_hits(const Subject& subject, RandomVectors& random, int& spawned) {
   const Ray ray = aim(subject, random);
   Hit hit;
   if (!subject.accel.intersect(ray, hit)) return 0;
-  const SurfacePoint point = surface_at(subject.scene, SceneIndex(subject.scene).resolve(hit), hit, ray);
+  const SceneIndex index(subject.scene);
+  SurfacePoint point = surface_at(subject.scene, index.resolve(hit), hit, ray);
+  if (!clear_origin({index, subject.accel.bvh()}, ray, point.origin)) return 0;
   int hits = 0;
   for (int i = 0; i < 40; ++i) {
     Ray next;
-    next.time = ray.time;
     next.dir = random.vector(1.0f);
     if (i % 2 == 0) next.dir += point.geometric_normal * (-0.999f * dot(next.dir, point.geometric_normal));
     if (dot(next.dir, next.dir) < 1e-6f) continue;
-    next.org = offset_origin(point, next.dir);
+    next = leave(point, next.dir, ray.time);
     hits += subject.accel.occluded(next);
     ++spawned;
   }

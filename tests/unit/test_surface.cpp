@@ -166,8 +166,10 @@ TEST_CASE("spawned rays start beyond the surface, at coordinates of 1e4") {
     Ray ray;
     ray.dir = small_vector();
     ray.time = time;
-    const SurfacePoint point =
-        surface(scene, {.u = u, .v = v, .triangle = 0, .instance = instanced ? 0 : kNoInstance}, ray);
+    const Hit hit{.u = u, .v = v, .triangle = 0, .instance = instanced ? 0 : kNoInstance};
+    ray.org = surface(scene, hit, ray).position - ray.dir * 3.0f;
+    const SurfacePoint point = surface(scene, hit, ray);
+    if (point.origin.beside_edge) continue;
 
     const double w = time;
     Vec3d corner[3];
@@ -179,7 +181,8 @@ TEST_CASE("spawned rays start beyond the surface, at coordinates of 1e4") {
     const double side = dot(normal, Vec3d(point.geometric_normal)) > 0 ? 1.0 : -1.0;
     for (const float leaving : {1.0f, -1.0f}) {
       const Vec3f direction = point.geometric_normal * leaving;
-      const double height = dot(normal, Vec3d(offset_origin(point, direction)) - corner[0]) * side * leaving;
+      const Vec3d from_corner = Vec3d(leave(point, direction, time).org) - corner[0];
+      const double height = dot(normal, from_corner) * side * leaving;
       CHECK(height > 0.0);
       CHECK(height < 0.1);
     }
