@@ -92,11 +92,11 @@ class StageTruth:
     def _drawn(
         self, top: Usd.Prim, root: Usd.Prim | None, world: np.ndarray, time: float, predicate: object
     ) -> Iterator[Polygons]:
-        """The shapes below `top` at a time; `root` is the prototype's root, whose own transform and
-        visibility are its instancer's affair, `world` float64[I, 4, 4] its places."""
+        """The shapes below `top` at a time; `root` is the prototype's root, whose own transform is its instancer's
+        affair, `world` float64[I, 4, 4] its places. What hides the root's ancestors does not count."""
         prims = iter(Usd.PrimRange(top, predicate))
         for prim in prims:
-            if prim != root and _is_invisible(prim, time):
+            if _is_invisible(prim, time):
                 prims.PruneChildren()
             elif prim.IsA(UsdGeom.PointInstancer):
                 prims.PruneChildren()

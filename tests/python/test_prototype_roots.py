@@ -1,0 +1,218 @@
+"""Roots of point instancers' prototypes: their own visibility counts, that of their ancestors does not; one that is
+inactive or not loaded is a missing one; and their own transform moves by their own motion:blurScale.
+
+The truth is stage_truth.py, which asks usd-core at the very time and knows no tracks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import pytest
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
+from recording import DENSE_TIMES01, Shot, messages
+from stage_truth import StageTruth
+
+INVISIBLE, INHERITED = UsdGeom.Tokens.invisible, UsdGeom.Tokens.inherited
+
+
+def instancer_of(
+    shot: Shot, prototypes: Sequence[str], path: str = "/Instancer", y: float = 0.0
+) -> UsdGeom.PointInstancer:
+    """Two instances of each prototype in a row at that height; they move a little."""
+    instancer = UsdGeom.PointInstancer.Define(shot.stage, path)
+    instancer.GetPrototypesRel().SetTargets(list(prototypes))
+    count = 2 * len(prototypes)
+    instancer.CreateProtoIndicesAttr([i % len(prototypes) for i in range(count)])
+    for time, x in ((9.0, -6.0), (11.0, -4.0)):
+        instancer.CreatePositionsAttr().Set([(x + 3 * i, y, 0) for i in range(count)], time)
+    return instancer
+
+
+def blink(prim: Usd.Prim | UsdGeom.Imageable, hidden: tuple[float, float] = (9.9, 10.2)) -> None:
+    """Invisible between the two times."""
+    visibility = UsdGeom.Imageable(prim).CreateVisibilityAttr()
+    for time, token in ((9.0, INHERITED), (hidden[0], INVISIBLE), (hidden[1], INHERITED)):
+        visibility.Set(token, time)
+
+
+def drawn_at(shot: Shot, result, time01: float) -> np.ndarray:
+    """The points that the finished scene shows at a time, sorted: float64[N, 3]."""
+    points = [p.reshape(-1, 3) for _, _, p in result.scene.poses(time01)]
+    return in_order(np.concatenate([np.zeros((0, 3)), *points]))
+
+
+def in_order(points: np.ndarray) -> np.ndarray:
+    return points[np.lexsort(np.round(points, 2).T)]
+
+
+def true_at(shot: Shot, time: float, frame: float = 10.0) -> np.ndarray:
+    shutter = [a.Get() for a in (shot.camera.GetShutterOpenAttr(), shot.camera.GetShutterCloseAttr())]
+    found = StageTruth(shot.stage, frame, tuple(shutter)).instance_points(time)
+    return in_order(np.concatenate([np.zeros((0, 3)), *found.values()]))
+
+
+def assert_as_the_stage(shot: Shot, within: float = 2e-3) -> None:
+    """The scene shows what the stage does, at times that are on no key."""
+    result = shot.read()
+    shutter = result.camera.shutter
+    seen = set()
+    for time01 in DENSE_TIMES01[1:-1]:
+        expected = true_at(shot, shutter.time_code(time01).GetValue())
+        found = drawn_at(shot, result, time01)
+        assert found.shape == expected.shape, f"at {time01}"
+        assert np.abs(found - expected).max(initial=0.0) < within, f"at {time01}"
+        seen.add(len(expected))
+    assert max(seen) > 0, "the stage shows nothing at all: the test is blind"
+
+
+def a_mesh(shot: Shot) -> str:
+    shot.mesh("/Prototypes/Root")
+    return "/Prototypes/Root"
+
+
+def a_group(shot: Shot) -> str:
+    UsdGeom.Xform.Define(shot.stage, "/Prototypes/Root").AddTranslateOp().Set(Gf.Vec3d(0, 1, 0))
+    shot.mesh("/Prototypes/Root/Square")
+    return "/Prototypes/Root"
+
+
+def a_native_instance(shot: Shot) -> str:
+    shot.stage.CreateClassPrim("/Asset")
+    shot.mesh("/Asset/Square")
+    root = UsdGeom.Xform.Define(shot.stage, "/Prototypes/Root")
+    root.GetPrim().GetReferences().AddInternalReference("/Asset")
+    root.GetPrim().SetInstanceable(True)
+    return "/Prototypes/Root"
+
+
+def a_nested_instancer(shot: Shot) -> str:
+    shot.mesh("/Prototypes/Inner")
+    instancer_of(shot, ["/Prototypes/Inner"], "/Prototypes/Root")
+    UsdGeom.Imageable(shot.stage.GetPrimAtPath("/Prototypes")).CreateVisibilityAttr("invisible")
+    return "/Prototypes/Root"
+
+
+def an_over(shot: Shot) -> str:
+    UsdGeom.Xform.Define(shot.stage, "/Prototypes/Root")
+    shot.mesh("/Prototypes/Root/Square")
+    for path in ("/Prototypes/Root", "/Prototypes"):
+        shot.stage.GetPrimAtPath(path).SetSpecifier(Sdf.SpecifierOver)
+    return "/Prototypes/Root"
+
+
+ROOTS = [a_mesh, a_group, a_native_instance, a_nested_instancer, an_over]
+each_root = pytest.mark.parametrize("root", ROOTS, ids=lambda root: root.__name__)
+
+
+def with_root(root: Callable[[Shot], str], shutter: tuple[float, float] = (-0.25, 0.5)) -> tuple[Shot, Usd.Prim]:
+    """Two prototypes, of which the second is always drawn."""
+    shot = Shot(shutter)
+    path = root(shot)
+    shot.mesh("/Instancer/Other", [(0, 3, 0), (1, 3, 0), (1, 4, 0)])
+    instancer_of(shot, [path, "/Instancer/Other"])
+    hidden = UsdGeom.Scope.Define(shot.stage, "/Prototypes")
+    if not hidden.GetVisibilityAttr().HasAuthoredValue():
+        hidden.MakeInvisible()
+    return shot, shot.stage.GetPrimAtPath(path)
+
+
+@each_root
+def test_what_hides_ancestors_of_a_prototype_does_not_count(root):
+    shot, _ = with_root(root)
+    assert len(drawn_at(shot, shot.read(), 0.3)) > 6
+    assert_as_the_stage(shot)
+
+
+@pytest.mark.xfail(strict=True, reason="a prototype root's own visibility does not count")
+@each_root
+def test_an_invisible_prototype_is_not_drawn(root):
+    shot, prim = with_root(root)
+    UsdGeom.Imageable(prim).CreateVisibilityAttr(INVISIBLE)
+    assert len(drawn_at(shot, shot.read(), 0.3)) == 6
+    assert_as_the_stage(shot)
+
+
+@pytest.mark.xfail(strict=True, reason="a prototype root's own visibility does not count")
+@each_root
+def test_a_prototype_that_blinks_within_the_shutter(root):
+    shot, prim = with_root(root)
+    blink(prim)
+    assert_as_the_stage(shot)
+
+
+@pytest.mark.xfail(strict=True, reason="a prototype root's own visibility does not count")
+def test_a_prototype_that_two_instancers_share_blinks_in_both():
+    shot = Shot((-0.25, 0.5))
+    shot.mesh("/Prototypes/Root")
+    blink(shot.stage.GetPrimAtPath("/Prototypes/Root"))
+    shot.stage.GetPrimAtPath("/Prototypes").SetSpecifier(Sdf.SpecifierOver)
+    instancer_of(shot, ["/Prototypes/Root"])
+    second = instancer_of(shot, ["/Prototypes/Root"], "/Second", 3.0)
+    blink(second, (10.1, 10.3))
+    assert_as_the_stage(shot)
+
+
+@pytest.mark.xfail(strict=True, reason="a light knows nothing of what hides its instances")
+def test_a_light_below_a_root_that_blinks_is_off_meanwhile():
+    shot = Shot((-0.25, 0.5))
+    UsdGeom.Xform.Define(shot.stage, "/Prototypes/Root")
+    UsdLux.SphereLight.Define(shot.stage, "/Prototypes/Root/Light")
+    shot.stage.GetPrimAtPath("/Prototypes").SetSpecifier(Sdf.SpecifierOver)
+    blink(shot.stage.GetPrimAtPath("/Prototypes/Root"))
+    blink(instancer_of(shot, ["/Prototypes/Root"]), (10.3, 10.4))
+    lights = shot.read().scene.lights
+    assert len(lights) == 2
+    for light in lights:
+        times = 9.75 + 0.75 * np.asarray(light["values_times01"])
+        on = np.asarray(light["radiances"])[:, 0] > 0
+        off = ((times >= 9.9) & (times < 10.2)) | ((times >= 10.3) & (times < 10.4))
+        clear = np.abs(times[:, None] - [9.9, 10.2, 10.3, 10.4]).min(axis=1) > 1e-5
+        assert (on[clear] == ~off[clear]).all()
+
+
+def test_the_purpose_of_a_prototype_root_decides_as_anywhere():
+    for purpose, points in (("render", 6), ("proxy", 14), ("default", 14)):
+        shot, prim = with_root(a_mesh)
+        UsdGeom.Imageable(prim).CreatePurposeAttr(purpose)
+        assert len(drawn_at(shot, shot.read(), 0.3)) == points
+        assert_as_the_stage(shot)
+
+
+@pytest.mark.parametrize(
+    "hide",
+    [
+        pytest.param("the root", marks=pytest.mark.xfail(strict=True, reason="dropped without a word")),
+        "its parent",
+    ],
+)
+def test_an_inactive_prototype_is_a_missing_one(hide):
+    shot, prim = with_root(a_group)
+    (prim if hide == "the root" else prim.GetParent()).SetActive(False)
+    result = shot.read()
+    assert len(drawn_at(shot, result, 0.3)) == 6
+    (error,) = messages(result, "error")
+    assert error.startswith("/Instancer.prototypes: found /Prototypes/Root")
+    assert ("inactive" in error) == (hide == "the root")
+    assert "their instances are not drawn" in error
+
+
+@pytest.mark.xfail(strict=True, reason="a prototype that is not loaded is dropped without a word")
+def test_a_prototype_whose_payload_is_not_loaded_is_a_missing_one():
+    shot, prim = with_root(a_group)
+    payload = Usd.Stage.CreateInMemory()
+    UsdGeom.Xform.Define(payload, "/Asset")
+    payload.SetDefaultPrim(payload.GetPrimAtPath("/Asset"))
+    prim.GetPayloads().AddPayload(payload.GetRootLayer().identifier, "/Asset")
+    prim.Unload()
+    result = shot.read()
+    (error,) = messages(result, "error")
+    assert error.startswith("/Instancer.prototypes: found /Prototypes/Root") and "not loaded" in error
+
+
+def test_an_inactive_prototype_that_no_instance_uses_is_no_fault():
+    shot, prim = with_root(a_group)
+    prim.SetActive(False)
+    UsdGeom.PointInstancer.Get(shot.stage, "/Instancer").GetProtoIndicesAttr().Set([1, 1, 1, 1])
+    assert not messages(shot.read(), "error")
