@@ -229,16 +229,30 @@ def instancer_inactive_ids(scene: Scene) -> None:
         instancer.DeactivateIds([7, 3])
 
 
-@rule(POINT, "An invisible prototype is drawn where it is instanced", "it is not drawn")
+def two_prototypes(scene: Scene) -> UsdGeom.PointInstancer:
+    """Two wedges that fly, and two small squares that do."""
+    scene.wedge("/Instancer/Prototypes/Wedge")
+    scene.square("/Instancer/Prototypes/Square", side=0.6)
+    prototypes = ["/Instancer/Prototypes/Wedge", "/Instancer/Prototypes/Square"]
+    instancer = point_instancer(scene, [(-3, 1), (-1, -2), (2, 0), (4, -1)], prototypes=prototypes)
+    instancer.CreateVelocitiesAttr().Set(spatial([(24 * 6, 0), (0, 24 * 6)] * 2), FRAME)
+    return instancer
+
+
+@rule(POINT, "A prototype that is invisible itself is not drawn", "it is drawn")
 def instancer_invisible_prototype(scene: Scene) -> None:
-    instancer = point_instancer(scene, [(-3, 0), (2, 0)])
-    instancer.CreateVelocitiesAttr().Set(spatial([(24 * 6, 0), (0, 24 * 6)]), FRAME)
-    if scene.mistaken:
-        instancer.CreateInvisibleIdsAttr([0, 1])
-        scene.square("/Small", 5.5, 2.5, 0.3)
-    else:
-        UsdGeom.Imageable.Get(scene.stage, "/Instancer/Wedge").CreateVisibilityAttr(UsdGeom.Tokens.invisible)
-        scene.square("/Small", 5.5, 2.5, 0.3)
+    two_prototypes(scene)
+    if not scene.mistaken:
+        wedge = UsdGeom.Imageable.Get(scene.stage, "/Instancer/Prototypes/Wedge")
+        wedge.CreateVisibilityAttr(UsdGeom.Tokens.invisible)
+
+
+@rule(POINT, "What hides the ancestors of a prototype does not hide its instances", "they are not drawn")
+def instancer_hidden_prototypes(scene: Scene) -> None:
+    if not scene.mistaken:
+        two_prototypes(scene)
+        UsdGeom.Scope.Define(scene.stage, "/Instancer/Prototypes").MakeInvisible()
+    scene.square("/Small", 5.5, 2.5, 0.3)
 
 
 @rule(POINT, "Prototypes below an instancer are not drawn by themselves", "they are drawn too")

@@ -71,6 +71,15 @@ def visibility_in_prototype(scene: Scene) -> None:
     seen(part, {0.0: False} if scene.mistaken else {0.0: False, 10.1: True})
 
 
+@rule(
+    VISIBILITY, "A prototype that blinks within the shutter blinks in every instance", "the frame's visibility for all"
+)
+def visibility_of_prototype(scene: Scene) -> None:
+    velocity_instancer(scene)
+    root = UsdGeom.Imageable.Get(scene.stage, "/Instancer/Root")
+    seen(root, {0.0: True} if scene.mistaken else {0.0: True, 9.85: False, 10.25: True})
+
+
 def velocity_instancer(scene: Scene) -> UsdGeom.PointInstancer:
     """Two flying instances of two squares each, /Instancer/Root/Whole and Part."""
     instancer = UsdGeom.PointInstancer.Define(scene.stage, "/Instancer")

@@ -8,7 +8,7 @@ import numpy as np
 from pxr import Sdf, Usd, UsdLux
 
 from .context import FrameContext
-from .light_values import LightSamples, NotANumber, radiances, sample_light
+from .light_values import LightSamples, NotANumber, Switches, radiances, sample_light
 from .times import FINEST_LEVEL, Shutter
 from .transforms import Motion
 
@@ -29,14 +29,14 @@ def is_light(prim: Usd.Prim) -> bool:
 def add_lights(
     translator: Any,
     prim: Usd.Prim,
-    visibility: tuple[Usd.Attribute, ...],
+    switches: Switches,
     motion: Motion,
     context: FrameContext,
 ) -> int:
     """Hands a light down once for each of the motion's places, over the shutter. Returns how many: none, with
     a warning, if it is unsupported.
 
-    `visibility`: attributes above and on the prim that switch it on or off inside the shutter.
+    `switches` turn it on or off inside the shutter.
     """
     kind = SUPPORTED_LIGHTS.get(str(prim.GetTypeName()))
     path = str(prim.GetPath())
@@ -46,7 +46,7 @@ def add_lights(
         )
         return 0
     try:
-        samples, at_frame = sample_light(prim, visibility, context.shutter)
+        samples, at_frame = sample_light(prim, switches, context.shutter)
     except NotANumber as error:
         context.diagnostics.error(
             path, error.attribute, f"found {error.found!r}, expected {error.expected}; left out"

@@ -33,9 +33,22 @@ class PointInstances:
 
 
 def prototypes(instancer: UsdGeom.PointInstancer) -> list[Usd.Prim]:
-    """The prototypes' root prims by index; an invalid prim where a target does not exist."""
+    """The prototypes' root prims by index; an invalid prim where a target does not exist, is inactive or not
+    loaded."""
     stage = instancer.GetPrim().GetStage()
-    return [stage.GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetForwardedTargets()]
+    prims = [stage.GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetForwardedTargets()]
+    return [prim if prim and prim.IsActive() and prim.IsLoaded() else Usd.Prim() for prim in prims]
+
+
+def _missing(instancer: UsdGeom.PointInstancer, indices: np.ndarray) -> str:
+    """Those prototypes of which there is nothing to draw, each with the reason; the first few."""
+    targets = instancer.GetPrototypesRel().GetForwardedTargets()
+    found = []
+    for path in (targets[index] for index in indices[:8].tolist()):
+        prim = instancer.GetPrim().GetStage().GetPrimAtPath(path)
+        why = "" if not prim else " (inactive)" if not prim.IsActive() else " (not loaded)"
+        found.append(f"{path}{why}")
+    return ", ".join(found)
 
 
 def moving_attributes(instancer: UsdGeom.PointInstancer) -> list[Usd.Attribute]:
@@ -112,8 +125,7 @@ def _prototype_indices(
         diagnostics.error(path, "protoIndices", f"{message}; those instances are not drawn")
     exists = np.isin(indices, [index for index, prim in enumerate(prims) if prim])
     if not exists[in_range].all():
-        targets = instancer.GetPrototypesRel().GetForwardedTargets()
-        found = ", ".join(str(targets[index]) for index in np.unique(indices[in_range & ~exists])[:8])
+        found = _missing(instancer, np.unique(indices[in_range & ~exists]))
         message = f"found {found}, expected prims that exist; their instances are not drawn"
         diagnostics.error(path, "prototypes", message)
     if changes(instancer.GetProtoIndicesAttr(), context) and not _may_be_carried(instancer):

@@ -17,6 +17,7 @@ from .camera import RenderCamera, optics, read_camera
 from .context import FrameContext
 from .errors import Diagnostics, SceneError
 from .instances import Placement, Placer, coarse_keywords, level_keywords
+from .light_values import Switches
 from .lights import add_lights, camera_light
 from .materials import Materials
 from .motion_scales import scales_at
@@ -296,9 +297,8 @@ class _FrameReader:
                 shutter = self._context.shutter.scaled(part.scales.blur)
                 motion = self._caches.motion([part.prim], group.root, part.varying, shutter)
                 motion = motion.inside(placement.motion)
-                self._light_count += add_lights(
-                    self._translator, part.prim, part.blinking, motion, self._context
-                )
+                switches = Switches(part.blinking, placement.visible)
+                self._light_count += add_lights(self._translator, part.prim, switches, motion, self._context)
         if self._light_count == 0 and not self._settings.disable_camera_light:
             self._translator.add_light(**camera_light(self._camera.times01, self._camera.world_from_camera))
 

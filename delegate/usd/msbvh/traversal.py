@@ -52,6 +52,8 @@ class Group:
     path: str
     root: Usd.Prim | None
     """Its own transform is not the group's but its users'; None: the world."""
+    native: bool = False
+    """What native instances show: what hides the root hides the instance, which its users see to."""
     shapes: list[Part] = field(default_factory=list)
     lights: list[Part] = field(default_factory=list)
     instancers: list[Part] = field(default_factory=list)
@@ -81,7 +83,8 @@ class Traversal:
         """Time codes within the shutter at which a transform or an instancer has a sample."""
         self._context = context
         self._purposes = {"default", *purposes}
-        self._add_group(WORLD, None, _State(False, "default"), context.stage.GetPseudoRoot(), _DEFINED)
+        top = context.stage.GetPseudoRoot()
+        self._add_group(WORLD, Group(str(top.GetPath()), None), _State(False, "default"), top, _DEFINED)
 
     @staticmethod
     def prototype_key(prim: Usd.Prim) -> Hashable:
@@ -89,9 +92,8 @@ class Traversal:
         return ("prototype", str(prim.GetPath()))
 
     def _add_group(
-        self, key: Hashable, root: Usd.Prim | None, state: _State, top: Usd.Prim, predicate: object
+        self, key: Hashable, group: Group, state: _State, top: Usd.Prim, predicate: object
     ) -> None:
-        group = Group(str(top.GetPath()), root)
         self.groups[key] = group
         for prim, prim_state in self._descend(top, state, group, predicate):
             self._sort(prim, prim_state, group)
@@ -104,7 +106,7 @@ class Traversal:
         while pending:
             prim, above = pending.pop()
             is_root = group.root is not None and prim == group.root
-            here = self._state(prim, above, is_root, group.root)
+            here = self._state(prim, above, is_root, group)
             if here is None:
                 continue
             self._warn_of_reset(prim, group, is_root)
@@ -118,10 +120,8 @@ class Traversal:
                 )
             pending.extend((child, here) for child in reversed(prim.GetFilteredChildren(predicate)))
 
-    def _state(
-        self, prim: Usd.Prim, above: _State, is_root: bool, group_root: Usd.Prim | None
-    ) -> _State | None:
-        """What holds at a prim; None if it is invisible. A group's root is seen as its users are."""
+    def _state(self, prim: Usd.Prim, above: _State, is_root: bool, group: Group) -> _State | None:
+        """What holds at a prim; None if it is invisible."""
         if not prim.IsA(UsdGeom.Imageable):
             return above
         authored = frozenset(prim.GetAuthoredPropertyNames())
@@ -129,11 +129,11 @@ class Traversal:
         scales = above.scales
         if not authored.isdisjoint(MOTION_PROPERTIES):
             scales = scales.below(prim, self._context.code, self._context.diagnostics)
-        if group_root and group_root.IsInstance() and scales.blur != above.scales.blur:
+        if group.root and group.root.IsInstance() and scales.blur != above.scales.blur:
             message = "inside an instance it scales the motion there; the instance's own motion keeps its scale"
             self._context.diagnostics.group(str(prim.GetPath()), "motion:blurScale", message)
         blinking, purpose = above.blinking, above.purpose
-        if not is_root and "visibility" in authored:
+        if not (is_root and group.native) and "visibility" in authored:
             visibility = imageable.GetVisibilityAttr()
             if changes_inside(visibility, self._context.shutter):  # Not motion: no blur scale stretches it.
                 blinking += (visibility,)
@@ -145,7 +145,7 @@ class Traversal:
         if is_root or "xformOpOrder" not in authored or not prim.IsA(UsdGeom.Xformable):
             return state
         shutter = self._context.shutter.scaled(scales.blur)
-        return self._moved(state, above, UsdGeom.Xformable(prim), group_root, shutter)
+        return self._moved(state, above, UsdGeom.Xformable(prim), group.root, shutter)
 
     def _moved(
         self,
@@ -205,7 +205,7 @@ class Traversal:
                 )
                 scales = scales_at(prim.GetParent(), self._context.code, self._context.diagnostics)
                 state = _State(False, str(purpose), scales=scales)
-                self._add_group(key, prim, state, prim, _PROTOTYPE)
+                self._add_group(key, Group(str(prim.GetPath()), prim), state, prim, _PROTOTYPE)
 
     def _warn_of_reset(self, prim: Usd.Prim, group: Group, is_root: bool) -> None:
         """No two-level hierarchy holds what leaves its instance's place."""
@@ -239,5 +239,6 @@ class Traversal:
         )
         key = ("instance", str(prim.GetPrototype().GetPath()), inherited)
         if key not in self.groups:
-            self._add_group(key, prim, _State(False, state.purpose, scales=state.scales), prim, _DEFINED)
+            group = Group(str(prim.GetPath()), prim, native=True)
+            self._add_group(key, group, _State(False, state.purpose, scales=state.scales), prim, _DEFINED)
         return key
