@@ -110,9 +110,11 @@ class StageTruth:
     def _instances(
         self, instancer: UsdGeom.PointInstancer, root: Usd.Prim | None, world: np.ndarray, time: float
     ) -> Iterator[Polygons]:
-        """USD's own instance transforms, instances of the mask alone, by prototype."""
+        """USD's own instance transforms, instances of the mask alone, by prototype. A prototype's root is a prim of
+        its own, with a motion:blurScale of its own."""
         prim_time = self._prim_time(instancer.GetPrim(), time)
-        computed = instancer.ComputeInstanceTransformsAtTime(prim_time, self.frame)
+        exclude = UsdGeom.PointInstancer.ExcludeProtoXform
+        computed = instancer.ComputeInstanceTransformsAtTime(prim_time, self.frame, exclude)
         matrices = np.array(computed, float).reshape(-1, 4, 4)
         indices = np.array(instancer.GetProtoIndicesAttr().Get(self.frame) or (), int)
         mask = np.array(instancer.ComputeMaskAtTime(self.frame), bool)
@@ -125,8 +127,9 @@ class StageTruth:
         for index, path in enumerate(instancer.GetPrototypesRel().GetForwardedTargets()):
             prototype, chosen = self.stage.GetPrimAtPath(path), indices == index
             if prototype and chosen.any():
-                own = places[:, chosen].reshape(-1, 4, 4)
-                yield from self._drawn(prototype, prototype, own, time, PROTOTYPE)
+                own = np.array(self._cache(self._prim_time(prototype, time)).GetLocalTransformation(prototype)[0])
+                roots = own @ places[:, chosen].reshape(-1, 4, 4)
+                yield from self._drawn(prototype, prototype, roots, time, PROTOTYPE)
 
     def _mesh(self, prim: Usd.Prim, root: Usd.Prim | None, world: np.ndarray, time: float) -> Polygons:
         """One shape at a time."""
@@ -155,12 +158,15 @@ class StageTruth:
 
     def _relative(self, prim: Usd.Prim, root: Usd.Prim | None, time: float) -> np.ndarray:
         """float64[4, 4] to the space in which `root` stands, or to the world."""
-        cache = self._caches.setdefault(time, UsdGeom.XformCache(time))
+        cache = self._cache(time)
         if root is None:
             return np.array(cache.GetLocalToWorldTransform(prim))
         if prim == root:
             return np.eye(4)
         return np.array(cache.ComputeRelativeTransform(prim, root)[0])
+
+    def _cache(self, time: float) -> UsdGeom.XformCache:
+        return self._caches.setdefault(time, UsdGeom.XformCache(time))
 
     def _prim_time(self, prim: Usd.Prim, time: float) -> float:
         """motion:blurScale stretches a prim's whole motion about the frame (UsdGeomMotionAPI)."""

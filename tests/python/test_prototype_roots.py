@@ -10,8 +10,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
+from msbvh.errors import Diagnostics
+from msbvh.reader import ReadSettings, read_frame
+from msbvh.samples import SampleLog
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
-from recording import DENSE_TIMES01, Shot, messages
+from recording import DENSE_TIMES01, Recording, Shot, messages
 from stage_truth import StageTruth
 
 INVISIBLE, INHERITED = UsdGeom.Tokens.invisible, UsdGeom.Tokens.inherited
@@ -205,3 +208,107 @@ def test_an_inactive_prototype_that_no_instance_uses_is_no_fault():
     prim.SetActive(False)
     UsdGeom.PointInstancer.Get(shot.stage, "/Instancer").GetProtoIndicesAttr().Set([1, 1, 1, 1])
     assert not messages(shot.read(), "error")
+
+
+def scaled(prim: Usd.Prim | UsdGeom.Imageable, blur: float) -> None:
+    prim = prim if isinstance(prim, Usd.Prim) else prim.GetPrim()
+    UsdGeom.MotionAPI.Apply(prim).CreateMotionBlurScaleAttr(blur)
+
+
+def moving_root(shot: Shot, path: str = "/Prototypes/Root") -> UsdGeom.Xform:
+    """A group that goes up and turns on the spot while its instancer goes to the right."""
+    root = UsdGeom.Xform.Define(shot.stage, path)
+    rise, turn = root.AddTranslateOp(), root.AddRotateZOp()
+    for time, height, angle in ((8.0, -4.0, 0.0), (10.1, 0.5, 20.0), (12.0, 4.0, 90.0)):
+        rise.Set(Gf.Vec3d(0, height, 0), time)
+        turn.Set(angle, time)
+    shot.mesh(f"{path}/Square")
+    return root
+
+
+SCALES = [(0.0, 2.0), (2.0, 0.0), (0.5, 1.0), (1.0, 3.0)]
+"""motion:blurScale of a prototype's root, and of its instancer."""
+
+
+@pytest.mark.xfail(strict=True, reason="the root's transform is sampled under its instancer's scale")
+@pytest.mark.parametrize(("own", "instancers"), SCALES)
+@pytest.mark.parametrize("rates", [False, True], ids=["positions", "velocities"])
+def test_a_root_moves_by_its_own_blur_scale(own, instancers, rates):
+    shot = Shot((-0.25, 0.5))
+    scaled(moving_root(shot), own)
+    instancer = instancer_of(shot, ["/Prototypes/Root"])
+    scaled(instancer, instancers)
+    if rates:
+        instancer.CreateVelocitiesAttr().Set([(48.0, 24.0, 0.0)] * 2, 9.0)
+        instancer.GetVelocitiesAttr().Set([(48.0, 24.0, 0.0)] * 2, 11.0)
+    UsdGeom.Scope.Define(shot.stage, "/Prototypes").GetPrim().SetSpecifier(Sdf.SpecifierOver)
+    assert_as_the_stage(shot, 0.01)
+
+
+@pytest.mark.xfail(strict=True, reason="the root's transform is sampled under its instancer's scale")
+@pytest.mark.parametrize("scales", [(0.0, 2.0, 1.0), (3.0, 0.5, 1.0), (1.0, 2.0, 0.0)])
+def test_nested_instancers_and_their_roots_each_move_by_their_own_scale(scales):
+    inner, middle, outer = scales
+    shot = Shot((-0.25, 0.5))
+    scaled(moving_root(shot, "/Prototypes/Inner"), inner)
+    nested = instancer_of(shot, ["/Prototypes/Inner"], "/Prototypes/Root", 1.0)
+    move = nested.AddTranslateOp()
+    for time in (9.0, 9.9, 11.0):
+        move.Set(Gf.Vec3d(0, (time - 10) ** 2, time - 9), time)
+    scaled(nested, middle)
+    scaled(instancer_of(shot, ["/Prototypes/Root"]), outer)
+    shot.stage.GetPrimAtPath("/Prototypes").SetSpecifier(Sdf.SpecifierOver)
+    assert_as_the_stage(shot, 0.01)
+
+
+@pytest.mark.xfail(strict=True, reason="the root's transform is sampled under its instancer's scale")
+def test_one_root_under_two_instancers_of_different_scales():
+    shot = Shot((-0.25, 0.5))
+    scaled(moving_root(shot), 0.5)
+    shot.stage.GetPrimAtPath("/Prototypes").SetSpecifier(Sdf.SpecifierOver)
+    scaled(instancer_of(shot, ["/Prototypes/Root"]), 2.0)
+    scaled(instancer_of(shot, ["/Prototypes/Root"], "/Second", 3.0), 0.0)
+    assert_as_the_stage(shot, 0.01)
+
+
+def light_places(shot: Shot, result, time01: float) -> np.ndarray:
+    """Where the recorded lights are: float64[N, 3], sorted."""
+    places = []
+    for light in result.scene.lights:
+        at = [np.interp(time01, light["times01"], light["world_from_light"][:, 3, k]) for k in range(3)]
+        places.append(at)
+    return in_order(np.array(places).reshape(-1, 3))
+
+
+@pytest.mark.xfail(strict=True, reason="a light's samples are those of its own scale, whatever carries it")
+@pytest.mark.parametrize(("own", "instancers"), SCALES)
+def test_a_light_below_a_root_moves_as_its_root_and_instancer_do(own, instancers):
+    """Beside it a square at the same place shows where the stage has it."""
+    shot = Shot((-0.25, 0.5))
+    root = moving_root(shot)
+    UsdLux.SphereLight.Define(shot.stage, "/Prototypes/Root/Light")
+    scaled(root, own)
+    shot.stage.GetPrimAtPath("/Prototypes").SetSpecifier(Sdf.SpecifierOver)
+    instancer = instancer_of(shot, ["/Prototypes/Root"])
+    for time, x in ((10.04, 9.0), (10.049, -9.0)):  # Between two of the even times.
+        instancer.GetPositionsAttr().Set([(x, 0, 0), (x + 3, 0, 0)], time)
+    scaled(instancer, instancers)
+    truth = StageTruth(shot.stage, 10.0, (-0.25, 0.5))
+    result = shot.read()
+    shutter = result.camera.shutter
+    for time01 in DENSE_TIMES01[1:-1]:
+        (drawn,) = truth.polygons(shutter.time_code(time01).GetValue())
+        expected = in_order(drawn.world_points()[:, 0])  # The square's first corner is at its origin.
+        assert np.abs(light_places(shot, result, time01) - expected).max() < 0.01, f"at {time01}"
+
+
+@pytest.mark.xfail(strict=True, reason="the root's samples are those around its instancer's shutter")
+def test_what_motion_says_of_a_root_is_under_its_own_scale():
+    shot = Shot((-0.25, 0.5))
+    scaled(moving_root(shot), 0.0)
+    scaled(instancer_of(shot, ["/Prototypes/Root"]), 4.0)
+    log = SampleLog()
+    read_frame(shot.stage, 10.0, ReadSettings(), Diagnostics(), Recording, found=log)
+    found = {samples.attribute: samples.times for samples in log.samples("/Instancer") if samples.authored}
+    assert found["/Instancer.positions"] == (9.0, 11.0)
+    assert found["/Prototypes/Root.xformOp:rotateZ"] == (8.0, 10.1)
