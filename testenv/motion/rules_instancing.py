@@ -308,3 +308,14 @@ def instancer_prototypes(scene: Scene) -> None:
     )
     instancer.GetProtoIndicesAttr().Set([0, 0, 0] if scene.mistaken else [1, 0, 1])
     instancer.CreateVelocitiesAttr().Set(spatial([(24 * 4, 0)] * 3), FRAME)
+
+
+@rule(POINT, "A prototype's root moves by its own motion:blurScale, its instances by the instancer's", "by the latter")
+def instancer_root_blur_scale(scene: Scene) -> None:
+    root = UsdGeom.Xform.Define(scene.stage, "/Instancer/Root")
+    scene.wedge("/Instancer/Root/Wedge")
+    slide(root, {9.0: (0, -9), 11.0: (0, 9)})
+    instancer = point_instancer(scene, [(0, 0)] * 2, prototypes=["/Instancer/Root"])
+    positions_between(instancer, {9.0: [(-5, -1), (1, -1)], 11.0: [(-1, 1), (3, 1)]})
+    for prim, scale in ((root, 2.0 if scene.mistaken else 0.0), (instancer, 2.0)):
+        UsdGeom.MotionAPI.Apply(prim.GetPrim()).CreateMotionBlurScaleAttr(scale)

@@ -230,7 +230,6 @@ SCALES = [(0.0, 2.0), (2.0, 0.0), (0.5, 1.0), (1.0, 3.0)]
 """motion:blurScale of a prototype's root, and of its instancer."""
 
 
-@pytest.mark.xfail(strict=True, reason="the root's transform is sampled under its instancer's scale")
 @pytest.mark.parametrize(("own", "instancers"), SCALES)
 @pytest.mark.parametrize("rates", [False, True], ids=["positions", "velocities"])
 def test_a_root_moves_by_its_own_blur_scale(own, instancers, rates):
@@ -245,7 +244,6 @@ def test_a_root_moves_by_its_own_blur_scale(own, instancers, rates):
     assert_as_the_stage(shot, 0.01)
 
 
-@pytest.mark.xfail(strict=True, reason="the root's transform is sampled under its instancer's scale")
 @pytest.mark.parametrize("scales", [(0.0, 2.0, 1.0), (3.0, 0.5, 1.0), (1.0, 2.0, 0.0)])
 def test_nested_instancers_and_their_roots_each_move_by_their_own_scale(scales):
     inner, middle, outer = scales
@@ -261,7 +259,6 @@ def test_nested_instancers_and_their_roots_each_move_by_their_own_scale(scales):
     assert_as_the_stage(shot, 0.01)
 
 
-@pytest.mark.xfail(strict=True, reason="the root's transform is sampled under its instancer's scale")
 def test_one_root_under_two_instancers_of_different_scales():
     shot = Shot((-0.25, 0.5))
     scaled(moving_root(shot), 0.5)
@@ -280,7 +277,6 @@ def light_places(shot: Shot, result, time01: float) -> np.ndarray:
     return in_order(np.array(places).reshape(-1, 3))
 
 
-@pytest.mark.xfail(strict=True, reason="a light's samples are those of its own scale, whatever carries it")
 @pytest.mark.parametrize(("own", "instancers"), SCALES)
 def test_a_light_below_a_root_moves_as_its_root_and_instancer_do(own, instancers):
     """Beside it a square at the same place shows where the stage has it."""
@@ -302,7 +298,6 @@ def test_a_light_below_a_root_moves_as_its_root_and_instancer_do(own, instancers
         assert np.abs(light_places(shot, result, time01) - expected).max() < 0.01, f"at {time01}"
 
 
-@pytest.mark.xfail(strict=True, reason="the root's samples are those around its instancer's shutter")
 def test_what_motion_says_of_a_root_is_under_its_own_scale():
     shot = Shot((-0.25, 0.5))
     scaled(moving_root(shot), 0.0)

@@ -9,13 +9,14 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
-from pxr import UsdGeom
+from pxr import Usd, UsdGeom
 
 from .boxes import Box
 from .context import FrameContext
 from .errors import Diagnostics
 from .point_instancers import moving_attributes, own_transform, prototypes, read_point_instancer
 from .points import carries_still_pose
+from .times import Shutter
 from .transform_faults import report_unusable
 from .transform_sampling import PixelSizes, TransformSamples, transform_samples
 from .transforms import LARGEST, Motion, XformCaches
@@ -139,28 +140,29 @@ class Placer:
         instancer = UsdGeom.PointInstancer(part.prim)
         context = self._context.scaled(part.scales.blur)
         if self._context.found is not None:
-            shown = prototypes(instancer)
+            shown = [(prim, self._root_shutter(prim)) for prim in prototypes(instancer) if prim]
             self._context.found.instancer(part.prim, part.blinking, group.root, context.shutter, shown)
         for points in read_point_instancer(instancer, self._caches, context, part.scales.velocity):
-            own = own_transform(points.prototype, self._caches, context.shutter)
-            levels = (
-                Level(own),
-                Level(None, {**points.arrays, "selected": points.selected}),
-                Level(group_from_instancer),
-            )
+            own = own_transform(points.prototype, self._caches, self._root_shutter(points.prototype))
+            arrays = Level(None, {**points.arrays, "selected": points.selected})
             speeds = [instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr()]
             # With velocities USD takes all from the sample before the frame, scales too.
             moved = any(speed.GetNumTimeSamples() for speed in speeds)
             if moved and carries_still_pose(moving_attributes(instancer), context):
-                levels = (Level(points.motion), Level(group_from_instancer))
+                arrays = Level(points.motion)
+            placed = points.motion.inside(group_from_instancer)
             yield Placement(
                 str(part.prim.GetPath()),
                 Traversal.prototype_key(points.prototype),
-                levels,
+                (Level(own), arrays, Level(group_from_instancer)),
                 self._visible(part),
                 points.display_color,
-                lambda points=points: points.motion.inside(group_from_instancer),
+                lambda own=own, placed=placed: own.inside(placed),
             )
+
+    def _root_shutter(self, prototype: Usd.Prim) -> Shutter:
+        """Of a point instancer's prototype: its own motion:blurScale scales it."""
+        return self._context.shutter.scaled(self._groups[Traversal.prototype_key(prototype)].scales.blur)
 
 
 Measure = Callable[[list[dict], Box], float]

@@ -27,7 +27,7 @@ class PointInstances:
     arrays: dict
     """The translator's keywords of the instancer's arrays; shared by all its prototypes."""
     motion: Motion
-    """instancer_from_prototype, the prototype's own transform included; evaluated by USD, for lights."""
+    """instancer_from_instance, without the prototype's own transform; evaluated by USD, for lights."""
     display_color: np.ndarray | None
     """float32[M, 3] where the instancer says."""
 
@@ -84,8 +84,7 @@ def read_point_instancer(
         selected = np.flatnonzero(chosen == index).astype(np.int32)
         if len(selected):
             colour = None if colours is None else colours[selected]
-            motion = _selected(every, selected, prim, caches, context.shutter)
-            yield PointInstances(prim, selected, arrays, motion, colour)
+            yield PointInstances(prim, selected, arrays, _selected(every, selected, caches, context), colour)
 
 
 def _arrays(
@@ -203,24 +202,15 @@ def _every_instance(
     return Motion(caches.grid(context.shutter), count, still, evaluate)
 
 
-def _selected(
-    every: Motion, selected: np.ndarray, prototype: Usd.Prim, caches: XformCaches, shutter: Shutter
-) -> Motion:
-    """Some of the instances, with their prototype's own transform inside."""
-    own = own_transform(prototype, caches, shutter)
-
-    def carriers(_: int) -> list[UsdGeom.Xformable]:
-        return own.carriers(0)
-
-    def evaluate(time01: float) -> np.ndarray:
-        return own.at_time(time01) @ every.at_time(time01)[selected]
-
-    still = every.still and own.still
-    return Motion(caches.grid(shutter), len(selected), still, evaluate, carriers=carriers)
+def _selected(every: Motion, selected: np.ndarray, caches: XformCaches, context: FrameContext) -> Motion:
+    """Some of the instances."""
+    grid = caches.grid(context.shutter)
+    return Motion(grid, len(selected), every.still, lambda time01: every.at_time(time01)[selected])
 
 
 def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) -> Motion:
-    """A prototype's root's own transform: it counts with the instancer's. `shutter`: the prototype's own."""
+    """A prototype's root's own transform, which counts with the instancer's. `shutter`: the root's own, which is not
+    the instancer's where either has a motion:blurScale."""
     xformable = UsdGeom.Xformable(prototype)
     moving = bool(xformable) and xformable.TransformMightBeTimeVarying() and shutter.moving
     bends = sorted({shutter.time01(time) for time in xform_bends(xformable, shutter)}) if moving else ()

@@ -138,6 +138,14 @@ class TimeGrid:
         return self._levels[level]
 
 
+def merged_times(sets: list[list[float]]) -> list[float]:
+    """The union of times01, without those that differ by rounding alone."""
+    if len(sets) == 1:
+        return sets[0]
+    every = sorted(set().union(*sets))
+    return [time for before, time in zip([-1.0, *every], every, strict=False) if time - before > 1e-9]
+
+
 def is_held(stage: Usd.Stage) -> bool:
     """Whether values jump from sample to sample instead of being interpolated."""
     return stage.GetInterpolationType() == Usd.InterpolationTypeHeld

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .times import Shutter, TimeGrid, xform_bends
+from .times import Shutter, TimeGrid, merged_times, xform_bends
 
 LARGEST = 2.0**60
 """The largest element of a usable matrix: kMaxCoordinate (core/geometry), so that products do not overflow."""
@@ -41,6 +41,7 @@ class Motion:
         self._evaluate = evaluate
         self._evaluate_some = evaluate_some
         self._carriers = carriers
+        self._outer: tuple[Motion, ...] = ()
         self._known: dict[float, np.ndarray] = {}
 
     def some(self, time01: float, indices: np.ndarray) -> np.ndarray:
@@ -66,8 +67,11 @@ class Motion:
         return self._carriers(index) if self._carriers else []
 
     def times01(self, level: int) -> list[float]:
-        """The times of a level of the grid; [0] where still."""
-        return [0.0] if self.still else self._grid.times01(level)
+        """The times of a level of the grid; [0] where still. Of products those of each factor's, whose shutters may
+        differ."""
+        if self.still:
+            return [0.0]
+        return merged_times([self._grid.times01(level), *(outer.times01(level) for outer in self._outer)])
 
     def at_level(self, level: int) -> np.ndarray:
         """float64[T, count, 4, 4] for the T times of times01(level)."""
@@ -80,7 +84,9 @@ class Motion:
             products = self.at_time(time01)[None, :] @ outer.at_time(time01)[:, None]
             return products.reshape(-1, 4, 4)
 
-        return Motion(self._grid, outer.count * self.count, outer.still and self.still, evaluate)
+        product = Motion(self._grid, outer.count * self.count, outer.still and self.still, evaluate)
+        product._outer = (*self._outer, outer)
+        return product
 
 
 class XformCaches:

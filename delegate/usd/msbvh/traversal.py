@@ -54,6 +54,8 @@ class Group:
     """Its own transform is not the group's but its users'; None: the world."""
     native: bool = False
     """What native instances show: what hides the root hides the instance, which its users see to."""
+    scales: MotionScales = MotionScales()
+    """What holds at the root: its own transform, where a point instancer has it, moves by them."""
     shapes: list[Part] = field(default_factory=list)
     lights: list[Part] = field(default_factory=list)
     instancers: list[Part] = field(default_factory=list)
@@ -191,21 +193,21 @@ class Traversal:
 
     def _add_instancer(self, part: Part, group: Group) -> None:
         group.instancers.append(part)
-        instancer, shutter = UsdGeom.PointInstancer(part.prim), self._context.shutter
+        instancer, shutter = UsdGeom.PointInstancer(part.prim), self._context.shutter.scaled(part.scales.blur)
         if shutter.moving:
             for attribute in moving_attributes(instancer):
                 self.authored_times.update(attribute.GetTimeSamplesInInterval(shutter.interval))
         for prim in prototypes(instancer):
             key = self.prototype_key(prim)
             if prim and key not in self.groups:
-                # The root's own transform counts with the instancer's.
-                self.authored_times.update(bends_of(prim, prim.GetParent(), shutter))
+                scales = scales_at(prim, self._context.code, self._context.diagnostics)
+                own = self._context.shutter.scaled(scales.blur)
+                self.authored_times.update(bends_of(prim, prim.GetParent(), own))
                 purpose = (
                     UsdGeom.Imageable(prim).ComputePurpose() if prim.IsA(UsdGeom.Imageable) else "default"
                 )
-                scales = scales_at(prim.GetParent(), self._context.code, self._context.diagnostics)
                 state = _State(False, str(purpose), scales=scales)
-                self._add_group(key, Group(str(prim.GetPath()), prim), state, prim, _PROTOTYPE)
+                self._add_group(key, Group(str(prim.GetPath()), prim, scales=scales), state, prim, _PROTOTYPE)
 
     def _warn_of_reset(self, prim: Usd.Prim, group: Group, is_root: bool) -> None:
         """No two-level hierarchy holds what leaves its instance's place."""
@@ -239,6 +241,6 @@ class Traversal:
         )
         key = ("instance", str(prim.GetPrototype().GetPath()), inherited)
         if key not in self.groups:
-            group = Group(str(prim.GetPath()), prim, native=True)
+            group = Group(str(prim.GetPath()), prim, native=True, scales=state.scales)
             self._add_group(key, group, _State(False, state.purpose, scales=state.scales), prim, _DEFINED)
         return key
