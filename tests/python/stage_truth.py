@@ -92,8 +92,8 @@ class StageTruth:
     def _drawn(
         self, top: Usd.Prim, root: Usd.Prim | None, world: np.ndarray, time: float, predicate: object
     ) -> Iterator[Polygons]:
-        """The shapes below `top` at a time; `root` is the prototype's root, whose own transform is its instancer's
-        affair, `world` float64[I, 4, 4] its places. What hides the root's ancestors does not count."""
+        """The shapes below `top` at a time; `root` is the prototype's root, `world` float64[I, 4, 4] its instances'
+        places, to which the root's own transform leads. What hides the root's ancestors does not count."""
         prims = iter(Usd.PrimRange(top, predicate))
         for prim in prims:
             if _is_invisible(prim, time):
@@ -122,14 +122,13 @@ class StageTruth:
         if not len(matrices):  # USD computes none where positions are missing or do not fit.
             return
         assert len(indices) == len(matrices), f"{instancer.GetPath()}: {len(indices)} != {len(matrices)}"
-        above = self._relative(instancer.GetPrim(), root, prim_time)
+        above = self._relative(instancer.GetPrim(), root, prim_time, time)
         places = np.einsum("mij,jk,wkl->wmil", matrices, above, world)
         for index, path in enumerate(instancer.GetPrototypesRel().GetForwardedTargets()):
             prototype, chosen = self.stage.GetPrimAtPath(path), indices == index
             if prototype and chosen.any():
-                own = np.array(self._cache(self._prim_time(prototype, time)).GetLocalTransformation(prototype)[0])
-                roots = own @ places[:, chosen].reshape(-1, 4, 4)
-                yield from self._drawn(prototype, prototype, roots, time, PROTOTYPE)
+                own = places[:, chosen].reshape(-1, 4, 4)
+                yield from self._drawn(prototype, prototype, own, time, PROTOTYPE)
 
     def _mesh(self, prim: Usd.Prim, root: Usd.Prim | None, world: np.ndarray, time: float) -> Polygons:
         """One shape at a time."""
@@ -141,9 +140,9 @@ class StageTruth:
             points = np.asarray(surface["samples"].values[0][1], float)
             counts, indices = surface["face_vertex_counts"], surface["face_vertex_indices"]
             rigid = self._skinning.transform(prim, prim_time)
-            local = self._relative(prim, root, prim_time)
+            local = self._relative(prim, root, prim_time, time)
             if rigid is not None:
-                local = rigid[0] @ self._relative(rigid[1], root, prim_time)
+                local = rigid[0] @ self._relative(rigid[1], root, prim_time, time)
             return Polygons(path, points, local @ world, counts, indices)
         mesh = UsdGeom.Mesh(prim)
         point_time = frame if self._holds_pose(mesh) else prim_time
@@ -153,17 +152,22 @@ class StageTruth:
         else:
             points, space = skinned
         counts, indices = self._topology(mesh)
-        matrices = self._relative(space, root, prim_time) @ world
+        matrices = self._relative(space, root, prim_time, time) @ world
         return Polygons(path, np.array(points, float).reshape(-1, 3), matrices, counts, indices)
 
-    def _relative(self, prim: Usd.Prim, root: Usd.Prim | None, time: float) -> np.ndarray:
-        """float64[4, 4] to the space in which `root` stands, or to the world."""
-        cache = self._cache(time)
+    def _relative(
+        self, prim: Usd.Prim, root: Usd.Prim | None, prim_time: float, time: float
+    ) -> np.ndarray:
+        """float64[4, 4] to the space in which `root` is instanced, or to the world. The root's own transform is taken
+        at its own time; a reset in between leads past it (UsdImaging resets the stack at the root)."""
+        cache = self._cache(prim_time)
         if root is None:
             return np.array(cache.GetLocalToWorldTransform(prim))
+        own = np.array(self._cache(self._prim_time(root, time)).GetLocalTransformation(root)[0])
         if prim == root:
-            return np.eye(4)
-        return np.array(cache.ComputeRelativeTransform(prim, root)[0])
+            return own
+        between, resets = cache.ComputeRelativeTransform(prim, root)
+        return np.array(between) if resets else np.array(between) @ own
 
     def _cache(self, time: float) -> UsdGeom.XformCache:
         return self._caches.setdefault(time, UsdGeom.XformCache(time))

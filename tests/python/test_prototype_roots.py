@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import pytest
+from drawn import assert_as_the_stage, drawn_at, in_order
 from msbvh.errors import Diagnostics
 from msbvh.reader import ReadSettings, read_frame
 from msbvh.samples import SampleLog
@@ -38,36 +39,6 @@ def blink(prim: Usd.Prim | UsdGeom.Imageable, hidden: tuple[float, float] = (9.9
     visibility = UsdGeom.Imageable(prim).CreateVisibilityAttr()
     for time, token in ((9.0, INHERITED), (hidden[0], INVISIBLE), (hidden[1], INHERITED)):
         visibility.Set(token, time)
-
-
-def drawn_at(shot: Shot, result, time01: float) -> np.ndarray:
-    """The points that the finished scene shows at a time, sorted: float64[N, 3]."""
-    points = [p.reshape(-1, 3) for _, _, p in result.scene.poses(time01)]
-    return in_order(np.concatenate([np.zeros((0, 3)), *points]))
-
-
-def in_order(points: np.ndarray) -> np.ndarray:
-    return points[np.lexsort(np.round(points, 2).T)]
-
-
-def true_at(shot: Shot, time: float, frame: float = 10.0) -> np.ndarray:
-    shutter = [a.Get() for a in (shot.camera.GetShutterOpenAttr(), shot.camera.GetShutterCloseAttr())]
-    found = StageTruth(shot.stage, frame, tuple(shutter)).polygons(time)
-    return in_order(np.concatenate([np.zeros((0, 3)), *(drawn.world_points().reshape(-1, 3) for drawn in found)]))
-
-
-def assert_as_the_stage(shot: Shot, within: float = 2e-3) -> None:
-    """The scene shows what the stage does, at times that are on no key."""
-    result = shot.read()
-    shutter = result.camera.shutter
-    seen = set()
-    for time01 in DENSE_TIMES01[1:-1]:
-        expected = true_at(shot, shutter.time_code(time01).GetValue())
-        found = drawn_at(shot, result, time01)
-        assert found.shape == expected.shape, f"at {time01}"
-        assert np.abs(found - expected).max(initial=0.0) < within, f"at {time01}"
-        seen.add(len(expected))
-    assert max(seen) > 0, "the stage shows nothing at all: the test is blind"
 
 
 def a_mesh(shot: Shot) -> str:
@@ -124,7 +95,7 @@ def with_root(root: Callable[[Shot], str], shutter: tuple[float, float] = (-0.25
 @each_root
 def test_what_hides_ancestors_of_a_prototype_does_not_count(root):
     shot, _ = with_root(root)
-    assert len(drawn_at(shot, shot.read(), 0.3)) > 6
+    assert len(drawn_at(shot.read(), 0.3)) > 6
     assert_as_the_stage(shot)
 
 
@@ -132,7 +103,7 @@ def test_what_hides_ancestors_of_a_prototype_does_not_count(root):
 def test_an_invisible_prototype_is_not_drawn(root):
     shot, prim = with_root(root)
     UsdGeom.Imageable(prim).CreateVisibilityAttr(INVISIBLE)
-    assert len(drawn_at(shot, shot.read(), 0.3)) == 6
+    assert len(drawn_at(shot.read(), 0.3)) == 6
     assert_as_the_stage(shot)
 
 
@@ -175,7 +146,7 @@ def test_the_purpose_of_a_prototype_root_decides_as_anywhere():
     for purpose, points in (("render", 6), ("proxy", 14), ("default", 14)):
         shot, prim = with_root(a_mesh)
         UsdGeom.Imageable(prim).CreatePurposeAttr(purpose)
-        assert len(drawn_at(shot, shot.read(), 0.3)) == points
+        assert len(drawn_at(shot.read(), 0.3)) == points
         assert_as_the_stage(shot)
 
 
@@ -184,7 +155,7 @@ def test_an_inactive_prototype_is_a_missing_one(hide):
     shot, prim = with_root(a_group)
     (prim if hide == "the root" else prim.GetParent()).SetActive(False)
     result = shot.read()
-    assert len(drawn_at(shot, result, 0.3)) == 6
+    assert len(drawn_at(result, 0.3)) == 6
     (error,) = messages(result, "error")
     assert error.startswith("/Instancer.prototypes: found /Prototypes/Root")
     assert ("inactive" in error) == (hide == "the root")
