@@ -74,6 +74,27 @@ def instance_in_instance(scene: Scene) -> None:
     slide(instance(scene, "/Right", "/_Pair"), {9.0: (6, 0), 11.0: (0, 0)})
 
 
+@rule(NATIVE, "!resetXformStack! inside an instance leads to the stage's root", "it moves with the instance")
+def instance_reset_inside(scene: Scene) -> None:
+    definition(scene, "/_Wedge")
+    apart = scene.square("/_Wedge/Apart", side=1.0)
+    if not scene.mistaken:
+        apart.SetResetXformStack(True)
+    slide(apart, {9.0: (-2, 2), 11.0: (2, 2)})
+    for name, x in (("One", -4), ("Two", 1)):
+        slide(instance(scene, f"/{name}", "/_Wedge"), {9.0: (x - 2, 1.5), 11.0: (x + 2, -4.5)})
+
+
+@rule(NATIVE, "motion:blurScale inside an instance scales the instance's motion there", "its own motion alone")
+def instance_blur_scale_inside(scene: Scene) -> None:
+    definition(scene, "/_Wedge")
+    inside = scene.square("/_Wedge/Inside", 0, -1.5)
+    if not scene.mistaken:
+        UsdGeom.MotionAPI.Apply(inside.GetPrim()).CreateMotionBlurScaleAttr(0.0)
+    for name, x in (("One", -3), ("Two", 2)):
+        slide(instance(scene, f"/{name}", "/_Wedge"), {9.0: (x - 4, 0), 11.0: (x + 4, 1)})
+
+
 def point_instancer(
     scene: Scene, positions: Sequence[Vector], path: str = "/Instancer", prototypes: Sequence[str] = ()
 ) -> UsdGeom.PointInstancer:

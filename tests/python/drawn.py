@@ -40,7 +40,7 @@ def assert_as_the_stage(shot: Shot, within: float = 2e-3) -> Any:
     result = shot.read()
     shutter = result.camera.shutter
     seen = set()
-    for time01 in DENSE_TIMES01[1:-1]:
+    for time01 in DENSE_TIMES01[1:-1:2]:
         expected = true_at(shot, shutter.time_code(time01).GetValue())
         found = drawn_at(result, time01)
         assert found.shape == expected.shape, f"at {time01}"

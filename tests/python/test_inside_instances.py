@@ -14,8 +14,6 @@ from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdSkel, Vt
 from recording import DENSE_TIMES01, Shot, messages
 
 SHUTTER = (-0.25, 0.5)
-RESET = pytest.mark.xfail(strict=True, reason="a reset inside an instance is carried by the instance")
-SCALE = pytest.mark.xfail(strict=True, reason="the instance's own motion keeps the instance's blur scale")
 
 
 def slide(prim: Usd.Prim | UsdGeom.Xformable, *places: tuple[float, float]) -> UsdGeom.XformOp:
@@ -67,7 +65,6 @@ def two_instances(shot: Shot, of: str = "/Asset") -> None:
     turn(instance(shot, "/World/Two", of, (0, 0), (2, 1), (2, 2)))
 
 
-@RESET
 def test_a_reset_inside_an_instance_leads_to_the_stages_root():
     shot = Shot(SHUTTER)
     reset(asset(shot))
@@ -76,7 +73,6 @@ def test_a_reset_inside_an_instance_leads_to_the_stages_root():
     assert not messages(result, "warning")
 
 
-@RESET
 def test_the_parts_under_a_reset_are_those_of_the_plain_stage():
     pictures = []
     for instanceable in (True, False):
@@ -89,7 +85,6 @@ def test_the_parts_under_a_reset_are_those_of_the_plain_stage():
     assert max(np.abs(a - b).max() for a, b in zip(*pictures, strict=True)) < 0.01
 
 
-@RESET
 def test_what_moves_below_a_reset_moves():
     shot = Shot(SHUTTER)
     reset(asset(shot))
@@ -100,7 +95,6 @@ def test_what_moves_below_a_reset_moves():
     assert_as_the_stage(shot, 0.01)
 
 
-@RESET
 def test_a_reset_that_stands_still_and_one_on_the_shape_itself():
     shot = Shot(SHUTTER)
     asset(shot)
@@ -112,7 +106,6 @@ def test_a_reset_that_stands_still_and_one_on_the_shape_itself():
     assert set(result.scene.meshes) == {"/World/One/Still", "/World/Two/Still"}
 
 
-@RESET
 def test_a_reset_on_a_nested_instance_and_inside_one():
     shot = Shot(SHUTTER)
     reset(asset(shot))
@@ -123,7 +116,6 @@ def test_a_reset_on_a_nested_instance_and_inside_one():
     assert_as_the_stage(shot, 0.01)
 
 
-@RESET
 def test_an_instancer_and_an_instance_under_a_reset():
     shot = Shot(SHUTTER)
     asset(shot)
@@ -141,7 +133,6 @@ def test_an_instancer_and_an_instance_under_a_reset():
     assert_as_the_stage(shot, 0.01)
 
 
-@RESET
 def test_what_hides_an_instance_hides_what_resets_inside():
     shot = Shot(SHUTTER)
     reset(asset(shot))
@@ -155,7 +146,6 @@ def test_what_hides_an_instance_hides_what_resets_inside():
     assert_as_the_stage(shot, 0.01)
 
 
-@RESET
 def test_a_light_under_a_reset_shines_from_its_place():
     shot = Shot(SHUTTER)
     reset(asset(shot))
@@ -171,7 +161,6 @@ def test_a_light_under_a_reset_shines_from_its_place():
             assert np.abs(matrix - expected).max() < 1e-9
 
 
-@RESET
 def test_a_skeleton_under_a_reset_places_its_mesh():
     shot = Shot(SHUTTER)
     shot.stage.CreateClassPrim("/Asset")
@@ -210,7 +199,6 @@ def prototype(shot: Shot) -> UsdGeom.Xform:
     return apart
 
 
-@pytest.mark.xfail(strict=True, reason="the root's own transform counts for what resets below it")
 def test_a_reset_inside_a_prototype_leads_to_the_instances_place():
     shot = Shot(SHUTTER)
     reset(prototype(shot))
@@ -218,7 +206,6 @@ def test_a_reset_inside_a_prototype_leads_to_the_instances_place():
     assert not messages(result, "warning")
 
 
-@pytest.mark.xfail(strict=True, reason="the root's own transform counts for what resets below it")
 def test_a_reset_in_a_native_instance_in_a_prototype():
     shot = Shot(SHUTTER)
     prototype(shot)
@@ -227,7 +214,6 @@ def test_a_reset_in_a_native_instance_in_a_prototype():
     assert_as_the_stage(shot, 0.01)
 
 
-@pytest.mark.xfail(strict=True, reason="the root's own transform counts for what resets below it")
 def test_a_reset_on_a_nested_instancer():
     shot = Shot(SHUTTER)
     prototype(shot)
@@ -244,7 +230,6 @@ def test_a_reset_on_a_nested_instancer():
 BLURS = [0.0, 0.5, 3.0]
 
 
-@SCALE
 @pytest.mark.parametrize("blur", BLURS)
 def test_a_blur_scale_inside_an_instance_scales_the_instances_motion_there(blur):
     shot = Shot(SHUTTER)
@@ -255,7 +240,6 @@ def test_a_blur_scale_inside_an_instance_scales_the_instances_motion_there(blur)
     assert not result.scene.meshes, "what is shared stays shared"
 
 
-@SCALE
 def test_blur_scales_inside_instances_inside_instances():
     shot = Shot(SHUTTER)
     scaled(asset(shot), 2.0)
@@ -269,7 +253,6 @@ def test_blur_scales_inside_instances_inside_instances():
     assert_as_the_stage(shot, 0.01)
 
 
-@SCALE
 def test_a_blur_scale_in_a_native_instance_in_a_prototype():
     shot = Shot(SHUTTER)
     prototype(shot)
@@ -284,7 +267,6 @@ def test_a_blur_scale_inside_a_prototype_moves_there_by_itself():
     assert_as_the_stage(shot, 0.01)
 
 
-@SCALE
 def test_both_at_once():
     shot = Shot(SHUTTER)
     apart = asset(shot)

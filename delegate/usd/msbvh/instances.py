@@ -151,14 +151,13 @@ class Placer:
             if moved and carries_still_pose(moving_attributes(instancer), context):
                 arrays = Level(points.motion)
             placed = points.motion.inside(group_from_instancer)
-            yield Placement(
-                str(part.prim.GetPath()),
-                Traversal.prototype_key(points.prototype),
-                (Level(own), arrays, Level(group_from_instancer)),
-                self._visible(part),
-                points.display_color,
-                lambda own=own, placed=placed: own.inside(placed),
-            )
+            path, visible, colour = str(part.prim.GetPath()), self._visible(part), points.display_color
+            outer = (arrays, Level(group_from_instancer))
+            root = self._groups[Traversal.prototype_key(points.prototype)]
+            whole = own.inside(placed)
+            yield Placement(path, root.key, (Level(own), *outer), visible, colour, lambda whole=whole: whole)
+            if root.reset is not None:
+                yield Placement(path, root.reset, outer, visible, colour, lambda placed=placed: placed)
 
     def _root_shutter(self, prototype: Usd.Prim) -> Shutter:
         """Of a point instancer's prototype: its own motion:blurScale scales it."""

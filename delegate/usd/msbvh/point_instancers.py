@@ -125,7 +125,7 @@ def _prototype_indices(
     exists = np.isin(indices, [index for index, prim in enumerate(prims) if prim])
     if not exists[in_range].all():
         found = _missing(instancer, np.unique(indices[in_range & ~exists]))
-        message = f"found {found}, expected prims that exist; their instances are not drawn"
+        message = f"found {found}, expected prims that exist, active and loaded; their instances are not drawn"
         diagnostics.error(path, "prototypes", message)
     if changes(instancer.GetProtoIndicesAttr(), context) and not _may_be_carried(instancer):
         message = "changes within the shutter and no velocities apply; drew the frame's instances"
