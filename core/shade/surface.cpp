@@ -85,10 +85,18 @@ Vec3d instanced_margin(const TrianglePose& triangle, const InstancePose& instanc
   return instance.size.vector(triangle.margin() + triangle.size * error) + instance.size.t * error;
 }
 
+Vec3f instance_color(const InstanceSet& set, std::size_t instance, float time) {
+  const SegmentTime at = locate(time, set.color_segments);
+  const std::size_t count = instance_count(set);
+  const Vec3f first = set.display_color[at.key * count + instance];
+  if (set.color_segments == 0) return first;
+  return lerp(first, set.display_color[(at.key + 1) * count + instance], at.w);
+}
+
 // The instance's, else the mesh's, else `fallback`.
 Vec3f display_color(const HitSource& source, const Hit& hit, float time, Vec3f fallback) {
   if (source.instances && !source.instances->display_color.empty()) {
-    return source.instances->display_color[source.instance];
+    return instance_color(*source.instances, source.instance, time);
   }
   const Mesh& mesh = *source.mesh;
   if (!mesh.display_color.authored()) return fallback;

@@ -331,6 +331,21 @@ def instancer_prototypes(scene: Scene) -> None:
     instancer.CreateVelocitiesAttr().Set(spatial([(24 * 4, 0)] * 3), FRAME)
 
 
+@rule(POINT, "protoIndices and invisibleIds that change within the shutter count from then on", "the frame's for all")
+def instancer_indices_change(scene: Scene) -> None:
+    scene.square("/Instancer/Square", 0, 0, 2.0)
+    scene.bar("/Instancer/Bar")
+    instancer = point_instancer(
+        scene, [(0, 0)] * 3, prototypes=["/Instancer/Square", "/Instancer/Bar"]
+    )
+    positions_between(instancer, {9.0: [(-5, 1), (0, 0), (4, -2)], 11.0: [(-3, 0), (1, 1), (4, -1)]})
+    indices = instancer.GetProtoIndicesAttr()
+    indices.Clear()
+    samples(indices, {9.0: [0, 1, 0]} if scene.mistaken else {9.0: [0, 1, 0], 10.1: [1, 0, 0]})
+    instancer.CreateIdsAttr([7, 8, 9])
+    samples(instancer.CreateInvisibleIdsAttr(), {9.0: []} if scene.mistaken else {9.0: [], 10.25: [9]})
+
+
 @rule(POINT, "A prototype's root moves by its own motion:blurScale, its instances by the instancer's", "by the latter")
 def instancer_root_blur_scale(scene: Scene) -> None:
     root = UsdGeom.Xform.Define(scene.stage, "/Instancer/Root")

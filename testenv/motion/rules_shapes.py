@@ -135,6 +135,16 @@ def holes(scene: Scene) -> None:
     turn(mesh, {9.0: -30.0, 11.0: 10.0})
 
 
+@rule(TOPIC, "Holes that change within the shutter are open for a part of it", "the frame's for all")
+def holes_change(scene: Scene) -> None:
+    mesh = scene.square("/Mesh")
+    mesh.GetPointsAttr().Set(spatial([c for x in (-4, 0, 4) for c in box(x, 0, 3, 3)]))
+    mesh.GetFaceVertexCountsAttr().Set([4] * 3)
+    mesh.GetFaceVertexIndicesAttr().Set(range(12))
+    samples(mesh.CreateHoleIndicesAttr(), {9.0: [0, 1]} if scene.mistaken else {9.0: [0, 1], 10.1: [2], 10.3: [1]})
+    slide(mesh, {9.0: (0, -1), 11.0: (0, 1)})
+
+
 @rule(TOPIC, "Faces of many corners turn as a whole", "their first triangles alone")
 def many_corners(scene: Scene) -> None:
     corners = [(0, -2), (2, -1), (2.5, 0.5), (1, 2), (-1, 2), (-2.5, 0.5), (-2, -1)]

@@ -14,7 +14,14 @@ from pxr import Usd, UsdGeom
 from .boxes import Box
 from .context import FrameContext
 from .errors import Diagnostics
-from .point_instancers import moving_attributes, own_transform, prototypes, read_point_instancer
+from .point_instancers import (
+    Colours,
+    each,
+    moving_attributes,
+    own_transform,
+    prototypes,
+    read_point_instancer,
+)
 from .points import carries_still_pose
 from .times import Shutter
 from .transform_faults import report_unusable
@@ -50,8 +57,8 @@ class Placement:
     """From the group's space into that of the chain's start, the world in the end; the innermost first."""
     visible: np.ndarray | None
     """float64[K, 2]: the parts of the shutter in which the whole chain is visible; None: always."""
-    display_color: np.ndarray | None
-    """float32[count, 3], or None: the group's own colours."""
+    display_color: Colours | None
+    """Of `count` instances; None: the group's own colours."""
     place: Callable[[], Motion]
     """The levels multiplied out by USD itself, which is for lights: there are few of them."""
 
@@ -69,9 +76,9 @@ class Placement:
         """This under each of `outer`. The innermost that has colours decides."""
         colour = None
         if self.display_color is not None:
-            colour = np.tile(self.display_color, (outer.count, 1))
+            colour = each(self.display_color, lambda own: np.tile(own, (outer.count, 1)))
         elif outer.display_color is not None:
-            colour = np.repeat(outer.display_color, self.count, axis=0)
+            colour = each(outer.display_color, lambda theirs: np.repeat(theirs, self.count, axis=0))
         return Placement(
             self.path,
             self.key,
@@ -151,7 +158,8 @@ class Placer:
             if moved and carries_still_pose(moving_attributes(instancer), context):
                 arrays = Level(points.motion)
             placed = points.motion.inside(group_from_instancer)
-            path, visible, colour = str(part.prim.GetPath()), self._visible(part), points.display_color
+            path, colour = str(part.prim.GetPath()), points.display_color
+            visible = common_intervals(self._visible(part), points.visible)
             outer = (arrays, Level(group_from_instancer))
             root = self._groups[Traversal.prototype_key(points.prototype)]
             whole = own.inside(placed)

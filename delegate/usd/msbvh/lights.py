@@ -8,6 +8,7 @@ import numpy as np
 from pxr import Sdf, Usd, UsdLux
 
 from .context import FrameContext
+from .held_values import values_within
 from .light_values import LightSamples, NotANumber, Switches, radiances, sample_light
 from .times import FINEST_LEVEL, Shutter
 from .transforms import Motion
@@ -106,8 +107,9 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
     """Names what a supported light has authored beyond what is drawn."""
     path = str(prim.GetPath())
     texture = prim.GetAttribute("inputs:texture:file")
-    if texture and texture.Get(context.code):
-        found = f"found @{texture.Get(context.code).path}@; not supported yet, lit by the plain colour"
+    textures = [asset for asset in values_within(texture, context.shutter) if asset] if texture else []
+    if textures:
+        found = f"found @{textures[0].path}@; not supported yet, lit by the plain colour"
         context.diagnostics.warning(path, texture.GetName(), found)
     for name, neutral in (
         ("inputs:shaping:cone:angle", 90.0),
@@ -117,7 +119,9 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
         ("inputs:shadow:enable", True),
     ):
         attribute = prim.GetAttribute(name)
-        if attribute and attribute.HasAuthoredValue() and attribute.Get(context.code) != neutral:
+        if not attribute or not attribute.HasAuthoredValue():
+            continue
+        if any(value != neutral for value in values_within(attribute, context.shutter)):
             context.diagnostics.group(path, name, "not supported yet; lit without it")
     for name in ("lightLink", "shadowLink"):
         if _is_restricted(Usd.CollectionAPI(prim, name)):

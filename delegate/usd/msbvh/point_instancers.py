@@ -2,19 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
-from .points import changes, rate_clock, rates, raw_samples
-from .primvars import read_primvar, warn_of_change
+from .held_values import Stretch, stretches, values_within
+from .instance_choice import choose_prototypes, instances_of
+from .points import rate_clock, rates, raw_samples
+from .primvars import held_by, read_primvar, sample_primvar
 from .times import Shutter, xform_bends
 from .transforms import Motion, XformCaches
+from .visibility import common_intervals
 
-_NOT_DRAWN = -1
+_COLOUR = "displayColor"
+
+Colours = np.ndarray | list[tuple[float, np.ndarray]]
+"""float32[N, 3], one an instance; where they change inside the shutter, (time01, colours) as MovingPrimvar has it."""
+
+
+def each(colours: Colours, change: Callable[[np.ndarray], np.ndarray]) -> Colours:
+    """Does something to the colours of every time."""
+    if isinstance(colours, np.ndarray):
+        return change(colours)
+    return [(time01, change(values)) for time01, values in colours]
 
 
 @dataclass(frozen=True)
@@ -28,8 +41,10 @@ class PointInstances:
     """The translator's keywords of the instancer's arrays; shared by all its prototypes."""
     motion: Motion
     """instancer_from_instance, without the prototype's own transform; evaluated by USD, for lights."""
-    display_color: np.ndarray | None
-    """float32[M, 3] where the instancer says."""
+    display_color: Colours | None
+    """Of the M instances, where the instancer says."""
+    visible: np.ndarray | None
+    """float64[K, 2]: the parts of the shutter in which they are those of this prototype; None: always."""
 
 
 def prototypes(instancer: UsdGeom.PointInstancer) -> list[Usd.Prim]:
@@ -38,17 +53,6 @@ def prototypes(instancer: UsdGeom.PointInstancer) -> list[Usd.Prim]:
     stage = instancer.GetPrim().GetStage()
     prims = [stage.GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetForwardedTargets()]
     return [prim if prim and prim.IsActive() and prim.IsLoaded() else Usd.Prim() for prim in prims]
-
-
-def _missing(instancer: UsdGeom.PointInstancer, indices: np.ndarray) -> str:
-    """Those prototypes of which there is nothing to draw, each with the reason; the first few."""
-    targets = instancer.GetPrototypesRel().GetForwardedTargets()
-    found = []
-    for path in (targets[index] for index in indices[:8].tolist()):
-        prim = instancer.GetPrim().GetStage().GetPrimAtPath(path)
-        why = "" if not prim else " (inactive)" if not prim.IsActive() else " (not loaded)"
-        found.append(f"{path}{why}")
-    return ", ".join(found)
 
 
 def moving_attributes(instancer: UsdGeom.PointInstancer) -> list[Usd.Attribute]:
@@ -67,24 +71,28 @@ def moving_attributes(instancer: UsdGeom.PointInstancer) -> list[Usd.Attribute]:
 def read_point_instancer(
     instancer: UsdGeom.PointInstancer, caches: XformCaches, context: FrameContext, velocity_scale: float
 ) -> Iterator[PointInstances]:
-    """The instances that are neither invisible nor inactive at the frame, by prototype.
+    """The instances that are neither invisible nor inactive, by prototype and by when they are.
 
-    `context` has the instancer's own shutter. Arrays that do not fit leave an error and no instances, indices of
-    no prototype an error and the others.
+    `context` has the instancer's own shutter, `caches` have the camera's. Arrays that do not fit leave an error and no
+    instances, indices of no prototype an error and the others.
     """
     prims = prototypes(instancer)
-    chosen = _prototype_indices(instancer, prims, context)
-    if not len(chosen) or not _is_sound(instancer, len(chosen), context):
+    chosen = choose_prototypes(instancer, prims, context, caches.shutter)
+    if not chosen or not _is_sound(instancer, len(chosen[0].indices), context):
         return
-    colours = _display_color(instancer, len(chosen), context)
+    count = len(chosen[0].indices)
     _warn_of_opacity(instancer, context)
-    arrays = _arrays(instancer, len(chosen), context, velocity_scale)
-    every = _every_instance(instancer, len(chosen), caches, context)
-    for index, prim in enumerate(prims):
-        selected = np.flatnonzero(chosen == index).astype(np.int32)
-        if len(selected):
-            colour = None if colours is None else colours[selected]
-            yield PointInstances(prim, selected, arrays, _selected(every, selected, caches, context), colour)
+    arrays = _arrays(instancer, count, context, velocity_scale)
+    every = _every_instance(instancer, count, caches, context)
+    for stretch in stretches(held_by(instancer.GetPrim(), _COLOUR, context), context.shutter, context.diagnostics):
+        colours = _display_color(instancer, count, context, stretch)
+        for index, prim in enumerate(prims):
+            for selected, shown in instances_of(chosen, index):
+                visible = common_intervals(shown, stretch.shown)
+                if visible is None or len(visible):
+                    colour = None if colours is None else each(colours, lambda all_, some=selected: all_[some])
+                    motion = _selected(every, selected, caches, context)
+                    yield PointInstances(prim, selected, arrays, motion, colour, visible)
 
 
 def _arrays(
@@ -108,51 +116,10 @@ def _arrays(
     }
 
 
-def _prototype_indices(
-    instancer: UsdGeom.PointInstancer, prims: list[Usd.Prim], context: FrameContext
-) -> np.ndarray:
-    """int32[N]: one an instance, _NOT_DRAWN for some."""
-    indices = array(instancer.GetProtoIndicesAttr().Get(context.code), np.int32)
-    path, diagnostics = str(instancer.GetPath()), context.diagnostics
-    if not len(indices):
-        diagnostics.group(path, "", "empty: it has no instances at this frame", "note")
-        return indices
-    in_range = (indices >= 0) & (indices < len(prims))
-    if not in_range.all():
-        found = ", ".join(map(str, np.unique(indices[~in_range])[:8]))
-        message = f"found {found}, expected the index of one of {len(prims)} prototypes"
-        diagnostics.error(path, "protoIndices", f"{message}; those instances are not drawn")
-    exists = np.isin(indices, [index for index, prim in enumerate(prims) if prim])
-    if not exists[in_range].all():
-        found = _missing(instancer, np.unique(indices[in_range & ~exists]))
-        message = f"found {found}, expected prims that exist, active and loaded; their instances are not drawn"
-        diagnostics.error(path, "prototypes", message)
-    if changes(instancer.GetProtoIndicesAttr(), context) and not _may_be_carried(instancer):
-        message = "changes within the shutter and no velocities apply; drew the frame's instances"
-        diagnostics.warning(path, "protoIndices", message)
-    return np.where(exists & _mask(instancer, len(indices), context), indices, _NOT_DRAWN)
-
-
-def _may_be_carried(instancer: UsdGeom.PointInstancer) -> bool:
-    """Whether there are rates that may carry the instances of one base sample through the shutter, whatever
-    follows it. The translator says if they do not."""
-    speeds = (instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr())
-    return any(attribute.GetNumTimeSamples() for attribute in speeds)
-
-
 def _orientations(instancer: UsdGeom.PointInstancer, context: FrameContext) -> Usd.Attribute:
     """Those in single precision count first, as USD has it."""
     single = instancer.GetOrientationsfAttr()
     return single if _base_count(single, context) else instancer.GetOrientationsAttr()
-
-
-def _mask(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> np.ndarray:
-    """bool[count]: neither invisible nor inactive at the frame."""
-    mask = np.array(instancer.ComputeMaskAtTime(context.code), bool)
-    if len(mask) not in (0, count):
-        found = f"found {len(mask)} ids, expected {count}, one an instance; nothing is masked"
-        context.diagnostics.warning(str(instancer.GetPath()), "ids", found)
-    return mask if len(mask) == count else np.ones(count, bool)
 
 
 def _is_sound(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> bool:
@@ -224,25 +191,28 @@ def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) ->
     return Motion(caches.grid(shutter), 1, not moving, evaluate, tuple(bends), carriers=carriers)
 
 
-def _display_color(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> np.ndarray | None:
-    """float32[count, 3] where displayColor varies over the instances. A constant one is inherited instead."""
-    primvar = read_primvar(instancer.GetPrim(), "displayColor", 3, context)
+def _display_color(
+    instancer: UsdGeom.PointInstancer, count: int, context: FrameContext, stretch: Stretch
+) -> Colours | None:
+    """Of `count` instances, where displayColor varies over them. A constant one is inherited instead."""
+    primvar = sample_primvar(instancer.GetPrim(), _COLOUR, 3, context, stretch)
     if primvar is None or primvar[0] == "constant":
         return None
-    warn_of_change(instancer.GetPrim(), "displayColor", 3, context)
     _, values, indices = primvar
-    indices = np.arange(len(values)) if indices is None else indices
-    if len(indices) != count or indices.min() < 0 or indices.max() >= len(values):
-        found = (
-            f"found {len(indices)} indices into {len(values)} values, expected one valid index an instance"
-        )
+    known = len(values if isinstance(values, np.ndarray) else values[0][1])
+    indices = np.arange(known) if indices is None else indices
+    if len(indices) != count or indices.min() < 0 or indices.max() >= known:
+        found = f"found {len(indices)} indices into {known} values, expected one valid index an instance"
         context.diagnostics.warning(str(instancer.GetPath()), "primvars:displayColor", f"{found}; ignored")
         return None
-    return values[indices]
+    return each(values, lambda one: one[indices])
 
 
 def _warn_of_opacity(instancer: UsdGeom.PointInstancer, context: FrameContext) -> None:
     primvar = read_primvar(instancer.GetPrim(), "displayOpacity", None, context)
-    if primvar is not None and primvar[0] != "constant" and (primvar[1] != 1.0).any():
+    if primvar is None or primvar[0] == "constant":
+        return
+    attribute = UsdGeom.PrimvarsAPI(instancer).FindPrimvarWithInheritance("displayOpacity").GetAttr()
+    if any((array(value, np.float32) != 1.0).any() for value in values_within(attribute, context.shutter)):
         message = "an opacity for each instance is not supported yet; the prototypes' own is drawn"
         context.diagnostics.group(str(instancer.GetPath()), "primvars:displayOpacity", message)

@@ -21,6 +21,7 @@ from .light_values import Switches
 from .lights import add_lights, camera_light
 from .materials import Materials
 from .motion_scales import scales_at
+from .point_instancers import each
 from .samples import SampleLog
 from .shapes import BATCH_WEIGHT, Shape, Shapes
 from .stage import tf_messages
@@ -181,7 +182,7 @@ class _FrameReader:
 
     def _note_camera(self, found: SampleLog) -> None:
         prim = self._context.stage.GetPrimAtPath(self._camera.path)
-        scales = scales_at(prim, self._context.code, Diagnostics())
+        scales = scales_at(prim, self._context.shutter, Diagnostics())
         shutter = self._context.shutter.scaled(scales.blur)
         found.camera(optics(UsdGeom.Camera(prim)), prim, shutter, self._camera.times01)
 
@@ -203,6 +204,7 @@ class _FrameReader:
             "lenses": camera.lenses,
             "near_clip": camera.near_clip,
             "far_clip": camera.far_clip,
+            "clips": camera.clips,
             "width": camera.width,
             "height": camera.height,
             "motion_tolerance": settings.motion_tolerance,
@@ -287,7 +289,7 @@ class _FrameReader:
                 prototype=prototype,
                 levels=levels,
                 visible=placement.visible,
-                display_color=None if colour is None else np.ascontiguousarray(colour[indices]),
+                display_color=None if colour is None else each(colour, lambda all_: np.ascontiguousarray(all_[indices])),
             )
 
     def _add_lights(self, placements: list[Placement]) -> None:

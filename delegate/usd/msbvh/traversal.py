@@ -162,7 +162,7 @@ class Traversal:
         imageable = UsdGeom.Imageable(prim)
         scales = above.scales
         if not authored.isdisjoint(MOTION_PROPERTIES):
-            scales = scales.below(prim, self._context.code, self._context.diagnostics)
+            scales = scales.below(prim, self._context.shutter, self._context.diagnostics)
         blinking, purpose = above.blinking, above.purpose
         if not (is_root and group.native) and "visibility" in authored:
             visibility = imageable.GetVisibilityAttr()
@@ -230,7 +230,7 @@ class Traversal:
         for prim in prototypes(instancer):
             key = self.prototype_key(prim)
             if prim and key not in self.groups:
-                scales = scales_at(prim, self._context.code, self._context.diagnostics)
+                scales = scales_at(prim, self._context.shutter, self._context.diagnostics)
                 own = self._context.shutter.scaled(scales.blur)
                 self.authored_times.update(bends_of(prim, prim.GetParent(), own))
                 purpose = (
