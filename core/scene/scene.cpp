@@ -24,6 +24,7 @@ bool is_finite(const ScreenWindow& w) {
   return is_finite(w.left) && is_finite(w.right) && is_finite(w.bottom) && is_finite(w.top);
 }
 
+bool is_finite(const ClipRange& clip) { return is_finite(clip.near_clip) && is_finite(clip.far_clip); }
 bool is_finite(const Lens& lens) { return is_finite(lens.radius) && is_finite(lens.focus_distance); }
 
 template <typename T>
@@ -110,8 +111,10 @@ void check_instances(const InstanceSet& set, const Scene& scene, const std::stri
          "a multiple of " + std::to_string(controls) + " controls");
   expect_all_finite(set.world_from_prototype, part, "worldFromPrototype");
   const std::size_t count = instance_count(set);
-  expect(set.display_color.empty() || set.display_color.size() == count, part, "displayColor",
-         std::to_string(set.display_color.size()) + " values", "none or " + std::to_string(count));
+  expect_segments(set.color_segments, part, "displayColor");
+  const std::size_t colors = count * key_count(set.color_segments);
+  expect(set.display_color.empty() || set.display_color.size() == colors, part, "displayColor",
+         std::to_string(set.display_color.size()) + " values", "none or " + std::to_string(colors));
   expect_all_finite(set.display_color, part, "displayColor");
 }
 
@@ -185,6 +188,13 @@ void check_lens(const Camera& camera, const std::string& part) {
   }
 }
 
+void check_clip(const ClipRange& clip, Projection projection, const std::string& part) {
+  const std::string range = std::to_string(clip.near_clip) + " to " + std::to_string(clip.far_clip);
+  const float nearest = projection == Projection::kPerspective ? 0.0f : -std::numeric_limits<float>::max();
+  expect(clip.near_clip >= nearest && clip.far_clip > clip.near_clip, part, "clippingRange", range,
+         "near below far, and not negative for a perspective camera");
+}
+
 void check_camera(const Camera& camera) {
   const std::string part = camera.name.empty() ? "camera" : camera.name;
   expect_curve(camera.world_from_camera, camera.form(), part, "worldFromCamera");
@@ -195,11 +205,10 @@ void check_camera(const Camera& camera) {
   for (const Affine3f& m : camera.world_from_camera) {
     expect(m.determinant() != 0.0f, part, "worldFromCamera", "a singular matrix", "one that can be inverted");
   }
-  const std::string range = std::to_string(camera.near_clip) + " to " + std::to_string(camera.far_clip);
-  const float nearest =
-      camera.projection == Projection::kPerspective ? 0.0f : -std::numeric_limits<float>::max();
-  expect(camera.near_clip >= nearest && camera.far_clip > camera.near_clip, part, "clippingRange", range,
-         "near below far, and not negative for a perspective camera");
+  check_clip({camera.near_clip, camera.far_clip}, camera.projection, part);
+  if (camera.clip.empty()) return;
+  expect_curve(camera.clip, camera.form(), part, "clippingRange");
+  for (const ClipRange& clip : camera.clip) check_clip(clip, camera.projection, part);
 }
 
 }  // namespace

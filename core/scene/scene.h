@@ -75,9 +75,12 @@ struct InstanceSet {
   std::uint32_t prototype = 0;
   std::uint32_t segments = 0;
   std::vector<Affine3f> world_from_prototype;  // [instance][form().controls()], instance-major
-  std::vector<Vec3f> display_color;            // empty, or one an instance: overrides the meshes' own
+  // Empty, or one an instance at each of key_count(color_segments) keys, key-major, in the shutter's time:
+  // overrides the meshes' own.
+  std::vector<Vec3f> display_color;
   std::uint32_t degree = 1;
   Clock clock{};  // of the transforms; hides all of the set where it says so
+  std::uint32_t color_segments = 0;
 
   TrackForm form() const { return {segments, degree}; }
 };
@@ -138,6 +141,15 @@ constexpr Lens lerp(const Lens& a, const Lens& b, float w) {
   return {lerp(a.radius, b.radius, w), lerp(a.focus_distance, b.focus_distance, w)};
 }
 
+// Distances along -z between which camera rays see.
+struct ClipRange {
+  float near_clip = 1.0f, far_clip = 1.0e6f;
+};
+
+constexpr ClipRange lerp(const ClipRange& a, const ClipRange& b, float w) {
+  return {lerp(a.near_clip, b.near_clip, w), lerp(a.far_clip, b.far_clip, w)};
+}
+
 enum class Projection : std::uint8_t { kPerspective, kOrthographic };
 
 // Looks along -z with y up, as USD cameras do.
@@ -152,6 +164,7 @@ struct Camera {
   float far_clip = 1.0e6f;
   std::uint32_t degree = 1;
   Clock clock{};  // of the tracks; hides nothing
+  std::vector<ClipRange> clip{};  // empty: near_clip to far_clip throughout; else form().controls()
 
   TrackForm form() const { return {segments, degree}; }
 };

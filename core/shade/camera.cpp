@@ -16,6 +16,9 @@ class CameraTime {
   Affine3f world_from_camera() const { return value(camera_.world_from_camera); }
   ScreenWindow window() const { return value(camera_.window); }
   Lens lens() const { return value(camera_.lens); }
+  ClipRange clip() const {
+    return camera_.clip.empty() ? ClipRange{camera_.near_clip, camera_.far_clip} : value(camera_.clip);
+  }
 
  private:
   template <typename T>
@@ -42,8 +45,9 @@ Ray camera_ray(const Camera& camera, float screen_x, float screen_y, float time)
   Ray ray;
   ray.org = world_from_camera.point(origin);
   ray.dir = world_from_camera.vector(direction);
-  ray.tnear = camera.near_clip;
-  ray.tfar = camera.far_clip;
+  const ClipRange clip = at.clip();
+  ray.tnear = clip.near_clip;
+  ray.tfar = clip.far_clip;
   ray.time = time;
   return ray;
 }

@@ -7,10 +7,18 @@
 namespace msbvh {
 namespace {
 
+Vec3f instance_color(const InstanceSet& set, std::size_t instance, float time) {
+  const SegmentTime at = locate(time, set.color_segments);
+  const std::size_t count = instance_count(set);
+  const Vec3f first = set.display_color[at.key * count + instance];
+  if (set.color_segments == 0) return first;
+  return lerp(first, set.display_color[(at.key + 1) * count + instance], at.w);
+}
+
 // The instance's, else the mesh's, else `fallback`.
 Vec3f display_color(const HitSource& source, const Hit& hit, float time, Vec3f fallback) {
   if (source.instances && !source.instances->display_color.empty()) {
-    return source.instances->display_color[source.instance];
+    return instance_color(*source.instances, source.instance, time);
   }
   const Mesh& mesh = *source.mesh;
   if (!mesh.display_color.authored()) return fallback;

@@ -50,31 +50,47 @@ LensD lerp(const LensD& a, const LensD& b, double w) {
   return {msbvh::lerp(a.radius, b.radius, w), msbvh::lerp(a.focus_distance, b.focus_distance, w)};
 }
 
+struct ClipD {
+  double near_clip, far_clip;
+};
+
+ClipD clip_of(const CameraInput& camera, const CameraSample& sample) {
+  const ClipRange clip = sample.clip.value_or(ClipRange{camera.near_clip, camera.far_clip});
+  return {clip.near_clip, clip.far_clip};
+}
+
+ClipD lerp(const ClipD& a, const ClipD& b, double w) {
+  return {msbvh::lerp(a.near_clip, b.near_clip, w), msbvh::lerp(a.far_clip, b.far_clip, w)};
+}
+
 struct CameraInstant {
   Affine3d world_from_camera;
   WindowD window;
   LensD lens;
+  ClipD clip;
 };
 
 CameraInstant lerp(const CameraInstant& a, const CameraInstant& b, double w) {
   return {msbvh::lerp(a.world_from_camera, b.world_from_camera, w), lerp(a.window, b.window, w),
-          lerp(a.lens, b.lens, w)};
+          lerp(a.lens, b.lens, w), lerp(a.clip, b.clip, w)};
 }
 
 // All that a camera's tracks hold at one time, as numbers that can be interpolated.
 struct CameraValues {
-  std::array<double, 18> v;
+  std::array<double, 20> v;
 
   explicit CameraValues(const CameraInstant& c) {
     const Affine3d& m = c.world_from_camera;
     v = {m.x.x,         m.x.y,          m.x.z,           m.y.x,        m.y.y,         m.y.z,
          m.z.x,         m.z.y,          m.z.z,           m.t.x,        m.t.y,         m.t.z,
-         c.window.left, c.window.right, c.window.bottom, c.window.top, c.lens.radius, c.lens.focus_distance};
+         c.window.left, c.window.right, c.window.bottom, c.window.top, c.lens.radius, c.lens.focus_distance,
+         c.clip.near_clip, c.clip.far_clip};
   }
   CameraInstant instant() const {
     return {{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]}, {v[9], v[10], v[11]}},
             {v[12], v[13], v[14], v[15]},
-            {v[16], v[17]}};
+            {v[16], v[17]},
+            {v[18], v[19]}};
   }
   CameraValues operator+(const CameraValues& b) const { return combined(1.0, b, 1.0); }
   CameraValues operator-(const CameraValues& b) const { return combined(1.0, b, -1.0); }
@@ -96,7 +112,8 @@ class CameraMotion {
     for (const CameraSample& sample : camera.samples) {
       times01_.push_back(sample.time01);
       instants_.emplace_back(CameraInstant{rebased(affine_from(sample.world_from_camera), {}, origin),
-                                           window_of(sample.window), lens_of(sample.lens)});
+                                           window_of(sample.window), lens_of(sample.lens),
+                                           clip_of(camera, sample)});
     }
     smooth_ = SmoothTimes(times01_, camera.bends01, false);
     if (times01_.size() < 2) return;
@@ -135,6 +152,20 @@ Vec3d camera_point(const WindowD& w, double x01, double y01, double depth, bool 
   const double x = msbvh::lerp(w.left, w.right, x01), y = msbvh::lerp(w.bottom, w.top, y01);
   if (!perspective) return {x, y, -depth};
   return std::isinf(depth) ? Vec3d{x, y, -1.0} : Vec3d{x * depth, y * depth, -depth};
+}
+
+// By how much a clip plane is out, as the share of its distance by which what it cuts is seen elsewhere, of the
+// image's width: what the plane cuts under a flat angle. An orthographic camera's planes count in its windows.
+double clip_pixels(const CameraInstant& truth, const CameraInstant& track, const CameraInput& camera,
+                   const TranslatorSettings& settings) {
+  if (!camera.samples.front().clip) return 0.0;
+  const bool perspective = camera.projection == Projection::kPerspective;
+  const double window = std::abs(truth.window.right - truth.window.left);
+  const auto share = [&](double a, double b) {
+    return a == b ? 0.0 : std::abs(a - b) / (perspective ? std::abs(a) : window);
+  };
+  const ClipD &a = truth.clip, &b = track.clip;
+  return settings.width * std::max(share(a.near_clip, b.near_clip), share(a.far_clip, b.far_clip));
 }
 
 // How far apart, in pixels, two cameras see what the first one sees at a place of its window and a depth: the
@@ -203,7 +234,8 @@ double instant_error(const ProjectionDifference& difference, const CameraInput& 
 // What a Camera accepts, between controls and at them.
 bool is_usable(const CameraInstant& c) {
   return !is_singular(c.world_from_camera) && c.window.left != c.window.right &&
-         c.window.bottom != c.window.top && c.lens.radius >= 0.0 && c.lens.focus_distance > 0.0;
+         c.window.bottom != c.window.top && c.lens.radius >= 0.0 && c.lens.focus_distance > 0.0 &&
+         c.clip.near_clip < c.clip.far_clip;
 }
 
 double segment_error(const CameraMotion& motion, const CameraInput& camera,
@@ -217,7 +249,9 @@ double segment_error(const CameraMotion& motion, const CameraInput& camera,
     const double w = (time01 - segment.begin01) / (segment.end01 - segment.begin01);
     const CameraInstant track = bezier([&](std::uint32_t i) { return controls[i]; }, degree, w);
     if (is_singular(track.world_from_camera)) return kInfinite;
-    worst = std::max(worst, instant_error({motion.at(time01), track, settings, perspective}, camera));
+    const CameraInstant truth = motion.at(time01);
+    worst = std::max({worst, instant_error({truth, track, settings, perspective}, camera),
+                      clip_pixels(truth, track, camera, settings)});
     if (worst > limit) break;
   }
   return worst;
@@ -302,7 +336,9 @@ double still_error(const CameraMotion& motion, const CameraInput& camera,
   const CameraInstant centre = motion.at(0.5);
   double worst = 0.0;
   for (const double time01 : test_times(motion.times01(), 0)) {
-    worst = std::max(worst, instant_error({motion.at(time01), centre, settings, perspective}, camera));
+    const CameraInstant truth = motion.at(time01);
+    worst = std::max({worst, instant_error({truth, centre, settings, perspective}, camera),
+                      clip_pixels(truth, centre, camera, settings)});
   }
   return worst;
 }
@@ -326,11 +362,12 @@ CameraFit cheapest(const CameraMotion& motion, const CameraInput& input, const T
   return {std::move(tracks[fit.index]), fit.error};
 }
 
-void add_control(const CameraInstant& at, bool open, Camera& camera) {
+void add_control(const CameraInstant& at, bool open, bool clips, Camera& camera) {
   camera.world_from_camera.push_back(Affine3f(at.world_from_camera));
   camera.window.push_back(
       {float(at.window.left), float(at.window.right), float(at.window.bottom), float(at.window.top)});
   if (open) camera.lens.push_back({float(at.lens.radius), float(at.lens.focus_distance)});
+  if (clips) camera.clip.push_back({float(at.clip.near_clip), float(at.clip.far_clip)});
 }
 
 [[noreturn]] void fail(const CameraInput& camera, const std::string& attribute, const std::string& what) {
@@ -371,6 +408,17 @@ void check_lens(const CameraInput& camera, const CameraSample& sample) {
   }
 }
 
+void check_clip(const CameraInput& camera, const ClipRange& clip, const std::string& when) {
+  const bool perspective = camera.projection == Projection::kPerspective;
+  if (clip.near_clip < clip.far_clip && std::isfinite(clip.near_clip) &&
+      !(perspective && clip.near_clip <= 0.0f)) {
+    return;
+  }
+  fail(camera, "clippingRange",
+       message("found ", clip.near_clip, " to ", clip.far_clip, when, "; expected ",
+               perspective ? "0 < near < far" : "near < far"));
+}
+
 }  // namespace
 
 void check_camera(const CameraInput& camera) {
@@ -383,12 +431,13 @@ void check_camera(const CameraInput& camera) {
     check_sample(camera, sample);
     check_lens(camera, sample);
   }
-  const bool perspective = camera.projection == Projection::kPerspective;
-  if (!(camera.near_clip < camera.far_clip) || !std::isfinite(camera.near_clip) ||
-      (perspective && camera.near_clip <= 0.0f)) {
-    fail(camera, "clippingRange",
-         message("found ", camera.near_clip, " to ", camera.far_clip, "; expected ",
-                 perspective ? "0 < near < far" : "near < far"));
+  check_clip(camera, {camera.near_clip, camera.far_clip}, "");
+  const bool clips = camera.samples.front().clip.has_value();
+  for (const CameraSample& sample : camera.samples) {
+    if (sample.clip.has_value() != clips) {
+      fail(camera, "clippingRange", "found in some samples only; expected in all or in none");
+    }
+    if (clips) check_clip(camera, *sample.clip, " " + at_shutter_time(sample.time01));
   }
 }
 
@@ -417,10 +466,11 @@ Camera fit_camera(const CameraInput& input, const Vec3d& origin, const Translato
   camera.clock = fit.track.layout.clock();
   const bool open = std::any_of(input.samples.begin(), input.samples.end(),
                                 [](const CameraSample& sample) { return sample.lens.radius > 0.0f; });
-  if (!form.moving()) add_control(motion.at(0.5), open, camera);
+  const bool clips = input.samples.front().clip.has_value();
+  if (!form.moving()) add_control(motion.at(0.5), open, clips, camera);
   for (std::uint32_t i = 0; i < form.segments; ++i) {
     const std::vector<CameraInstant> controls = motion.controls(fit.track.layout.segment(i), form.degree);
-    for (std::uint32_t c = i == 0 ? 0 : 1; c < controls.size(); ++c) add_control(controls[c], open, camera);
+    for (std::uint32_t c = i == 0 ? 0 : 1; c < controls.size(); ++c) add_control(controls[c], open, clips, camera);
   }
   return camera;
 }

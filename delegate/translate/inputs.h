@@ -156,15 +156,16 @@ struct InstancesInput {
   // levels' counts, those of the outermost level varying slowest.
   std::vector<InstanceLevel> levels;
   std::optional<std::vector<VisibleInterval>> visible;  // not given: always
-  std::span<const Vec3f> display_color;                 // empty, or one an instance
+  PrimvarInput<Vec3f> display_color;                    // one an instance, without indices, or none
 };
 
-// One time of a camera; window and lens as in core/scene/scene.h.
+// One time of a camera; window, lens and clip as in core/scene/scene.h.
 struct CameraSample {
   double time01 = 0.0;
   Matrix4d world_from_camera{};
   ScreenWindow window;
-  Lens lens{};  // radius 0: a pinhole, and so it must be for an orthographic camera
+  Lens lens{};                      // radius 0: a pinhole, and so it must be for an orthographic camera
+  std::optional<ClipRange> clip{};  // in all samples or in none: from the camera's near_clip to its far_clip
 };
 
 struct CameraInput {
@@ -174,7 +175,7 @@ struct CameraInput {
   // Where the motion may bend: authored times. The other samples lie on smooth curves. None given: anywhere.
   std::optional<std::vector<double>> bends01{};
   std::vector<double> periods01{};  // as of TransformSamples
-  float near_clip = 1.0f;
+  float near_clip = 1.0f;  // the nearest and the farthest of all samples
   float far_clip = 1.0e6f;
 };
 

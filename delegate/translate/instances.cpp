@@ -6,6 +6,7 @@
 
 #include "core/base/parallel.h"
 #include "delegate/translate/instance_chain.h"
+#include "delegate/translate/primvar_track.h"
 #include "delegate/translate/primvars.h"
 #include "delegate/translate/transform_fit.h"
 #include "delegate/translate/transform_samples.h"
@@ -69,34 +70,41 @@ TrackReport report_track(const std::vector<Verdict>& verdicts, const InstanceCha
   return report;
 }
 
+// `colors` has those of all `count` instances.
 InstanceSet gather(const InstancesInput& input, const TransformFitter& fitter, std::uint32_t track,
-                   const std::vector<std::size_t>& members) {
+                   const std::vector<std::size_t>& members, const PrimvarTrack<Vec3f>& colors,
+                   std::size_t count) {
   const TrackForm form = fitter.form(track);
   InstanceSet set{input.path, input.prototype, form.segments, {}, {}, form.degree, fitter.clock(track)};
   if (input.visible) set.clock = with_visibility(set.clock, *input.visible);
   set.world_from_prototype.resize(members.size() * form.controls());
-  if (!input.display_color.empty()) set.display_color.resize(members.size());
+  const bool colored = !colors.values.empty();
+  set.color_segments = colors.segments;
+  if (colored) set.display_color.resize(members.size() * key_count(colors.segments));
   parallel_for_ranges(members.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       fitter.controls(members[i], track, set.world_from_prototype.data() + i * form.controls());
-      if (!input.display_color.empty()) set.display_color[i] = input.display_color[members[i]];
+      for (std::size_t key = 0; colored && key < key_count(colors.segments); ++key) {
+        set.display_color[key * members.size() + i] = colors.values[key * count + members[i]];
+      }
     }
   });
   return set;
 }
 
-// Without the colours, where they do not fit.
-InstancesInput with_checked_colors(InstancesInput input, std::size_t count, PrimLog log) {
-  const std::span<const Vec3f> colors = input.display_color;
-  if (colors.empty()) return input;
+constexpr const char* kColor = "primvars:displayColor";
+
+// Of `count` instances; none where they do not fit.
+PrimvarTrack<Vec3f> color_track(const InstancesInput& input, std::size_t count, std::uint32_t max_segments,
+                                PrimLog log) {
+  const std::span<const Vec3f> colors = input.display_color.values;
+  if (colors.empty()) return {};
   const bool finite = std::ranges::all_of(colors, [](const Vec3f& color) { return is_color(color); });
-  if (colors.size() == count && finite) return input;
+  if (colors.size() == count && finite) return fit_primvar(input.display_color, max_segments, kColor, log);
   log.of_optional_part().reject(
-      "primvars:displayColor",
-      message("found ", colors.size(), finite ? "" : " not all finite and of at most 65504",
-              " values; expected ", count, ", one finite colour for each instance"));
-  input.display_color = {};
-  return input;
+      kColor, message("found ", colors.size(), finite ? "" : " not all finite and of at most 65504",
+                      " values; expected ", count, ", one finite colour for each instance"));
+  return {};
 }
 
 // When instances are looked at for how large they are seen: a few of the dense times, spread so that no period
@@ -115,11 +123,12 @@ std::vector<double> times_of_size(const InstanceChain& chain) {
 
 }  // namespace
 
-TranslatedInstances translate_instances(const InstancesInput& given, const InstanceTarget& target,
+TranslatedInstances translate_instances(const InstancesInput& input, const InstanceTarget& target,
                                         PrimLog& log) {
-  const std::optional<InstanceChain> chain = InstanceChain::make(given.levels, log);
+  const std::optional<InstanceChain> chain = InstanceChain::make(input.levels, log);
   if (!chain || chain->count() == 0) return {};
-  const InstancesInput input = with_checked_colors(given, chain->count(), log);
+  const PrimvarTrack<Vec3f> colors =
+      color_track(input, chain->count(), target.settings.max_segments, log);
   const TransformFitter fitter(*chain, {target.prototype_origin, target.world_origin, target.box},
                                target.measure, target.settings);
   const std::vector<Verdict> verdicts = judge(*chain, fitter);
@@ -135,7 +144,8 @@ TranslatedInstances translate_instances(const InstancesInput& given, const Insta
     if (verdicts[i].fate == Fate::kDrawn) members[verdicts[i].track].push_back(i);
   }
   for (std::uint32_t track = 0; track < members.size(); ++track) {
-    if (!members[track].empty()) result.sets.push_back(gather(input, fitter, track, members[track]));
+    if (members[track].empty()) continue;
+    result.sets.push_back(gather(input, fitter, track, members[track], colors, chain->count()));
   }
   return result;
 }

@@ -102,6 +102,17 @@ def near_plane(scene: Scene) -> None:
     slide(scene.polygon("/Sheet", box(0, 0, 2, 2)), {9.5: (-1, 0, 2), 10.5: (1, 0, 8)})
 
 
+@rule(TOPIC, "An animated clippingRange cuts off over the shutter", "the frame's for all", shutter=FULL)
+def clipping_range(scene: Scene) -> None:
+    floor = [(-4, -2, 18), (4, -2, 18), (4, -2, -40), (-4, -2, -40)]
+    scene.polygon("/Floor", floor)
+    ranges = {9.5: (5.0, 9.0), 10.25: (12.0, 60.0), 10.5: (8.0, 10.0)}
+    if scene.mistaken:
+        ranges = {10.0: (9.667, 43.0)}
+    scene.camera.GetClippingRangeAttr().Clear()
+    samples(scene.camera.GetClippingRangeAttr(), {time: Gf.Vec2f(*planes) for time, planes in ranges.items()})
+
+
 @rule(TOPIC, "A camera and its subject at a million units blur as at the origin", "single precision")
 def camera_far_off(scene: Scene) -> None:
     far = 4_194_304.0

@@ -74,6 +74,27 @@ def instance_in_instance(scene: Scene) -> None:
     slide(instance(scene, "/Right", "/_Pair"), {9.0: (6, 0), 11.0: (0, 0)})
 
 
+@rule(NATIVE, "!resetXformStack! inside an instance leads to the stage's root", "it moves with the instance")
+def instance_reset_inside(scene: Scene) -> None:
+    definition(scene, "/_Wedge")
+    apart = scene.square("/_Wedge/Apart", side=1.0)
+    if not scene.mistaken:
+        apart.SetResetXformStack(True)
+    slide(apart, {9.0: (-2, 2), 11.0: (2, 2)})
+    for name, x in (("One", -4), ("Two", 1)):
+        slide(instance(scene, f"/{name}", "/_Wedge"), {9.0: (x - 2, 1.5), 11.0: (x + 2, -4.5)})
+
+
+@rule(NATIVE, "motion:blurScale inside an instance scales the instance's motion there", "its own motion alone")
+def instance_blur_scale_inside(scene: Scene) -> None:
+    definition(scene, "/_Wedge")
+    inside = scene.square("/_Wedge/Inside", 0, -1.5)
+    if not scene.mistaken:
+        UsdGeom.MotionAPI.Apply(inside.GetPrim()).CreateMotionBlurScaleAttr(0.0)
+    for name, x in (("One", -3), ("Two", 2)):
+        slide(instance(scene, f"/{name}", "/_Wedge"), {9.0: (x - 4, 0), 11.0: (x + 4, 1)})
+
+
 def point_instancer(
     scene: Scene, positions: Sequence[Vector], path: str = "/Instancer", prototypes: Sequence[str] = ()
 ) -> UsdGeom.PointInstancer:
@@ -229,16 +250,30 @@ def instancer_inactive_ids(scene: Scene) -> None:
         instancer.DeactivateIds([7, 3])
 
 
-@rule(POINT, "An invisible prototype is drawn where it is instanced", "it is not drawn")
+def two_prototypes(scene: Scene) -> UsdGeom.PointInstancer:
+    """Two wedges that fly, and two small squares that do."""
+    scene.wedge("/Instancer/Prototypes/Wedge")
+    scene.square("/Instancer/Prototypes/Square", side=0.6)
+    prototypes = ["/Instancer/Prototypes/Wedge", "/Instancer/Prototypes/Square"]
+    instancer = point_instancer(scene, [(-3, 1), (-1, -2), (2, 0), (4, -1)], prototypes=prototypes)
+    instancer.CreateVelocitiesAttr().Set(spatial([(24 * 6, 0), (0, 24 * 6)] * 2), FRAME)
+    return instancer
+
+
+@rule(POINT, "A prototype that is invisible itself is not drawn", "it is drawn")
 def instancer_invisible_prototype(scene: Scene) -> None:
-    instancer = point_instancer(scene, [(-3, 0), (2, 0)])
-    instancer.CreateVelocitiesAttr().Set(spatial([(24 * 6, 0), (0, 24 * 6)]), FRAME)
-    if scene.mistaken:
-        instancer.CreateInvisibleIdsAttr([0, 1])
-        scene.square("/Small", 5.5, 2.5, 0.3)
-    else:
-        UsdGeom.Imageable.Get(scene.stage, "/Instancer/Wedge").CreateVisibilityAttr(UsdGeom.Tokens.invisible)
-        scene.square("/Small", 5.5, 2.5, 0.3)
+    two_prototypes(scene)
+    if not scene.mistaken:
+        wedge = UsdGeom.Imageable.Get(scene.stage, "/Instancer/Prototypes/Wedge")
+        wedge.CreateVisibilityAttr(UsdGeom.Tokens.invisible)
+
+
+@rule(POINT, "What hides the ancestors of a prototype does not hide its instances", "they are not drawn")
+def instancer_hidden_prototypes(scene: Scene) -> None:
+    if not scene.mistaken:
+        two_prototypes(scene)
+        UsdGeom.Scope.Define(scene.stage, "/Instancer/Prototypes").MakeInvisible()
+    scene.square("/Small", 5.5, 2.5, 0.3)
 
 
 @rule(POINT, "Prototypes below an instancer are not drawn by themselves", "they are drawn too")
@@ -294,3 +329,29 @@ def instancer_prototypes(scene: Scene) -> None:
     )
     instancer.GetProtoIndicesAttr().Set([0, 0, 0] if scene.mistaken else [1, 0, 1])
     instancer.CreateVelocitiesAttr().Set(spatial([(24 * 4, 0)] * 3), FRAME)
+
+
+@rule(POINT, "protoIndices and invisibleIds that change within the shutter count from then on", "the frame's for all")
+def instancer_indices_change(scene: Scene) -> None:
+    scene.square("/Instancer/Square", 0, 0, 2.0)
+    scene.bar("/Instancer/Bar")
+    instancer = point_instancer(
+        scene, [(0, 0)] * 3, prototypes=["/Instancer/Square", "/Instancer/Bar"]
+    )
+    positions_between(instancer, {9.0: [(-5, 1), (0, 0), (4, -2)], 11.0: [(-3, 0), (1, 1), (4, -1)]})
+    indices = instancer.GetProtoIndicesAttr()
+    indices.Clear()
+    samples(indices, {9.0: [0, 1, 0]} if scene.mistaken else {9.0: [0, 1, 0], 10.1: [1, 0, 0]})
+    instancer.CreateIdsAttr([7, 8, 9])
+    samples(instancer.CreateInvisibleIdsAttr(), {9.0: []} if scene.mistaken else {9.0: [], 10.25: [9]})
+
+
+@rule(POINT, "A prototype's root moves by its own motion:blurScale, its instances by the instancer's", "by the latter")
+def instancer_root_blur_scale(scene: Scene) -> None:
+    root = UsdGeom.Xform.Define(scene.stage, "/Instancer/Root")
+    scene.wedge("/Instancer/Root/Wedge")
+    slide(root, {9.0: (0, -9), 11.0: (0, 9)})
+    instancer = point_instancer(scene, [(0, 0)] * 2, prototypes=["/Instancer/Root"])
+    positions_between(instancer, {9.0: [(-5, -1), (1, -1)], 11.0: [(-1, 1), (3, 1)]})
+    for prim, scale in ((root, 2.0 if scene.mistaken else 0.0), (instancer, 2.0)):
+        UsdGeom.MotionAPI.Apply(prim.GetPrim()).CreateMotionBlurScaleAttr(scale)

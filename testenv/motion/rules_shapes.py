@@ -71,6 +71,15 @@ def visibility_in_prototype(scene: Scene) -> None:
     seen(part, {0.0: False} if scene.mistaken else {0.0: False, 10.1: True})
 
 
+@rule(
+    VISIBILITY, "A prototype that blinks within the shutter blinks in every instance", "the frame's visibility for all"
+)
+def visibility_of_prototype(scene: Scene) -> None:
+    velocity_instancer(scene)
+    root = UsdGeom.Imageable.Get(scene.stage, "/Instancer/Root")
+    seen(root, {0.0: True} if scene.mistaken else {0.0: True, 9.85: False, 10.25: True})
+
+
 def velocity_instancer(scene: Scene) -> UsdGeom.PointInstancer:
     """Two flying instances of two squares each, /Instancer/Root/Whole and Part."""
     instancer = UsdGeom.PointInstancer.Define(scene.stage, "/Instancer")
@@ -124,6 +133,16 @@ def holes(scene: Scene) -> None:
         mesh.CreateHoleIndicesAttr([4, 2])
     slide(mesh, {9.0: (-2, 0), 11.0: (2, 0)})
     turn(mesh, {9.0: -30.0, 11.0: 10.0})
+
+
+@rule(TOPIC, "Holes that change within the shutter are open for a part of it", "the frame's for all")
+def holes_change(scene: Scene) -> None:
+    mesh = scene.square("/Mesh")
+    mesh.GetPointsAttr().Set(spatial([c for x in (-4, 0, 4) for c in box(x, 0, 3, 3)]))
+    mesh.GetFaceVertexCountsAttr().Set([4] * 3)
+    mesh.GetFaceVertexIndicesAttr().Set(range(12))
+    samples(mesh.CreateHoleIndicesAttr(), {9.0: [0, 1]} if scene.mistaken else {9.0: [0, 1], 10.1: [2], 10.3: [1]})
+    slide(mesh, {9.0: (0, -1), 11.0: (0, 1)})
 
 
 @rule(TOPIC, "Faces of many corners turn as a whole", "their first triangles alone")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterator
-from itertools import count
+from itertools import chain, count
 
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
@@ -43,13 +43,15 @@ class StageMaker:
     def scale_motion(self) -> None:
         """Gives some prims a motion:blurScale or a motion:velocityScale, to be inherited.
 
-        Not together with shutters that a scale of 0 closes: velocityScale does not act on still frames. Not inside
-        native instances, whose own motion such a scale does not reach (msbvh warns), and which StageTruth cannot edit.
+        Not together with shutters that a scale of 0 closes: velocityScale does not act on still frames. No
+        velocityScale with native instances, inside of which StageTruth cannot edit.
         """
         world = self.stage.GetPrimAtPath("/World")
         instanced = any(prim.IsInstance() for prim in Usd.PrimRange(world))
         may_close = instanced or self._chance(0.5)
-        for prim in Usd.PrimRange(world):
+        classes = [prim for prim in self.stage.GetPseudoRoot().GetAllChildren() if prim.IsAbstract()]
+        ranges = (Usd.PrimRange(top, Usd.PrimAllPrimsPredicate) for top in (world, *classes))
+        for prim in chain.from_iterable(ranges):
             if not self._chance(0.3):
                 continue
             motion = UsdGeom.MotionAPI.Apply(prim)

@@ -62,7 +62,6 @@ class StageTruth:
         self._shutter = (frame + shutter[0], frame + shutter[1])
         self._purposes = {"default", *purposes}
         self._caches: dict[float, UsdGeom.XformCache] = {}
-        self._topologies: dict[str, tuple[np.ndarray, np.ndarray]] = {}
         self._holds: dict[str, bool] = {}
         self._skinning = Skinning(self.stage)
 
@@ -92,11 +91,11 @@ class StageTruth:
     def _drawn(
         self, top: Usd.Prim, root: Usd.Prim | None, world: np.ndarray, time: float, predicate: object
     ) -> Iterator[Polygons]:
-        """The shapes below `top` at a time; `root` is the prototype's root, whose own transform and
-        visibility are its instancer's affair, `world` float64[I, 4, 4] its places."""
+        """The shapes below `top` at a time; `root` is the prototype's root, `world` float64[I, 4, 4] its instances'
+        places, to which the root's own transform leads. What hides the root's ancestors does not count."""
         prims = iter(Usd.PrimRange(top, predicate))
         for prim in prims:
-            if prim != root and _is_invisible(prim, time):
+            if _is_invisible(prim, time):
                 prims.PruneChildren()
             elif prim.IsA(UsdGeom.PointInstancer):
                 prims.PruneChildren()
@@ -110,23 +109,41 @@ class StageTruth:
     def _instances(
         self, instancer: UsdGeom.PointInstancer, root: Usd.Prim | None, world: np.ndarray, time: float
     ) -> Iterator[Polygons]:
-        """USD's own instance transforms, instances of the mask alone, by prototype."""
+        """USD's own instance transforms, instances of the mask alone, by prototype. A prototype's root is a prim of
+        its own, with a motion:blurScale of its own."""
         prim_time = self._prim_time(instancer.GetPrim(), time)
-        computed = instancer.ComputeInstanceTransformsAtTime(prim_time, self.frame)
+        exclude = UsdGeom.PointInstancer.ExcludeProtoXform
+        every = UsdGeom.PointInstancer.IgnoreMask
+        computed = instancer.ComputeInstanceTransformsAtTime(prim_time, self.frame, exclude, every)
         matrices = np.array(computed, float).reshape(-1, 4, 4)
-        indices = np.array(instancer.GetProtoIndicesAttr().Get(self.frame) or (), int)
-        mask = np.array(instancer.ComputeMaskAtTime(self.frame), bool)
-        indices = indices[mask] if len(mask) else indices
+        indices, mask = self._shown(instancer, prim_time, time)
+        indices = np.where(mask, indices, -1) if len(mask) == len(indices) else indices
         if not len(matrices):  # USD computes none where positions are missing or do not fit.
             return
         assert len(indices) == len(matrices), f"{instancer.GetPath()}: {len(indices)} != {len(matrices)}"
-        above = self._relative(instancer.GetPrim(), root, prim_time)
+        above = self._relative(instancer.GetPrim(), root, prim_time, time)
         places = np.einsum("mij,jk,wkl->wmil", matrices, above, world)
         for index, path in enumerate(instancer.GetPrototypesRel().GetForwardedTargets()):
             prototype, chosen = self.stage.GetPrimAtPath(path), indices == index
             if prototype and chosen.any():
                 own = places[:, chosen].reshape(-1, 4, 4)
                 yield from self._drawn(prototype, prototype, own, time, PROTOTYPE)
+
+    def _shown(
+        self, instancer: UsdGeom.PointInstancer, prim_time: float, time: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Prototype indices int[N] and mask bool[N] at a time. Ids and invisibleIds are visibility, which no
+        blur scale stretches. Instances that velocities carry, or whose number changes, are the frame's."""
+        attribute, ids = instancer.GetProtoIndicesAttr(), instancer.GetIdsAttr()
+        indices = np.array(attribute.Get(self.frame) or (), int)
+        speeds = (instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr())
+        same = not any(speed.GetNumTimeSamples() for speed in speeds)
+        same = same and not self._differs(attribute, len_only=True)
+        if same:
+            indices = np.array(attribute.Get(prim_time) or (), int)
+        known = ids.Get(time if same else self.frame) or range(len(indices))
+        hidden = {*(instancer.GetInvisibleIdsAttr().Get(time) or ()), *_inactive_ids(instancer)}
+        return indices, np.array([known_id not in hidden for known_id in known], bool)
 
     def _mesh(self, prim: Usd.Prim, root: Usd.Prim | None, world: np.ndarray, time: float) -> Polygons:
         """One shape at a time."""
@@ -138,9 +155,9 @@ class StageTruth:
             points = np.asarray(surface["samples"].values[0][1], float)
             counts, indices = surface["face_vertex_counts"], surface["face_vertex_indices"]
             rigid = self._skinning.transform(prim, prim_time)
-            local = self._relative(prim, root, prim_time)
+            local = self._relative(prim, root, prim_time, time)
             if rigid is not None:
-                local = rigid[0] @ self._relative(rigid[1], root, prim_time)
+                local = rigid[0] @ self._relative(rigid[1], root, prim_time, time)
             return Polygons(path, points, local @ world, counts, indices)
         mesh = UsdGeom.Mesh(prim)
         point_time = frame if self._holds_pose(mesh) else prim_time
@@ -149,18 +166,26 @@ class StageTruth:
             points, space = mesh.ComputePointsAtTime(point_time, frame), prim
         else:
             points, space = skinned
-        counts, indices = self._topology(mesh)
-        matrices = self._relative(space, root, prim_time) @ world
+        counts, indices = self._topology(mesh, frame if self._topology_varies(mesh) else prim_time)
+        matrices = self._relative(space, root, prim_time, time) @ world
         return Polygons(path, np.array(points, float).reshape(-1, 3), matrices, counts, indices)
 
-    def _relative(self, prim: Usd.Prim, root: Usd.Prim | None, time: float) -> np.ndarray:
-        """float64[4, 4] to the space in which `root` stands, or to the world."""
-        cache = self._caches.setdefault(time, UsdGeom.XformCache(time))
+    def _relative(
+        self, prim: Usd.Prim, root: Usd.Prim | None, prim_time: float, time: float
+    ) -> np.ndarray:
+        """float64[4, 4] to the space in which `root` is instanced, or to the world. The root's own transform is taken
+        at its own time; a reset in between leads past it (UsdImaging resets the stack at the root)."""
+        cache = self._cache(prim_time)
         if root is None:
             return np.array(cache.GetLocalToWorldTransform(prim))
+        own = np.array(self._cache(self._prim_time(root, time)).GetLocalTransformation(root)[0])
         if prim == root:
-            return np.eye(4)
-        return np.array(cache.ComputeRelativeTransform(prim, root)[0])
+            return own
+        between, resets = cache.ComputeRelativeTransform(prim, root)
+        return np.array(between) if resets else np.array(between) @ own
+
+    def _cache(self, time: float) -> UsdGeom.XformCache:
+        return self._caches.setdefault(time, UsdGeom.XformCache(time))
 
     def _prim_time(self, prim: Usd.Prim, time: float) -> float:
         """motion:blurScale stretches a prim's whole motion about the frame (UsdGeomMotionAPI)."""
@@ -172,26 +197,26 @@ class StageTruth:
     def _has_purpose(self, prim: Usd.Prim) -> bool:
         return str(UsdGeom.Imageable(prim).ComputePurpose()) in self._purposes
 
-    def _topology(self, mesh: UsdGeom.Mesh) -> tuple[np.ndarray, np.ndarray]:
-        """The frame's face counts and indices, without holes."""
-        path = str(mesh.GetPath())
-        if path not in self._topologies:
-            counts = np.array(mesh.GetFaceVertexCountsAttr().Get(self.frame) or (), int)
-            indices = np.array(mesh.GetFaceVertexIndicesAttr().Get(self.frame) or (), int)
-            solid = np.ones(len(counts), bool)
-            solid[np.array(mesh.GetHoleIndicesAttr().Get(self.frame) or (), int)] = False
-            self._topologies[path] = (counts[solid], indices[np.repeat(solid, counts)])
-        return self._topologies[path]
+    def _topology(self, mesh: UsdGeom.Mesh, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """The frame's face counts and indices, without the holes of a time."""
+        counts = np.array(mesh.GetFaceVertexCountsAttr().Get(self.frame) or (), int)
+        indices = np.array(mesh.GetFaceVertexIndicesAttr().Get(self.frame) or (), int)
+        solid = np.ones(len(counts), bool)
+        solid[np.array(mesh.GetHoleIndicesAttr().Get(time) or (), int)] = False
+        return counts[solid], indices[np.repeat(solid, counts)]
 
     def _holds_pose(self, mesh: UsdGeom.Mesh) -> bool:
         """Whether the topology changes within the shutter and no velocities carry the frame's points."""
         path = str(mesh.GetPath())
         if path not in self._holds:
-            attributes = (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr())
-            varies = any(self._differs(attribute, len_only=False) for attribute in attributes)
-            varies = varies or self._differs(mesh.GetPointsAttr(), len_only=True)
+            varies = self._topology_varies(mesh) or self._differs(mesh.GetPointsAttr(), len_only=True)
             self._holds[path] = varies and not self._carried(mesh)
         return self._holds[path]
+
+    def _topology_varies(self, mesh: UsdGeom.Mesh) -> bool:
+        """Whether faces are others within the shutter than at the frame."""
+        attributes = (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr())
+        return any(self._differs(attribute, len_only=False) for attribute in attributes)
 
     def _differs(self, attribute: Usd.Attribute, len_only: bool) -> bool:
         """Whether an array, or its length, is not the frame's everywhere in the shutter."""
@@ -214,6 +239,11 @@ class StageTruth:
 def _every_prim(stage: Usd.Stage) -> Iterator[Usd.Prim]:
     """Prims of instances and prototypes included."""
     yield from Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate))
+
+
+def _inactive_ids(instancer: UsdGeom.PointInstancer) -> list[int]:
+    """Metadata, a list that layers may edit."""
+    return (instancer.GetPrim().GetMetadata("inactiveIds") or Sdf.Int64ListOp()).ApplyOperations([])
 
 
 def _is_invisible(prim: Usd.Prim, time: float) -> bool:

@@ -116,10 +116,10 @@ def test_masked_instances_are_not_drawn():
     assert deviation(result, instancer_points(instancer, 10.0)) < 1e-6
 
 
-def test_prototypes_are_not_drawn_by_themselves_and_draw_when_invisible():
+def test_prototypes_are_not_drawn_by_themselves_and_draw_below_what_is_invisible():
     shot = Shot()
     instancer = make_instancer(shot)
-    UsdGeom.Imageable(shot.stage.GetPrimAtPath("/Instancer/Prototypes/Square")).MakeInvisible()
+    UsdGeom.Scope.Define(shot.stage, "/Instancer/Prototypes").MakeInvisible()
     result = shot.read()
     assert not result.scene.meshes
     assert deviation(result, instancer_points(instancer, 10.0)) < 1e-6

@@ -51,6 +51,18 @@ TEST_CASE("the camera and its window move by key") {
   CHECK(camera_ray(camera, 0.5f, 0.5f, 0.75f).time == 0.75f);
 }
 
+TEST_CASE("the clipping range moves by key") {
+  Camera camera = still_camera(Projection::kPerspective);
+  camera.segments = 2;
+  camera.world_from_camera.resize(3, camera.world_from_camera[0]);
+  camera.window.resize(3, camera.window[0]);
+  camera.clip = {{1, 10}, {3, 20}, {2, 100}};
+  const Ray ray = camera_ray(camera, 0.5f, 0.5f, 0.25f);
+  CHECK(ray.tnear == 2.0f);
+  CHECK(ray.tfar == 15.0f);
+  CHECK(camera_ray(camera, 0.5f, 0.5f, 1.0f).tfar == 100.0f);
+}
+
 TEST_CASE("rays through a lens meet in the plane in focus and start on the disc") {
   Camera camera = still_camera(Projection::kPerspective);
   camera.lens = {{0.5f, 4.0f}};

@@ -220,6 +220,14 @@ TEST_CASE("camera: window, matrix and clipping range") {
     camera.far_clip = 1.0f;
     CHECK(complaint(scene).find("/camera: clippingRange: found 10.000000 to 1.000000") == 0);
   }
+  SUBCASE("a reversed clipping range at a key") {
+    camera.clip = {{10.0f, 1.0f}};
+    CHECK(complaint(scene).find("/camera: clippingRange: found 10.000000 to 1.000000") == 0);
+  }
+  SUBCASE("keys of the clipping range") {
+    camera.clip.resize(2);
+    CHECK(complaint(scene) == "/camera: clippingRange: found 2 controls; expected 1");
+  }
   SUBCASE("lens keys") {
     camera.lens.resize(2);
     CHECK(complaint(scene) == "/camera: lens: found 2 controls; expected 1");

@@ -83,6 +83,20 @@ TEST_CASE("through an instance at the ray's time: position, normals and colour")
   CHECK(length(second.shading_normal - expected) < 1e-6f);
 }
 
+TEST_CASE("colours of instances move by key, in the shutter's time") {
+  Scene scene = instanced_scene(0, {Affine3f{}, Affine3f{}});
+  scene.instances[0].color_segments = 2;
+  scene.instances[0].display_color = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}};
+  Ray ray = kDown;
+  Hit hit = kHit;
+  hit.instance = 1;
+  ray.time = 0.25f;
+  CHECK(surface(scene, hit, ray).albedo == Vec3f{0.5f, 1, 0.5f});
+  hit.instance = 0;
+  ray.time = 0.75f;
+  CHECK(surface(scene, hit, ray).albedo == Vec3f{0, 0, 0.5f});
+}
+
 TEST_CASE("primvars of every interpolation") {
   Scene scene = triangle_scene();
   Primvar<Vec3f>& color = scene.meshes[0].display_color;

@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/motion/affine_track.h"
 #include "core/scene/scene.h"
+#include "core/shade/camera.h"
 #include "delegate/translate/translator.h"
 #include "tests/unit/translate_inputs.h"
 
@@ -42,6 +43,29 @@ void check_throws(const CameraInput& camera, const TranslatorSettings& settings,
 }  // namespace
 
 TEST_SUITE("translate: camera") {
+  TEST_CASE("a clipping range that changes is followed on the camera's own track") {
+    CameraInput camera = camera_at({0, 0, 10});
+    const CameraSample still = camera.samples[0];
+    camera.samples.clear();
+    camera.bends01 = {0.0, 0.375, 1.0};
+    for (const auto& [time01, clip] : std::vector<std::pair<double, ClipRange>>{
+             {0.0, {1, 100}}, {0.375, {4, 50}}, {1.0, {2, 1000}}}) {
+      camera.samples.push_back(still);
+      camera.samples.back().time01 = time01;
+      camera.samples.back().clip = clip;
+    }
+    const Camera fit = fitted(camera);
+    CHECK(fit.segments > 0);
+    for (const double time01 : {0.0, 0.2, 0.375, 0.6, 1.0}) {
+      const Ray ray = camera_ray(fit, 0.5f, 0.5f, float(time01));
+      const bool first = time01 < 0.375;
+      const double w = first ? time01 / 0.375 : (time01 - 0.375) / 0.625;
+      CHECK(ray.tnear == doctest::Approx(first ? 1 + 3 * w : 4 - 2 * w).epsilon(1e-4));
+      CHECK(ray.tfar == doctest::Approx(first ? 100 - 50 * w : 50 + 950 * w).epsilon(1e-4));
+    }
+    CHECK(fit.world_from_camera.front() == fit.world_from_camera.back());
+  }
+
   TEST_CASE("a camera that stands still has one key at the frame's origin, however often it is sampled") {
     const Camera camera = fitted(moving_camera(
         [](double) {
@@ -168,6 +192,16 @@ TEST_SUITE("translate: camera") {
       camera.near_clip = 10;
       camera.far_clip = 1;
       check_throws(camera, settings, "/camera.clippingRange: found 10 to 1");
+    }
+    SUBCASE("near behind far in one sample") {
+      camera.samples[0].clip = ClipRange{5, 2};
+      check_throws(camera, settings, "/camera.clippingRange: found 5 to 2 at shutter time 0");
+    }
+    SUBCASE("a clipping range in some samples") {
+      camera.samples.push_back(camera.samples[0]);
+      camera.samples[1].time01 = 1.0;
+      camera.samples[1].clip = ClipRange{1, 2};
+      check_throws(camera, settings, "/camera.clippingRange: found in some samples only");
     }
     SUBCASE("a perspective camera that sees its own eye") {
       camera.near_clip = 0;

@@ -26,11 +26,15 @@ struct Instanced {
     prototype = translator.begin_prototype("/prototype");
     translator.add_prototype_mesh(prototype, MeshFixture().input());
   }
-  void add(const std::vector<Motion>& motions, std::span<const Vec3f> colors = {}) {
+  // `last_colors`: at the shutter's closing; `colors` are those at its opening then.
+  void add(const std::vector<Motion>& motions, std::span<const Vec3f> colors = {},
+           std::span<const Vec3f> last_colors = {}) {
     for (const double time01 : times01) {
       for (const Motion& motion : motions) matrices.push_back(row_vector_matrix(motion(time01)));
     }
-    translator.add_instances(instances_of("/instances", prototype, times01, matrices, colors));
+    InstancesInput input = instances_of("/instances", prototype, times01, matrices, colors);
+    if (!last_colors.empty()) input.display_color.samples = {{0.0, colors}, {1.0, last_colors}};
+    translator.add_instances(input);
   }
 
   Translator translator;
@@ -70,6 +74,22 @@ TEST_SUITE("translate: instances") {
     CHECK(track.segments == 32);
     CHECK(track.moving_transform);
     CHECK(track.error_pixels <= 0.1);
+  }
+
+  TEST_CASE("colours that change keep to their instances, whichever set takes them") {
+    Instanced instanced(uniform_times(128), {0, 0, 10}, linear_settings());
+    const auto slide = [](double u) { return translation({3 * u, 0, 0}); };
+    const auto at = [](double x) { return [x](double) { return translation({x, 0, 0}); }; };
+    const std::vector<Vec3f> begin{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, end{{0, 1, 0}, {1, 1, 1}, {1, 0, 0}};
+    instanced.add({at(1), slide, at(2)}, begin, end);
+    CHECK(instanced.translator.diagnostics().empty());
+    const auto scene = instanced.translator.finish();
+    validate(*scene);
+    REQUIRE(scene->instances.size() == 2);
+    CHECK(scene->instances[0].color_segments == 1);
+    CHECK(scene->instances[0].display_color ==
+          std::vector<Vec3f>{{1, 0, 0}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}});
+    CHECK(scene->instances[1].display_color == std::vector<Vec3f>{{0, 1, 0}, {1, 1, 1}});
   }
 
   TEST_CASE("the track stays within the tolerance in pixels at dense times") {

@@ -68,7 +68,8 @@ inline TranslatorSettings linear_settings(std::uint32_t width = 1000) {
 // Instances that share their sample times: [T][count] matrices.
 inline InstancesInput instances_of(std::string path, std::uint32_t prototype, std::vector<double> times01,
                                    std::span<const Matrix4d> matrices, std::span<const Vec3f> colors = {}) {
-  InstancesInput input{std::move(path), prototype, {}, {}, colors};
+  InstancesInput input{std::move(path), prototype, {}, {}, {}};
+  input.display_color.values = colors;
   input.levels.push_back({std::move(times01), matrices, {}, false, nullptr, {}});
   return input;
 }

@@ -82,7 +82,7 @@ std::vector<nb::tuple> poses(const SceneHandle& handle, float time) {
 }
 
 // (world_from_camera in stage space, row vectors; window left, right, bottom, top; lens radius and focus
-// distance) from the tracks as the renderer reads them.
+// distance; clipping range) from the tracks as the renderer reads them.
 nb::tuple camera_at(const SceneHandle& handle, float time) {
   const Camera& camera = handle.scene->camera;
   float local = time;
@@ -94,12 +94,15 @@ nb::tuple camera_at(const SceneHandle& handle, float time) {
   const Affine3d map(value(camera.world_from_camera));
   const ScreenWindow window = value(camera.window);
   const Lens lens = camera.lens.empty() ? Lens{} : value(camera.lens);
+  const ClipRange clip =
+      camera.clip.empty() ? ClipRange{camera.near_clip, camera.far_clip} : value(camera.clip);
   std::vector<std::vector<double>> rows;
   for (const Vec3d& v : {map.x, map.y, map.z}) rows.push_back({v.x, v.y, v.z, 0.0});
   const Vec3d t = map.t + handle.origin;
   rows.push_back({t.x, t.y, t.z, 1.0});
   return nb::make_tuple(rows, nb::make_tuple(window.left, window.right, window.bottom, window.top),
-                        nb::make_tuple(lens.radius, lens.focus_distance));
+                        nb::make_tuple(lens.radius, lens.focus_distance),
+                        nb::make_tuple(clip.near_clip, clip.far_clip));
 }
 
 }  // namespace

@@ -72,6 +72,17 @@ std::vector<Lens> lenses_from(Arguments& arguments, std::size_t count) {
   return lenses;
 }
 
+// Clipping ranges by sample, or none: the camera's stands throughout.
+std::vector<std::optional<ClipRange>> clips_from(Arguments& arguments, std::size_t count) {
+  std::vector<std::optional<ClipRange>> clips(count);
+  const nb::object given = arguments.optional("clips");
+  if (given.is_none()) return clips;
+  const AnyArray array = checked_array<float>(given, "clips", {count, 2});
+  const std::span<const float> values = elements<float>(array);
+  for (std::size_t i = 0; i < count; ++i) clips[i] = ClipRange{values[2 * i], values[2 * i + 1]};
+  return clips;
+}
+
 CameraInput camera_from(Arguments& arguments) {
   CameraInput camera;
   camera.path = arguments.value<std::string>("path", "a str");
@@ -84,10 +95,11 @@ CameraInput camera_from(Arguments& arguments) {
   const AnyArray windows =
       checked_array<float>(arguments.required("windows"), "windows", {transform.times01.size(), 4});
   const std::vector<Lens> lenses = lenses_from(arguments, transform.times01.size());
+  const std::vector<std::optional<ClipRange>> clips = clips_from(arguments, transform.times01.size());
   for (std::size_t i = 0; i < transform.times01.size(); ++i) {
     const std::span<const float> w = elements<float>(windows).subspan(4 * i, 4);
     camera.samples.push_back(
-        {transform.times01[i], transform.matrices[i], {w[0], w[1], w[2], w[3]}, lenses[i]});
+        {transform.times01[i], transform.matrices[i], {w[0], w[1], w[2], w[3]}, lenses[i], clips[i]});
   }
   return camera;
 }
@@ -268,7 +280,11 @@ void add_instances(Translator& translator, const nb::kwargs& keywords) {
   const Levels levels = levels_from(arguments, "add_instances", input);
   input.visible = visible_from(arguments);
   const nb::object colors = arguments.optional("display_color");
-  if (!colors.is_none()) input.display_color = arguments.floats<Vec3f>(colors, "display_color");
+  if (nb::isinstance<nb::list>(colors)) {
+    primvar_samples_from(arguments, "display_color", colors, input.display_color);
+  } else if (!colors.is_none()) {
+    input.display_color.values = arguments.floats<Vec3f>(colors, "display_color");
+  }
   arguments.expect_no_more();
   nb::gil_scoped_release release;
   translator.add_instances(input);

@@ -14,6 +14,7 @@ from .camera_values import CameraValues
 from .conform import Window, conformed
 from .errors import Diagnostics, SceneError
 from .framing import framing_camera
+from .held_values import warn_of_change
 from .lens import read_lenses
 from .metadata import world_to_camera, world_to_ndc
 from .motion_scales import scales_at
@@ -54,7 +55,10 @@ class RenderCamera:
     lenses: np.ndarray
     """float32[T, 2]: radius and focus distance, in the camera's space; radius 0: a pinhole."""
     near_clip: float
+    """The nearest and the farthest of the shutter."""
     far_clip: float
+    clips: np.ndarray | None
+    """float32[T, 2]: near and far, where they change; None: the same throughout."""
     width: int
     height: int
     frame_matrix: np.ndarray
@@ -108,13 +112,16 @@ def read_camera(
     opening = value(camera.GetShutterOpenAttr(), code, FLOAT)
     closing = value(camera.GetShutterCloseAttr(), code, FLOAT)
     shutter = checked_shutter(frame, opening or 0.0, closing or 0.0, str(prim.GetPath()), diagnostics)
-    own = shutter.scaled(scales_at(prim, code, diagnostics).blur)
+    own = shutter.scaled(scales_at(prim, shutter, diagnostics).blur)
     course = _course(prim, own, is_held(stage))
-
     values_at = CameraValues(camera).at
+
+    warn_of_change(camera.GetProjectionAttr(), "", own, diagnostics)
+    projection = values_at(code).projection
 
     def camera_at(code: Usd.TimeCode) -> Gf.Camera:
         found = values_at(code)
+        found.projection = projection
         if not (np.abs(np.array(found.transform)) <= LARGEST).all():
             path, attribute, message = unusable_op(list(xformables(prim, None)), own)
             raise SceneError(f"{path}.{attribute}: {message}")
@@ -190,7 +197,7 @@ def _course(prim: Usd.Prim, shutter: Shutter, held: bool) -> Course:
 
 
 def optics(camera: UsdGeom.Camera) -> tuple[Usd.Attribute, ...]:
-    """The attributes that zoom and focus a camera."""
+    """The attributes that zoom and focus a camera, and where it cuts off."""
     return (
         camera.GetFocalLengthAttr(),
         camera.GetHorizontalApertureAttr(),
@@ -199,6 +206,7 @@ def optics(camera: UsdGeom.Camera) -> tuple[Usd.Attribute, ...]:
         camera.GetVerticalApertureOffsetAttr(),
         camera.GetFStopAttr(),
         camera.GetFocusDistanceAttr(),
+        camera.GetClippingRangeAttr(),
     )
 
 
@@ -227,7 +235,8 @@ def _sampled(
     windows = np.float32([conformed(_window(camera), width / height, conform)[0] for camera in cameras])
     lenses = read_lenses(path, at_frame, cameras, diagnostics)
     keep = len(times01)
-    if all((values == values[0]).all() for values in (matrices, windows, lenses)):
+    clips = np.float32([(camera.clippingRange.min, camera.clippingRange.max) for camera in cameras])
+    if all((values == values[0]).all() for values in (matrices, windows, lenses, clips)):
         keep = 1
     return RenderCamera(
         path=path,
@@ -239,8 +248,9 @@ def _sampled(
         bends01=np.array(course.bends01),
         periods01=np.array(course.turns.periods01),
         lenses=lenses[:keep],
-        near_clip=at_frame.clippingRange.min,
-        far_clip=at_frame.clippingRange.max,
+        near_clip=float(clips[:, 0].min()),
+        far_clip=float(clips[:, 1].max()),
+        clips=None if (clips == clips[0]).all() else clips,
         width=width,
         height=height,
         frame_matrix=np.array(at_frame.transform),

@@ -32,6 +32,10 @@ class FrameContext:
         """The context of a prim with that motion:blurScale."""
         return self if blur == 1.0 else replace(self, shutter=self.shutter.scaled(blur))
 
+    def at(self, code: Usd.TimeCode) -> FrameContext:
+        """The context to read still things in at another time."""
+        return replace(self, shutter=Shutter(None if code.IsDefault() else code.GetValue()))
+
     @property
     def code(self) -> Usd.TimeCode:
         """The frame's time: where everything is read that is not sampled over the shutter."""

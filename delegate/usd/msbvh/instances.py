@@ -9,13 +9,21 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
-from pxr import UsdGeom
+from pxr import Usd, UsdGeom
 
 from .boxes import Box
 from .context import FrameContext
 from .errors import Diagnostics
-from .point_instancers import moving_attributes, own_transform, prototypes, read_point_instancer
+from .point_instancers import (
+    Colours,
+    each,
+    moving_attributes,
+    own_transform,
+    prototypes,
+    read_point_instancer,
+)
 from .points import carries_still_pose
+from .times import Shutter
 from .transform_faults import report_unusable
 from .transform_sampling import PixelSizes, TransformSamples, transform_samples
 from .transforms import LARGEST, Motion, XformCaches
@@ -50,8 +58,8 @@ class Placement:
     """From the group's space into that of the chain's start, the world in the end; the innermost first."""
     visible: np.ndarray | None
     """float64[K, 2]: the parts of the shutter in which the whole chain is visible; None: always."""
-    display_color: np.ndarray | None
-    """float32[count, 3], or None: the group's own colours."""
+    display_color: Colours | None
+    """Of `count` instances; None: the group's own colours."""
     place: Callable[[], Motion]
     """The levels multiplied out by USD itself, which is for lights: there are few of them."""
 
@@ -69,9 +77,9 @@ class Placement:
         """This under each of `outer`. The innermost that has colours decides."""
         colour = None
         if self.display_color is not None:
-            colour = np.tile(self.display_color, (outer.count, 1))
+            colour = each(self.display_color, lambda own: np.tile(own, (outer.count, 1)))
         elif outer.display_color is not None:
-            colour = np.repeat(outer.display_color, self.count, axis=0)
+            colour = each(outer.display_color, lambda theirs: np.repeat(theirs, self.count, axis=0))
         return Placement(
             self.path,
             self.key,
@@ -140,28 +148,29 @@ class Placer:
         instancer = UsdGeom.PointInstancer(part.prim)
         context = self._context.scaled(part.scales.blur)
         if self._context.found is not None:
-            shown = prototypes(instancer)
+            shown = [(prim, self._root_shutter(prim)) for prim in prototypes(instancer) if prim]
             self._context.found.instancer(part.prim, part.blinking, group.root, context.shutter, shown)
         for points in read_point_instancer(instancer, self._caches, context, part.scales.velocity):
-            own = own_transform(points.prototype, self._caches, context.shutter)
-            levels = (
-                Level(own),
-                Level(None, {**points.arrays, "selected": points.selected}),
-                Level(group_from_instancer),
-            )
+            own = own_transform(points.prototype, self._caches, self._root_shutter(points.prototype))
+            arrays = Level(None, {**points.arrays, "selected": points.selected})
             speeds = [instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr()]
             # With velocities USD takes all from the sample before the frame, scales too.
             moved = any(speed.GetNumTimeSamples() for speed in speeds)
             if moved and carries_still_pose(moving_attributes(instancer), context):
-                levels = (Level(points.motion), Level(group_from_instancer))
-            yield Placement(
-                str(part.prim.GetPath()),
-                Traversal.prototype_key(points.prototype),
-                levels,
-                self._visible(part),
-                points.display_color,
-                lambda points=points: points.motion.inside(group_from_instancer),
-            )
+                arrays = Level(points.motion)
+            placed = points.motion.inside(group_from_instancer)
+            path, colour = str(part.prim.GetPath()), points.display_color
+            visible = common_intervals(self._visible(part), points.visible)
+            outer = (arrays, Level(group_from_instancer))
+            root = self._groups[Traversal.prototype_key(points.prototype)]
+            whole = own.inside(placed)
+            yield Placement(path, root.key, (Level(own), *outer), visible, colour, lambda whole=whole: whole)
+            if root.reset is not None:
+                yield Placement(path, root.reset, outer, visible, colour, lambda placed=placed: placed)
+
+    def _root_shutter(self, prototype: Usd.Prim) -> Shutter:
+        """Of a point instancer's prototype: its own motion:blurScale scales it."""
+        return self._context.shutter.scaled(self._groups[Traversal.prototype_key(prototype)].scales.blur)
 
 
 Measure = Callable[[list[dict], Box], float]

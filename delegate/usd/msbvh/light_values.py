@@ -80,18 +80,36 @@ class LightSamples:
         )
 
 
-def sample_light(
-    prim: Usd.Prim, visibility: tuple[Usd.Attribute, ...], shutter: Shutter
-) -> tuple[LightSamples, LightSamples]:
-    """The light over the shutter, and at the frame.
+@dataclass(frozen=True)
+class Switches:
+    """What turns a light off for a part of the shutter."""
 
-    `visibility`: attributes of the prim and its ancestors, of which one that says invisible switches the
-    light off. Raises Unreadable.
-    """
-    attributes = [*_value_attributes(prim), *visibility]
-    at_frame = _sampled(prim, (), {0.0: shutter.frame_code})
-    codes = _codes(attributes, shutter)
-    samples = _sampled(prim, visibility, codes) if codes else at_frame
+    visibility: tuple[Usd.Attribute, ...] = ()
+    """Of the prim and its ancestors; one that says invisible will do."""
+    shown: np.ndarray | None = None
+    """float64[K, 2]: where its instances are visible (visible_intervals); None: always."""
+
+    def ends(self, shutter: Shutter) -> set[float]:
+        """Time codes at which instances appear or disappear."""
+        if self.shown is None:
+            return set()
+        return {shutter.time_code(time01).GetValue() for time01 in self.shown.ravel().tolist() if 0.0 < time01 < 1.0}
+
+    def on(self, time01: float, code: Usd.TimeCode) -> bool:
+        """Whether the light shines."""
+        if self.shown is not None and not ((self.shown[:, 0] <= time01) & (time01 < self.shown[:, 1])).any():
+            return False
+        return all(value(attribute, code, TOKEN) != UsdGeom.Tokens.invisible for attribute in self.visibility)
+
+
+def sample_light(
+    prim: Usd.Prim, switches: Switches, shutter: Shutter
+) -> tuple[LightSamples, LightSamples]:
+    """The light over the shutter, and at the frame, where no switch counts. Raises Unreadable."""
+    attributes = [*_value_attributes(prim), *switches.visibility]
+    at_frame = _sampled(prim, Switches(), {0.0: shutter.frame_code})
+    codes = _codes(attributes, switches.ends(shutter), shutter)
+    samples = _sampled(prim, switches, codes) if codes else at_frame
     if codes and not all(np.isfinite(found).all() for found in (at_frame.emission, at_frame.sizes)):
         at_frame = _first(samples)  # The frame lies outside of the shutter, or the samples show the fault too.
     values = np.concatenate([samples.emission, samples.sizes, samples.normalize[:, None]], axis=1)
@@ -124,18 +142,21 @@ def _value_attributes(prim: Usd.Prim) -> list[Usd.Attribute]:
     ]
 
 
-def _codes(attributes: list[Usd.Attribute], shutter: Shutter) -> dict[float, Usd.TimeCode]:
-    """Where to sample: time01 to time code, increasing; empty where nothing varies.
+def _codes(
+    attributes: list[Usd.Attribute], switched: set[float], shutter: Shutter
+) -> dict[float, Usd.TimeCode]:
+    """Where to sample: time01 to time code, increasing; empty where nothing varies. `switched` are time codes beside
+    those that are authored.
 
     2^FINEST_LEVEL even intervals, which catch splines and products of what is linear, and the authored times
     inside the shutter with an instant before each, since values may jump there. The closing stands for the
     instant before it: what begins then is not seen.
     """
     varying = [attribute for attribute in attributes if attribute.ValueMightBeTimeVarying()]
-    if not shutter.moving or not varying:
+    if not shutter.moving or not (varying or switched):
         return {}
     even = np.linspace(0.0, 1.0, 2**FINEST_LEVEL + 1)
-    authored = set().union(*(breakpoints_of(attribute, shutter) for attribute in varying))
+    authored = switched.union(*(breakpoints_of(attribute, shutter) for attribute in varying))
     codes = {1.0: shutter.time_code(1.0 - JUMP_TIME01)}
     for time in authored:
         time01 = shutter.time01(time)
@@ -154,13 +175,10 @@ def _codes(attributes: list[Usd.Attribute], shutter: Shutter) -> dict[float, Usd
 
 
 def _sampled(
-    prim: Usd.Prim, visibility: tuple[Usd.Attribute, ...], codes: dict[float, Usd.TimeCode]
+    prim: Usd.Prim, switches: Switches, codes: dict[float, Usd.TimeCode]
 ) -> LightSamples:
     light = UsdLux.LightAPI(prim)
-    visible = [
-        all(value(attribute, code, TOKEN) != UsdGeom.Tokens.invisible for attribute in visibility)
-        for code in codes.values()
-    ]
+    visible = [switches.on(time01, code) for time01, code in codes.items()]
     glow = np.array([emission(light, code) for code in codes.values()])
     return LightSamples(
         times01=np.array(list(codes)),

@@ -8,7 +8,8 @@ import numpy as np
 from pxr import Sdf, Usd, UsdLux
 
 from .context import FrameContext
-from .light_values import LightSamples, radiances, sample_light
+from .held_values import values_within
+from .light_values import LightSamples, Switches, radiances, sample_light
 from .times import FINEST_LEVEL
 from .transforms import Motion
 from .value_types import ASSET, BOOL
@@ -34,14 +35,14 @@ def is_light(prim: Usd.Prim) -> bool:
 def add_lights(
     translator: Any,
     prim: Usd.Prim,
-    visibility: tuple[Usd.Attribute, ...],
+    switches: Switches,
     motion: Motion,
     context: FrameContext,
 ) -> int:
     """Hands a light down once for each of the motion's places, over the shutter. Returns how many: none, with
     a warning, if it is unsupported.
 
-    `visibility`: attributes above and on the prim that switch it on or off inside the shutter.
+    `switches` turn it on or off inside the shutter.
     """
     kind = SUPPORTED_LIGHTS.get(str(prim.GetTypeName()))
     path = str(prim.GetPath())
@@ -51,7 +52,7 @@ def add_lights(
         )
         return 0
     try:
-        samples, at_frame = sample_light(prim, visibility, context.shutter)
+        samples, at_frame = sample_light(prim, switches, context.shutter)
     except Unreadable as fault:
         context.diagnostics.error(path, fault.attribute, f"{fault.message}; the light is left out")
         return 0
@@ -115,9 +116,9 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
     """Names what a supported light has authored beyond what is drawn."""
     path = str(prim.GetPath())
     texture = prim.GetAttribute("inputs:texture:file")
-    file = value(texture, context.code, ASSET) if texture else None
-    if file:
-        found = f"found @{file.path}@; not supported yet, lit by the plain colour"
+    textures = [asset for asset in values_within(texture, context.shutter) if asset] if texture else []
+    if textures:
+        found = f"found @{textures[0].path}@; not supported yet, lit by the plain colour"
         context.diagnostics.warning(path, texture.GetName(), found)
     for name, neutral in (
         ("inputs:shaping:cone:angle", 90.0),
@@ -127,7 +128,9 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
         ("inputs:shadow:enable", True),
     ):
         attribute = prim.GetAttribute(name)
-        if attribute and attribute.HasAuthoredValue() and raw(attribute, context.code) != neutral:
+        if not attribute or not attribute.HasAuthoredValue():
+            continue
+        if any(value != neutral for value in values_within(attribute, context.shutter)):
             context.diagnostics.group(path, name, "not supported yet; lit without it")
     for name in ("lightLink", "shadowLink"):
         if _is_restricted(Usd.CollectionAPI(prim, name)):

@@ -8,6 +8,7 @@ from typing import Any
 from pxr import Gf, Tf, Usd, UsdShade
 
 from .context import FrameContext
+from .held_values import values_within, warn_of_change
 from .stage import tf_reason
 from .value_types import TOKEN
 from .values import raw, value
@@ -87,8 +88,12 @@ class Materials:
         for name, neutral in (("normal", Gf.Vec3f(0, 0, 1)), ("displacement", 0.0)):
             unsupported = shader.GetInput(name)
             sources = unsupported.GetValueProducingAttributes() if unsupported else ()
-            if sources and (_is_output(sources[0]) or raw(sources[0], self._context.code) != neutral):
+            if sources and (_is_output(sources[0]) or self._has_any_but(neutral, sources[0])):
                 diagnostics.group(path, unsupported.GetFullName(), "not supported yet; drawn without it")
+
+    def _has_any_but(self, neutral: object, source: Usd.Attribute) -> bool:
+        """Whether it has another value anywhere in the shutter."""
+        return any(value != neutral for value in values_within(source, self._context.shutter))
 
     def _input(self, shader: UsdShade.Shader, name: str, default: Number) -> Input:
         """An input's constant at the frame, followed through node graphs and material interfaces."""
@@ -100,6 +105,8 @@ class Materials:
             return Input(default)
         source = sources[0]
         if not _is_output(source):
+            why = ", as Hydra does"
+            warn_of_change(source, why, self._context.shutter, self._context.diagnostics)
             value = raw(source, self._context.code)
             return Input(default if value is None else self._number(value, default, source))
         return self._connected(shader_input, UsdShade.Shader(source.GetPrim()), default)

@@ -6,11 +6,16 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
+from .held_values import Stretch, warn_of_change
 from .implicit import IMPLICIT_TYPES, read_implicit
 from .points import changes, optional_samples, rate_clock, sample_points
-from .primvars import MovingPrimvar, sample_primvar
+from .primvars import MovingPrimvar, held_by, sample_primvar
 from .value_types import INTS, TOKEN
 from .values import required, value
+from .visibility import common_intervals
+
+PRIMVARS = (("display_color", "displayColor", 3), ("display_opacity", "displayOpacity", None))
+"""The translator's keyword of each primvar, its name, and how many columns it has."""
 
 
 def is_shape(prim: Usd.Prim) -> bool:
@@ -39,12 +44,11 @@ def read_shape(
     mesh.setdefault("normals_indices", None)
     mesh["path"] = path
     inherited = context.inherited.above(prim)
-    for keyword, name, columns in (("display_color", "displayColor", 3), ("display_opacity", "displayOpacity", None)):
+    for keyword, name, columns in PRIMVARS:
         has = f"primvars:{name}" in authored or f"primvars:{name}" in inherited
         mesh[keyword] = sample_primvar(prim, name, columns, context) if has else None
-    if not prim.IsA(UsdGeom.Mesh):
-        mesh["display_color"] = _constant(mesh["display_color"], "primvars:displayColor", path, context)
-        mesh["display_opacity"] = _constant(mesh["display_opacity"], "primvars:displayOpacity", path, context)
+        if not prim.IsA(UsdGeom.Mesh):
+            mesh[keyword] = _constant(mesh[keyword], name, path, context)
     return mesh
 
 
@@ -102,6 +106,54 @@ def _normals(mesh: UsdGeom.Mesh, context: FrameContext) -> dict:
     }
 
 
+def held_attributes(
+    prim: Usd.Prim, keywords: dict, authored: frozenset[str], context: FrameContext
+) -> list[Usd.Attribute]:
+    """What holds until its next sample, changes within the shutter, and says which faces are drawn and how: held_at()
+    reads it. Where the topology changes, the frame's stands for all of the shutter, and so does what counts its faces.
+    `context` has the prim's own shutter.
+    """
+    if not context.shutter.moving:
+        return []
+    named = [name for keyword, name, _ in PRIMVARS if keywords[keyword] is not None]
+    held = [attribute for name in named for attribute in held_by(prim, name, context)]
+    if prim.IsA(UsdGeom.Mesh):
+        held += _held_by_faces(UsdGeom.Mesh(prim), keywords, authored)
+    held = [attribute for attribute in held if attribute.ValueMightBeTimeVarying()]
+    if not keywords.get("topology_varies"):
+        return held
+    for attribute in held:
+        warn_of_change(attribute, ", as its topology", context.shutter, context.diagnostics)
+    return []
+
+
+def _held_by_faces(mesh: UsdGeom.Mesh, keywords: dict, authored: frozenset[str]) -> list[Usd.Attribute]:
+    subsets = UsdGeom.Subset.GetGeomSubsets(mesh, UsdGeom.Tokens.face, "materialBind")
+    attributes = [subset.GetIndicesAttr() for subset in subsets]
+    if "holeIndices" in authored:
+        attributes.append(mesh.GetHoleIndicesAttr())
+    if keywords["normals_indices"] is not None:
+        attributes.append(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("normals").GetIndicesAttr())
+    return attributes
+
+
+def held_at(prim: Usd.Prim, keywords: dict, stretch: Stretch, context: FrameContext) -> dict:
+    """The translator's keywords of a shape over a part of the shutter."""
+    changed: dict = {"visible": common_intervals(keywords["visible"], stretch.shown)}
+    for keyword, name, columns in PRIMVARS:
+        if keywords[keyword] is not None:
+            primvar = sample_primvar(prim, name, columns, context, stretch)
+            is_mesh = prim.IsA(UsdGeom.Mesh)
+            changed[keyword] = primvar if is_mesh else _constant(primvar, name, keywords["path"], context)
+    if prim.IsA(UsdGeom.Mesh):
+        holes = array(value(UsdGeom.Mesh(prim).GetHoleIndicesAttr(), stretch.code, INTS), np.int32)
+        changed["hole_indices"] = holes if len(holes) else None
+    if keywords["normals_indices"] is not None:
+        indices = UsdGeom.PrimvarsAPI(prim).GetPrimvar("normals").GetIndices(stretch.code)
+        changed["normals_indices"] = array(indices, np.int32)
+    return {**keywords, **changed}
+
+
 def _constant(
     primvar: MovingPrimvar | None, name: str, path: str, context: FrameContext
 ) -> MovingPrimvar | None:
@@ -113,7 +165,7 @@ def _constant(
     count = len(samples[0][1])
     if count > 1:
         message = f"found {count} {interpolation} values on an implicit shape; drew the first"
-        context.diagnostics.warning(path, name, message)
+        context.diagnostics.warning(path, f"primvars:{name}", message)
     first = [(time01, v[:1] if indices is None else v[indices[:1]]) for time01, v in samples]
     return "constant", first if isinstance(values, list) else first[0][1], None
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from pxr import Usd, UsdGeom
 
 from .errors import Diagnostics
+from .held_values import warn_of_change
+from .times import Shutter
 from .value_types import FLOAT
 from .values import value
 
@@ -27,30 +29,32 @@ class MotionScales:
     velocity: float = 1.0
     """Multiplies velocities and angular velocities. Deprecated in USD, but authored."""
 
-    def below(self, prim: Usd.Prim, code: Usd.TimeCode, diagnostics: Diagnostics) -> MotionScales:
-        """What holds at a child. A value that is no scale is left out with a warning."""
+    def below(self, prim: Usd.Prim, shutter: Shutter, diagnostics: Diagnostics) -> MotionScales:
+        """What holds at a child. A value that is no scale is left out with a warning. Scales are the frame's: they say
+        how long a prim's shutter is. `shutter`: the camera's."""
         if not prim.HasAPI(UsdGeom.MotionAPI):
             return self
         api = UsdGeom.MotionAPI(prim)
-        blur = _scale(api.GetMotionBlurScaleAttr(), self.blur, 0.0, code, diagnostics)
-        velocity = _scale(api.GetVelocityScaleAttr(), self.velocity, -math.inf, code, diagnostics)
+        blur = _scale(api.GetMotionBlurScaleAttr(), self.blur, 0.0, shutter, diagnostics)
+        velocity = _scale(api.GetVelocityScaleAttr(), self.velocity, -math.inf, shutter, diagnostics)
         return self if (blur, velocity) == (self.blur, self.velocity) else replace(self, blur=blur, velocity=velocity)
 
 
-def scales_at(prim: Usd.Prim, code: Usd.TimeCode, diagnostics: Diagnostics) -> MotionScales:
+def scales_at(prim: Usd.Prim, shutter: Shutter, diagnostics: Diagnostics) -> MotionScales:
     """What holds at a prim that no traversal has come by."""
     scales = MotionScales()
     for path in prim.GetPath().GetPrefixes():
-        scales = scales.below(prim.GetStage().GetPrimAtPath(path), code, diagnostics)
+        scales = scales.below(prim.GetStage().GetPrimAtPath(path), shutter, diagnostics)
     return scales
 
 
 def _scale(
-    attribute: Usd.Attribute, inherited: float, least: float, code: Usd.TimeCode, diagnostics: Diagnostics
+    attribute: Usd.Attribute, inherited: float, least: float, shutter: Shutter, diagnostics: Diagnostics
 ) -> float:
     if not attribute or not attribute.HasAuthoredValue():
         return inherited
-    found = value(attribute, code, FLOAT)
+    warn_of_change(attribute, "", shutter, diagnostics)
+    found = value(attribute, shutter.frame_code, FLOAT)
     if found is None:
         return inherited
     if math.isfinite(found) and found >= least:

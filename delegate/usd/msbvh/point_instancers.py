@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 
@@ -10,19 +10,31 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
-from .instance_mask import instance_mask
-from .points import changes, optional_samples, rate_clock, rates, raw_samples
-from .primvars import read_primvar, warn_of_change
+from .held_values import Stretch, stretches, values_within
+from .instance_choice import choose_prototypes, instances_of
+from .points import optional_samples, rate_clock, rates, raw_samples
+from .primvars import held_by, read_primvar, sample_primvar
 from .stage_metadata import time_codes_per_second
 from .times import Shutter, xform_bends
 from .transforms import Motion, XformCaches
 from .turns import NO_TURNS, Turns, uniform_turns, xform_turns
 from .typed_twin import Twin, typed_twin
-from .value_types import FLOAT3S, INTS, QUATERNIONS
+from .value_types import FLOAT3S, QUATERNIONS
 from .values import required, value
+from .visibility import common_intervals
 from .xform_ops import check_order, local_transform, may_vary
 
-_NOT_DRAWN = -1
+_COLOUR = "displayColor"
+
+Colours = np.ndarray | list[tuple[float, np.ndarray]]
+"""float32[N, 3], one an instance; where they change inside the shutter, (time01, colours) as MovingPrimvar has it."""
+
+
+def each(colours: Colours, change: Callable[[np.ndarray], np.ndarray]) -> Colours:
+    """Does something to the colours of every time."""
+    if isinstance(colours, np.ndarray):
+        return change(colours)
+    return [(time01, change(values)) for time01, values in colours]
 
 
 @dataclass(frozen=True)
@@ -35,15 +47,19 @@ class PointInstances:
     arrays: dict
     """The translator's keywords of the instancer's arrays; shared by all its prototypes."""
     motion: Motion
-    """instancer_from_prototype, the prototype's own transform included; evaluated by USD, for lights."""
-    display_color: np.ndarray | None
-    """float32[M, 3] where the instancer says."""
+    """instancer_from_instance, without the prototype's own transform; evaluated by USD, for lights."""
+    display_color: Colours | None
+    """Of the M instances, where the instancer says."""
+    visible: np.ndarray | None
+    """float64[K, 2]: the parts of the shutter in which they are those of this prototype; None: always."""
 
 
 def prototypes(instancer: UsdGeom.PointInstancer) -> list[Usd.Prim]:
-    """The prototypes' root prims by index; an invalid prim where a target does not exist."""
+    """The prototypes' root prims by index; an invalid prim where a target does not exist, is inactive or not
+    loaded."""
     stage = instancer.GetPrim().GetStage()
-    return [stage.GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetForwardedTargets()]
+    prims = [stage.GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetForwardedTargets()]
+    return [prim if prim and prim.IsActive() and prim.IsLoaded() else Usd.Prim() for prim in prims]
 
 
 def moving_attributes(instancer: UsdGeom.PointInstancer) -> list[Usd.Attribute]:
@@ -62,25 +78,28 @@ def moving_attributes(instancer: UsdGeom.PointInstancer) -> list[Usd.Attribute]:
 def read_point_instancer(
     instancer: UsdGeom.PointInstancer, caches: XformCaches, context: FrameContext, velocity_scale: float
 ) -> Iterator[PointInstances]:
-    """The instances that are neither invisible nor inactive at the frame, by prototype.
+    """The instances that are neither invisible nor inactive, by prototype and by when they are.
 
-    `context` has the instancer's own shutter. Arrays that do not fit leave an error and no instances, indices of
-    no prototype an error and the others.
+    `context` has the instancer's own shutter, `caches` have the camera's. Arrays that do not fit leave an error and no
+    instances, indices of no prototype an error and the others.
     """
     prims = prototypes(instancer)
-    chosen = _prototype_indices(instancer, prims, context)
-    if not len(chosen) or not _is_sound(instancer, len(chosen), context):
+    chosen = choose_prototypes(instancer, prims, context, caches.shutter)
+    if not chosen or not _is_sound(instancer, len(chosen[0].indices), context):
         return
-    colours = _display_color(instancer, len(chosen), context)
+    count = len(chosen[0].indices)
     _warn_of_opacity(instancer, context)
-    arrays = _arrays(instancer, len(chosen), context, velocity_scale)
-    every = _every_instance(instancer, len(chosen), caches, context)
-    for index, prim in enumerate(prims):
-        selected = np.flatnonzero(chosen == index).astype(np.int32)
-        if len(selected):
-            colour = None if colours is None else colours[selected]
-            motion = _selected(every, selected, prim, caches, context.shutter)
-            yield PointInstances(prim, selected, arrays, motion, colour)
+    arrays = _arrays(instancer, count, context, velocity_scale)
+    every = _every_instance(instancer, count, caches, context)
+    for stretch in stretches(held_by(instancer.GetPrim(), _COLOUR, context), context.shutter, context.diagnostics):
+        colours = _display_color(instancer, count, context, stretch)
+        for index, prim in enumerate(prims):
+            for selected, shown in instances_of(chosen, index):
+                visible = common_intervals(shown, stretch.shown)
+                if visible is None or len(visible):
+                    colour = None if colours is None else each(colours, lambda all_, some=selected: all_[some])
+                    motion = _selected(every, selected, context)
+                    yield PointInstances(prim, selected, arrays, motion, colour, visible)
 
 
 def _arrays(
@@ -105,52 +124,10 @@ def _arrays(
     }
 
 
-def _prototype_indices(
-    instancer: UsdGeom.PointInstancer, prims: list[Usd.Prim], context: FrameContext
-) -> np.ndarray:
-    """int32[N]: one an instance, _NOT_DRAWN for some."""
-    indices = array(required(instancer.GetProtoIndicesAttr(), context.code, INTS), np.int32)
-    path, diagnostics = str(instancer.GetPath()), context.diagnostics
-    if not len(indices):
-        diagnostics.group(path, "", "empty: it has no instances at this frame", "note")
-        return indices
-    in_range = (indices >= 0) & (indices < len(prims))
-    if not in_range.all():
-        found = ", ".join(map(str, np.unique(indices[~in_range])[:8]))
-        message = f"found {found}, expected the index of one of {len(prims)} prototypes"
-        diagnostics.error(path, "protoIndices", f"{message}; those instances are not drawn")
-    exists = np.isin(indices, [index for index, prim in enumerate(prims) if prim])
-    if not exists[in_range].all():
-        targets = instancer.GetPrototypesRel().GetForwardedTargets()
-        found = ", ".join(str(targets[index]) for index in np.unique(indices[in_range & ~exists])[:8])
-        message = f"found {found}, expected prims that exist; their instances are not drawn"
-        diagnostics.error(path, "prototypes", message)
-    if changes(instancer.GetProtoIndicesAttr(), context) and not _may_be_carried(instancer):
-        message = "changes within the shutter and no velocities apply; drew the frame's instances"
-        diagnostics.warning(path, "protoIndices", message)
-    return np.where(exists & _mask(instancer, len(indices), context), indices, _NOT_DRAWN)
-
-
-def _may_be_carried(instancer: UsdGeom.PointInstancer) -> bool:
-    """Whether there are rates that may carry the instances of one base sample through the shutter, whatever
-    follows it. The translator says if they do not."""
-    speeds = (instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr())
-    return any(attribute.GetNumTimeSamples() for attribute in speeds)
-
-
 def _orientations(instancer: UsdGeom.PointInstancer, context: FrameContext) -> Usd.Attribute:
     """Those in single precision count first, as USD has it."""
     single = instancer.GetOrientationsfAttr()
     return single if _base_count(single, context) else instancer.GetOrientationsAttr()
-
-
-def _mask(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> np.ndarray:
-    """bool[count]: neither invisible nor inactive at the frame."""
-    mask = instance_mask(instancer, count, context.code)
-    if len(mask) not in (0, count):
-        found = f"found {len(mask)} ids, expected {count}, one an instance; nothing is masked"
-        context.diagnostics.warning(str(instancer.GetPath()), "ids", found)
-    return mask if len(mask) == count else np.ones(count, bool)
 
 
 def _is_sound(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> bool:
@@ -218,27 +195,18 @@ def _spin(instancer: UsdGeom.PointInstancer, context: FrameContext) -> Turns:
     return uniform_turns(float(np.linalg.norm(rates, axis=1).max()) * seconds / 360.0)
 
 
-def _selected(
-    every: Motion, selected: np.ndarray, prototype: Usd.Prim, caches: XformCaches, shutter: Shutter
-) -> Motion:
-    """Some of the instances, with their prototype's own transform inside."""
-    own = own_transform(prototype, caches, shutter)
-
-    def carriers(_: int) -> list[UsdGeom.Xformable]:
-        return own.carriers(0)
+def _selected(every: Motion, selected: np.ndarray, context: FrameContext) -> Motion:
+    """Some of the instances."""
 
     def evaluate(time01: float) -> np.ndarray:
-        return own.at_time(time01) @ every.at_time(time01)[selected]
+        return every.at_time(time01)[selected]
 
-    still = every.still and own.still
-    def turns(index: int) -> Turns:
-        return own.turns(0) + every.turns(index)
-
-    return Motion(shutter, len(selected), still, evaluate, own.bends01, carriers=carriers, turns=turns)
+    return Motion(context.shutter, len(selected), every.still, evaluate, turns=every.turns)
 
 
 def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) -> Motion:
-    """A prototype's root's own transform: it counts with the instancer's. `shutter`: the prototype's own."""
+    """A prototype's root's own transform, which counts with the instancer's. `shutter`: the root's own, which is not
+    the instancer's where either has a motion:blurScale."""
     xformable = UsdGeom.Xformable(prototype)
     authored = frozenset(prototype.GetAuthoredPropertyNames())
     if "xformOpOrder" in authored:
@@ -258,25 +226,28 @@ def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) ->
     return Motion(shutter, 1, not moving, evaluate, tuple(bends), carriers=carriers, turns=turns)
 
 
-def _display_color(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext) -> np.ndarray | None:
-    """float32[count, 3] where displayColor varies over the instances. A constant one is inherited instead."""
-    primvar = read_primvar(instancer.GetPrim(), "displayColor", 3, context)
+def _display_color(
+    instancer: UsdGeom.PointInstancer, count: int, context: FrameContext, stretch: Stretch
+) -> Colours | None:
+    """Of `count` instances, where displayColor varies over them. A constant one is inherited instead."""
+    primvar = sample_primvar(instancer.GetPrim(), _COLOUR, 3, context, stretch)
     if primvar is None or primvar[0] == "constant":
         return None
-    warn_of_change(instancer.GetPrim(), "displayColor", 3, context)
     _, values, indices = primvar
-    indices = np.arange(len(values)) if indices is None else indices
-    if len(indices) != count or indices.min() < 0 or indices.max() >= len(values):
-        found = (
-            f"found {len(indices)} indices into {len(values)} values, expected one valid index an instance"
-        )
+    known = len(values if isinstance(values, np.ndarray) else values[0][1])
+    indices = np.arange(known) if indices is None else indices
+    if len(indices) != count or indices.min() < 0 or indices.max() >= known:
+        found = f"found {len(indices)} indices into {known} values, expected one valid index an instance"
         context.diagnostics.warning(str(instancer.GetPath()), "primvars:displayColor", f"{found}; ignored")
         return None
-    return values[indices]
+    return each(values, lambda one: one[indices])
 
 
 def _warn_of_opacity(instancer: UsdGeom.PointInstancer, context: FrameContext) -> None:
     primvar = read_primvar(instancer.GetPrim(), "displayOpacity", None, context)
-    if primvar is not None and primvar[0] != "constant" and (primvar[1] != 1.0).any():
+    if primvar is None or primvar[0] == "constant":
+        return
+    attribute = UsdGeom.PrimvarsAPI(instancer).FindPrimvarWithInheritance("displayOpacity").GetAttr()
+    if any((array(value, np.float32) != 1.0).any() for value in values_within(attribute, context.shutter)):
         message = "an opacity for each instance is not supported yet; the prototypes' own is drawn"
         context.diagnostics.group(str(instancer.GetPath()), "primvars:displayOpacity", message)

@@ -18,10 +18,12 @@ from .context import FrameContext
 from .crash_line import crash_line
 from .errors import Diagnostics, SceneError
 from .instances import Placement, Placer, coarse_keywords, level_keywords
+from .light_values import Switches
 from .lights import add_lights, camera_light
 from .materials import Materials
 from .motion_scales import scales_at
 from .overs import report_overs
+from .point_instancers import each
 from .samples import SampleLog
 from .shapes import BATCH_WEIGHT, Shape, Shapes
 from .stage import tf_messages, tf_reason
@@ -188,7 +190,7 @@ class _FrameReader:
 
     def _note_camera(self, found: SampleLog) -> None:
         prim = self._context.stage.GetPrimAtPath(self._camera.path)
-        scales = scales_at(prim, self._context.code, Diagnostics())
+        scales = scales_at(prim, self._context.shutter, Diagnostics())
         shutter = self._context.shutter.scaled(scales.blur)
         found.camera(optics(UsdGeom.Camera(prim)), prim, shutter, self._camera.times01)
 
@@ -211,6 +213,7 @@ class _FrameReader:
             "lenses": camera.lenses,
             "near_clip": camera.near_clip,
             "far_clip": camera.far_clip,
+            "clips": camera.clips,
             "width": camera.width,
             "height": camera.height,
             "motion_tolerance": settings.motion_tolerance,
@@ -295,7 +298,7 @@ class _FrameReader:
                 prototype=prototype,
                 levels=levels,
                 visible=placement.visible,
-                display_color=None if colour is None else np.ascontiguousarray(colour[indices]),
+                display_color=None if colour is None else each(colour, lambda all_: np.ascontiguousarray(all_[indices])),
             )
 
     def _add_lights(self, placements: list[Placement]) -> None:
@@ -305,10 +308,9 @@ class _FrameReader:
                 shutter = self._context.shutter.scaled(part.scales.blur)
                 motion = self._caches.motion([part.prim], group.root, part.varying, shutter)
                 motion = motion.inside(placement.motion)
+                switches = Switches(part.blinking, placement.visible)
                 with leaving_out(part.prim, self._context.code):
-                    self._light_count += add_lights(
-                        self._translator, part.prim, part.blinking, motion, self._context
-                    )
+                    self._light_count += add_lights(self._translator, part.prim, switches, motion, self._context)
         if self._light_count == 0 and not self._settings.disable_camera_light:
             self._translator.add_light(**camera_light(self._camera.times01, self._camera.world_from_camera))
 

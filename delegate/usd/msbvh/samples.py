@@ -52,7 +52,8 @@ class _Entry:
     posed_at01: tuple[float, ...] = ()
     """Where a skeleton posed its points."""
     blinking: tuple[Usd.Attribute, ...] = ()
-    prototypes: tuple[Usd.Prim, ...] = ()
+    prototypes: tuple[tuple[Usd.Prim, Shutter], ...] = ()
+    """Roots of a point instancer's prototypes, each with its own shutter."""
     evaluated_at01: tuple[float, ...] = ()
     """Where the stage composed its transforms."""
     outer: set[str] = field(default_factory=set)
@@ -77,8 +78,8 @@ class _Entry:
             yield found_samples(visibility, shutter)
         placed_by = prim if self.placed_by == self.prims[0] else self.placed_by
         yield from transform_samples_of(placed_by, self.root, shutter)
-        for prototype in self.prototypes:
-            yield from transform_samples_of(prototype, prototype.GetParent(), shutter)
+        for prototype, own in self.prototypes:
+            yield from transform_samples_of(prototype, prototype.GetParent(), own)
         if len(self.evaluated_at01) > 1:
             codes = _codes(self.evaluated_at01, shutter)
             yield FoundSamples(f"{path}.{COMPOSED_TRANSFORM}", codes, False)
@@ -147,9 +148,9 @@ class SampleLog:
         blinking: tuple[Usd.Attribute, ...],
         root: Usd.Prim | None,
         shutter: Shutter,
-        prototypes: Sequence[Usd.Prim],
+        prototypes: Sequence[tuple[Usd.Prim, Shutter]],
     ) -> None:
-        """A point instancer."""
+        """A point instancer, and the roots of its prototypes with the shutter that each has."""
         path = str(prim.GetPath())
         if path not in self._instances:
             entry = _Entry((prim,), root, shutter, prim, _INSTANCER + _RATES, blinking=blinking)

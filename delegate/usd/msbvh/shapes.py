@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
 
@@ -12,8 +12,9 @@ from pxr import Usd, UsdGeom
 
 from .boxes import Box
 from .context import FrameContext
+from .held_values import stretches
 from .materials import Materials
-from .meshes import faces_by_material, read_shape
+from .meshes import faces_by_material, held_at, held_attributes, read_shape
 from .points import Samples
 from .skinning import read_skinning
 from .times import Shutter
@@ -126,12 +127,30 @@ class Shapes:
                     else:
                         report_unusable(motion, index, self._context.diagnostics)
         for index, (samples, place) in sorted(moved.items(), key=itemgetter(0)):
-            self._add_shape(shapes[index], samples, place, add)
+            for part, context in self._stretches(shapes[index]):
+                self._add_shape(part, samples, place, add, context)
+
+    def _stretches(self, shape: Shape) -> Iterator[tuple[Shape, FrameContext]]:
+        """A mesh, once for each part of the shutter over which its faces are the same; with the context to read them
+        in."""
+        prim, context = shape.part.prim, self._context.scaled(shape.part.scales.blur)
+        held = held_attributes(prim, shape.mesh, shape.part.authored, context)
+        if not held:
+            yield shape, context
+            return
+        for stretch in stretches(held, context.shutter, context.diagnostics):
+            yield replace(shape, mesh=held_at(prim, shape.mesh, stretch, context)), context.at(stretch.code)
 
     def _add_shape(
-        self, shape: Shape, transform: TransformSamples, place: int, add: Callable[..., None]
+        self,
+        shape: Shape,
+        transform: TransformSamples,
+        place: int,
+        add: Callable[..., None],
+        context: FrameContext,
     ) -> None:
-        """Once for each material on it. Its matrices are number `place` of the samples'."""
+        """Once for each material on it, by the subsets of `context`. Its matrices are number `place` of the samples'.
+        """
         if self._context.found is not None:
             self._context.found.evaluated_shape(shape.mesh["path"], transform.times01)
         mesh = {
@@ -146,7 +165,7 @@ class Shapes:
             mesh["transform_periods01"] = np.array(transform.periods01[place])
         prim, parts = shape.part.prim, []
         if prim.IsA(UsdGeom.Mesh):
-            parts = faces_by_material(UsdGeom.Mesh(prim), len(mesh["face_vertex_counts"]), self._context)
+            parts = faces_by_material(UsdGeom.Mesh(prim), len(mesh["face_vertex_counts"]), context)
         if not parts:
             binds = self._context.inherited.binds_material(prim, shape.part.authored)
             add(material=self._materials.bound_to(prim) if binds else None, **mesh)

@@ -11,7 +11,7 @@ from pxr import Usd, UsdGeom, UsdSkel
 
 from .blend_shapes import BlendShapes, read_blend_shapes
 from .context import FrameContext, array
-from .points import changes
+from .held_values import warn_of_change
 from .value_types import MATRICES
 from .values import value
 
@@ -132,9 +132,7 @@ def _read_influences(query: UsdSkel.SkinningQuery, context: FrameContext) -> dic
     indices, weights = query.GetJointIndicesPrimvar(), query.GetJointWeightsPrimvar()
     bind = query.GetGeomBindTransformAttr()
     for attribute in (indices.GetAttr(), weights.GetAttr(), bind):
-        if attribute and changes(attribute, context):
-            message = "changes within the shutter; held the frame's value"
-            context.diagnostics.group(path, attribute.GetName(), message)
+        warn_of_change(attribute, "", context.shutter, context.diagnostics)
     method = str(query.GetSkinningMethod())
     if method not in _METHODS:
         message = f"found '{method}', expected classicLinear or dualQuaternion; took classicLinear"

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, field, replace
 
-from pxr import Usd, UsdGeom, UsdShade
+from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 
 from .context import FrameContext
 from .lights import is_light
@@ -26,7 +26,7 @@ from .values import value
 from .visibility import changes_inside, visible_at_opening
 from .xform_ops import check_order, may_vary, resets
 
-WORLD: Hashable = "world"
+WORLD: Hashable = ("world",)
 DEEPEST_NESTING = 100
 """Instances in instances, far below what Python's stack holds."""
 
@@ -56,9 +56,23 @@ class Part:
 class Group:
     """A subtree that is drawn as a whole."""
 
+    key: Hashable
     path: str
     root: Usd.Prim | None
     """Its own transform is not the group's but its users'; None: the world."""
+    native: bool = False
+    """What native instances show: what hides the root hides the instance, which its users see to."""
+    scales: MotionScales = MotionScales()
+    """What holds at the root: its own transform, where a point instancer has it, moves by them."""
+    other_blurs: dict[float, Hashable] = field(default_factory=dict)
+    """Of native instances: the group of what has another motion:blurScale than the root, by that scale. It counts for
+    the whole motion, so that the same instances place it at other times."""
+    resets: list[Sdf.Path] = field(default_factory=list)
+    """Of native instances: what has !resetXformStack!, relative to the root. No instance moves it; it is part of the
+    group around them."""
+    reset: Hashable = None
+    """Of point instancers' prototypes: the group of what has !resetXformStack!, if any; the root's own transform is not
+    for it. That is where UsdImaging resets the stack (UsdImagingPiPrototypeSceneIndex)."""
     shapes: list[Part] = field(default_factory=list)
     lights: list[Part] = field(default_factory=list)
     instancers: list[Part] = field(default_factory=list)
@@ -87,23 +101,28 @@ class Traversal:
         self._context = context
         self._depth = 0
         self._purposes = {"default", *purposes}
-        self._add_group(WORLD, None, _State(False, "default"), context.stage.GetPseudoRoot(), _DEFINED)
+        top = context.stage.GetPseudoRoot()
+        self._add_group(Group(WORLD, str(top.GetPath()), None), _State(False, "default"), top, _DEFINED)
 
     @staticmethod
     def prototype_key(prim: Usd.Prim) -> Hashable:
         """The key of the group that a point instancer's prototype makes."""
         return ("prototype", str(prim.GetPath()))
 
-    def _add_group(
-        self, key: Hashable, root: Usd.Prim | None, state: _State, top: Usd.Prim, predicate: object
-    ) -> None:
-        group = Group(str(top.GetPath()), root)
-        self.groups[key] = group
+    def _add_group(self, group: Group, state: _State, top: Usd.Prim, predicate: object) -> None:
+        self.groups[group.key] = group
         if self._depth > DEEPEST_NESTING:
             message = f"found instances nested more than {DEEPEST_NESTING} deep, expected fewer levels; not drawn"
             self._context.diagnostics.error(str(top.GetPath()), "", message)
             return
         self._depth += 1
+        self._scan(top, state, group, predicate)
+        self._depth -= 1
+        if group.resets:
+            self._take_skins_along(group)
+
+    def _scan(self, top: Usd.Prim, state: _State, group: Group, predicate: object) -> None:
+        """Adds what is below `top` to a group."""
         for prim, prim_state in self._descend(top, state, group, predicate):
             try:
                 self._sort(prim, prim_state, group)
@@ -120,10 +139,11 @@ class Traversal:
             prim, above = pending.pop()
             is_root = group.root is not None and prim == group.root
             try:
-                here = self._state(prim, above, is_root, group.root)
+                here = self._state(prim, above, is_root, group)
                 if here is None:
                     continue
-                self._warn_of_reset(prim, group, is_root)
+                if not is_root and self._leaves(prim, above, here, group, predicate):
+                    continue
                 self._warn_of_draw_mode(prim)
             except FAULTS as error:
                 report_left_out(prim, error, self._context.code)
@@ -137,22 +157,34 @@ class Traversal:
                 )
             pending.extend((child, here) for child in reversed(prim.GetFilteredChildren(predicate)))
 
-    def _state(
-        self, prim: Usd.Prim, above: _State, is_root: bool, group_root: Usd.Prim | None
-    ) -> _State | None:
-        """What holds at a prim; None if it is invisible. A group's root is seen as its users are."""
+    def _leaves(
+        self, prim: Usd.Prim, above: _State, here: _State, group: Group, predicate: object
+    ) -> bool:
+        """Whether a prim resets its transform stack inside a group, and so belongs elsewhere."""
+        if group.root is None or "xformOpOrder" not in here.authored or group.key[0] == "reset":
+            return False
+        if not UsdGeom.Xformable(prim).GetResetXformStack():
+            return False
+        if group.native:
+            group.resets.append(prim.GetPath().MakeRelativePath(group.root.GetPath()))
+            return True
+        if group.reset is None:
+            group.reset = ("reset", *group.key)
+            self.groups[group.reset] = Group(group.reset, group.path, group.root, scales=group.scales)
+        self._scan(prim, above, self.groups[group.reset], predicate)
+        return True
+
+    def _state(self, prim: Usd.Prim, above: _State, is_root: bool, group: Group) -> _State | None:
+        """What holds at a prim; None if it is invisible."""
         if not prim.IsA(UsdGeom.Imageable):
             return above
         authored = frozenset(prim.GetAuthoredPropertyNames())
         imageable = UsdGeom.Imageable(prim)
         scales = above.scales
         if not authored.isdisjoint(MOTION_PROPERTIES):
-            scales = scales.below(prim, self._context.code, self._context.diagnostics)
-        if group_root and group_root.IsInstance() and scales.blur != above.scales.blur:
-            message = "inside an instance it scales the motion there; the instance's own motion keeps its scale"
-            self._context.diagnostics.group(str(prim.GetPath()), "motion:blurScale", message)
+            scales = scales.below(prim, self._context.shutter, self._context.diagnostics)
         blinking, purpose = above.blinking, above.purpose
-        if not is_root and "visibility" in authored:
+        if not (is_root and group.native) and "visibility" in authored:
             visibility = imageable.GetVisibilityAttr()
             if changes_inside(visibility, self._context.shutter):  # Not motion: no blur scale stretches it.
                 blinking += (visibility,)
@@ -165,7 +197,7 @@ class Traversal:
             return state
         check_order(prim, authored)
         shutter = self._context.shutter.scaled(scales.blur)
-        return self._moved(state, above, UsdGeom.Xformable(prim), group_root, shutter)
+        return self._moved(state, above, UsdGeom.Xformable(prim), group.root, shutter)
 
     def _moved(
         self,
@@ -189,11 +221,12 @@ class Traversal:
 
     def _sort(self, prim: Usd.Prim, state: _State, group: Group) -> None:
         """Puts a prim where it belongs, or says that it is not drawn."""
+        around, group = group, self._at_blur(group, state.scales.blur)
         part = Part(prim, state.varying, state.bends, state.scales, state.blinking, state.authored)
         if is_light(prim):
             group.lights.append(part)
         if prim.IsInstance() and prim != group.root:
-            group.instances.setdefault(self._instanced(prim, state), []).append(part)
+            self._add_instance(part, state, around)
         elif prim.IsA(UsdGeom.PointInstancer):
             if state.purpose in self._purposes:
                 self._add_instancer(part, group)
@@ -213,17 +246,61 @@ class Traversal:
         for prim in prototypes(UsdGeom.PointInstancer(part.prim)):
             key = self.prototype_key(prim)
             if prim and key not in self.groups:
-                purpose = inherited_purpose(prim)
-                scales = scales_at(prim.GetParent(), self._context.code, self._context.diagnostics)
-                state = _State(False, purpose, scales=scales)
-                self._add_group(key, prim, state, prim, _PROTOTYPE)
+                scales = scales_at(prim, self._context.shutter, self._context.diagnostics)
+                state = _State(False, inherited_purpose(prim), scales=scales)
+                self._add_group(Group(key, str(prim.GetPath()), prim, scales=scales), state, prim, _PROTOTYPE)
 
-    def _warn_of_reset(self, prim: Usd.Prim, group: Group, is_root: bool) -> None:
-        """No two-level hierarchy holds what leaves its instance's place."""
-        if group.root is not None and not is_root and prim.IsA(UsdGeom.Xformable):
-            if resets(UsdGeom.Xformable(prim)):
-                message = "!resetXformStack! inside an instance is not supported; it moves with the instance"
-                self._context.diagnostics.group(str(prim.GetPath()), "xformOpOrder", message)
+    def _at_blur(self, group: Group, blur: float) -> Group:
+        """Where in a group something with that motion:blurScale belongs."""
+        if not group.native or blur == group.scales.blur:
+            return group
+        if blur not in group.other_blurs:
+            key = ("blur", blur, group.key)
+            scales = replace(group.scales, blur=blur)
+            self.groups[key] = Group(key, group.path, group.root, native=True, scales=scales)
+            group.other_blurs[blur] = key
+        return self.groups[group.other_blurs[blur]]
+
+    def _add_instance(self, part: Part, state: _State, group: Group) -> None:
+        """A native instance: everything in it by its motion:blurScale, and what leaves its motion altogether."""
+        shown = self.groups[self._instanced(part.prim, state)]
+        self._at_blur(group, part.scales.blur).instances.setdefault(shown.key, []).append(part)
+        for blur, key in shown.other_blurs.items():
+            bends: set[float] = set()
+            if part.varying:
+                bends = bends_of(part.prim, group.root, self._context.shutter.scaled(blur))
+            other = replace(part, bends=tuple(sorted(bends)), scales=replace(part.scales, blur=blur))
+            self._at_blur(group, blur).instances.setdefault(key, []).append(other)
+        path = part.prim.GetPath()
+        if group.native:
+            inner = path.MakeRelativePath(group.root.GetPath())
+            group.resets.extend(inner.AppendPath(below) for below in shown.resets)
+            return
+        for below in shown.resets:
+            self._add_apart(path.AppendPath(below), part.prim, state, group)
+
+    def _add_apart(self, path: Sdf.Path, instance: Usd.Prim, state: _State, group: Group) -> None:
+        """A subtree inside an instance, as if there were no instance."""
+        stage = instance.GetStage()
+        for prefix in path.GetParentPath().GetPrefixes()[instance.GetPath().pathElementCount :]:
+            state = self._state(stage.GetPrimAtPath(prefix), state, False, group)
+            if state is None:
+                return
+        self._scan(stage.GetPrimAtPath(path), state, group, _DEFINED)
+
+    def _take_skins_along(self, group: Group) -> None:
+        """A skeleton places what it moves: where one has left its instance, so has all beside it."""
+        root = group.root.GetPath()
+        stage = group.root.GetStage()
+        subtrees = (Usd.PrimRange(stage.GetPrimAtPath(root.AppendPath(path)), _DEFINED) for path in group.resets)
+        if not any(prim.IsA(UsdSkel.Skeleton) for subtree in subtrees for prim in subtree):
+            return
+        for key in (group.key, *group.other_blurs.values()):
+            emptied = self.groups[key]
+            for parts in (emptied.shapes, emptied.lights, emptied.instancers):
+                parts[:] = [part for part in parts if part.prim == group.root]
+            emptied.instances.clear()
+        group.resets[:] = [child.GetPath().MakeRelativePath(root) for child in group.root.GetFilteredChildren(_DEFINED)]
 
     def _warn_of_draw_mode(self, prim: Usd.Prim) -> None:
         """They take effect on models: on components, on others by model:applyDrawMode (UsdGeomModelAPI)."""
@@ -250,5 +327,6 @@ class Traversal:
         )
         key = ("instance", str(prim.GetPrototype().GetPath()), inherited)
         if key not in self.groups:
-            self._add_group(key, prim, _State(False, state.purpose, scales=state.scales), prim, _DEFINED)
+            group = Group(key, str(prim.GetPath()), prim, native=True, scales=state.scales)
+            self._add_group(group, _State(False, state.purpose, scales=state.scales), prim, _DEFINED)
         return key

@@ -16,7 +16,7 @@ def changes_inside(visibility: Usd.Attribute, shutter: Shutter) -> bool:
     """Whether a visibility changes inside the shutter, for more than its last instant."""
     if not shutter.moving or not visibility.ValueMightBeTimeVarying():
         return False
-    return len({value(visibility, time, TOKEN) for time in _steps(visibility, shutter)}) > 1
+    return len({value(visibility, time, TOKEN) for time in steps(visibility, shutter)}) > 1
 
 
 def visible_at_opening(visibility: Usd.Attribute, shutter: Shutter) -> bool:
@@ -26,7 +26,7 @@ def visible_at_opening(visibility: Usd.Attribute, shutter: Shutter) -> bool:
     return value(visibility, time, TOKEN) != UsdGeom.Tokens.invisible
 
 
-def _steps(visibility: Usd.Attribute, shutter: Shutter) -> list[float]:
+def steps(visibility: Usd.Attribute, shutter: Shutter) -> list[float]:
     """Time codes from which on a value holds, the opening's first."""
     inside = visibility.GetTimeSamplesInInterval(shutter.interval)
     opening, closing = shutter.interval.min, shutter.interval.max
@@ -41,14 +41,18 @@ def visible_intervals(visibilities: Sequence[Usd.Attribute], shutter: Shutter) -
     changing = [visibility for visibility in visibilities if changes_inside(visibility, shutter)]
     if not changing:
         return None
-    steps = sorted(set().union(*(_steps(visibility, shutter) for visibility in changing)))
-    ends = [*steps[1:], None]
+    begins = sorted(set().union(*(steps(visibility, shutter) for visibility in changing)))
     shown = [
-        (shutter.time01(begin), 2.0 if end is None else shutter.time01(end))
-        for begin, end in zip(steps, ends, strict=True)
-        if all(value(visibility, begin, TOKEN) != UsdGeom.Tokens.invisible for visibility in changing)
+        all(value(visibility, begin, TOKEN) != UsdGeom.Tokens.invisible for visibility in changing) for begin in begins
     ]
-    return np.array(shown, np.float64).reshape(-1, 2)
+    return intervals_between(begins, shutter)[shown]
+
+
+def intervals_between(begins: Sequence[float], shutter: Shutter) -> np.ndarray:
+    """float64[K, 2]: from each time code until the next, as time01. The last one ends behind the closing, which is
+    part of it."""
+    ends = [*map(shutter.time01, begins[1:]), 2.0]
+    return np.array([*zip(map(shutter.time01, begins), ends, strict=True)], np.float64).reshape(-1, 2)
 
 
 def common_intervals(a: np.ndarray | None, b: np.ndarray | None) -> np.ndarray | None:
