@@ -13,6 +13,7 @@ from .errors import Diagnostics, SceneError
 from .motion_scales import scales_at
 from .reader import ReadResult
 from .samples import FoundSamples, SampleLog
+from .times import Shutter
 from .value_types import INT
 from .values import reported_to, value
 
@@ -122,8 +123,8 @@ def motion_report(
         chosen = _at_or_below(stage, prim, merged, result, log)
     with reported_to(result.diagnostics):
         warnings = result.diagnostics.by_path()
-        prims = [_filled(found, member, stage, log, warnings) for found, member in chosen]
-    camera, shutter = result.camera, result.camera.shutter
+        camera, shutter = result.camera, result.camera.shutter
+    prims = [_filled(found, member, stage, shutter, log, warnings) for found, member in chosen]
     return MotionReport(
         camera.path or "framing camera", frame, (shutter.open, shutter.close), tolerance, tuple(prims)
     )
@@ -156,6 +157,7 @@ def _filled(
     found: PrimMotion,
     member: Usd.Prim | None,
     stage: Usd.Stage,
+    shutter: Shutter,
     log: SampleLog,
     warnings: dict[str, list[str]],
 ) -> PrimMotion:
@@ -165,7 +167,7 @@ def _filled(
     said = [*warnings.get(found.path, ())]
     if member and str(member.GetPath()) != found.path:
         said += warnings.get(str(member.GetPath()), ())
-    remarks = _remarks(prim) if prim and not found.still else []
+    remarks = _remarks(prim, shutter) if prim and not found.still else []
     return replace(
         found,
         path=str(prim.GetPath()) if prim else found.path,
@@ -180,10 +182,10 @@ def _prim_of(stage: Usd.Stage, found: PrimMotion) -> Usd.Prim | None:
     return stage.GetPrimAtPath(found.path) if found.path.startswith("/") else None
 
 
-def _remarks(prim: Usd.Prim) -> list[str]:
+def _remarks(prim: Usd.Prim, shutter: Shutter) -> list[str]:
     """What UsdGeomMotionAPI says at or above a prim."""
     remarks = []
-    scales = scales_at(prim, Usd.TimeCode.EarliestTime(), Diagnostics())
+    scales = scales_at(prim, shutter, Diagnostics())
     if scales.blur != 1.0:
         remarks.append(f"motion:blurScale {scales.blur:g} scales the shutter about the frame")
     if scales.velocity != 1.0:

@@ -163,7 +163,7 @@ class Traversal:
         """Whether a prim resets its transform stack inside a group, and so belongs elsewhere."""
         if group.root is None or "xformOpOrder" not in here.authored or group.key[0] == "reset":
             return False
-        if not UsdGeom.Xformable(prim).GetResetXformStack():
+        if not resets(UsdGeom.Xformable(prim)):
             return False
         if group.native:
             group.resets.append(prim.GetPath().MakeRelativePath(group.root.GetPath()))
