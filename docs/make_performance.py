@@ -38,6 +38,10 @@ class's own size, up to 2 million triangles, takes hours."""
 SHARED = """The machine was shared: absolute figures are too low, and only ratios with a narrow spread say much.
 """
 
+LOADED = """**The machine had much more to do than it has cores** (load {load_average:.0f}): even ratios are rough. Make this page
+again on a quiet one.
+"""
+
 DIRTY = """**Made from a tree with uncommitted changes**: the commit above does not reproduce it.
 """
 
@@ -156,13 +160,20 @@ def head(machine: dict[str, Any]) -> str:
             **machine,
             "command": command_of(machine),
             "minutes": machine["seconds"] / 60,
-            "shared": SHARED if machine["load_average"] > 0.5 else "",
+            "shared": shared(machine),
             "dirty": DIRTY if commit is None or commit.endswith("-dirty") else "",
             "commit": f" ({commit})" if commit else "",
             "peer": f" against {peer}" if peer else "",
             "peer_asked": ASKED.format(peer=peer) if peer else NO_PEER,
         }
     )
+
+
+def shared(machine: dict[str, Any]) -> str:
+    """What other work on the machine means for the figures."""
+    if machine["load_average"] > 2 * machine["cores"]:
+        return LOADED.format(**machine)
+    return SHARED if machine["load_average"] > 0.5 else ""
 
 
 def speed_table(title: str, rows: list[Row], kind: str, beside: bool) -> Iterator[str]:
@@ -220,6 +231,10 @@ def command_of(machine: dict[str, Any]) -> str:
     words += [f"--scenes {','.join(machine['scenes'])}"] if machine["scenes"] != ["*"] else []
     words += [f"--triangles {machine['triangles']}"] if machine["triangles"] else []
     words += [f"--threads {','.join(map(str, machine['threads']))}"] if machine["threads"] != [1, 0] else []
+    words += [f"--builder {name}" for name in machine["builders"]]
+    words += [f"--seed {machine['seed']}"] if machine["seed"] != 1 else []
+    usual = 3 if machine["quick"] else 5
+    words += [f"--repetitions {machine['repetitions']}"] if machine["repetitions"] != usual else []
     return " ".join(words)
 
 

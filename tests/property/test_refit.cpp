@@ -210,11 +210,13 @@ TEST_CASE("another topology, or none that was kept, is built anew") {
     check_against_oracle(accel, {}, 4.0f, 40, 2);
     return way_of(accel);
   };
-  Meshes turned = shapes(1), fewer = shapes(1), other = shapes(1);
+  Meshes rewired = shapes(0), turned = shapes(1), fewer = shapes(1), other = shapes(1);
+  std::swap(rewired[0].triangles[0][1], rewired[0].triangles[0][2]);  // every point stays where it was
   std::swap(turned[0].triangles[0][1], turned[0].triangles[0][2]);
   fewer.pop_back();
   other[1].triangles.pop_back();
   CHECK(way_after(shapes(1)) == Way::kRefitted);
+  CHECK(way_after(rewired) == Way::kBuilt);
   CHECK(way_after(turned) == Way::kBuilt);
   CHECK(way_after(fewer) == Way::kBuilt);
   CHECK(way_after(other) == Way::kBuilt);

@@ -40,7 +40,7 @@ class EditedStage:
         edits: list[Callable[[], None]] = [
             self._next_frame, self._points, self._faces, self._move, self._hide, self._deactivate, self._remove,
             self._add_mesh, self._add_instancer, self._add_instance, self._instances, self._colour, self._sidedness,
-            self._scheme, self._turn_camera, self._shutter, self._brightness, self._displace_parent,
+            self._scheme, self._rewire, self._turn_camera, self._shutter, self._brightness, self._displace_parent,
         ]  # fmt: skip
         chosen = [self._random.choice(edits) for _ in range(self._random.choice((1, 1, 2, 3)))]
         for edit in chosen:
@@ -97,6 +97,12 @@ class EditedStage:
     def _faces(self) -> None:
         if prim := self._some(UsdGeom.Mesh):
             self._set_faces(UsdGeom.Mesh(prim), self._random.randint(1, 12))
+
+    def _rewire(self) -> None:
+        """Other faces of the same points."""
+        if prim := self._some(UsdGeom.Mesh):
+            attribute = UsdGeom.Mesh(prim).GetFaceVertexIndicesAttr()
+            attribute.Set(self._random.sample(list(attribute.Get()), len(attribute.Get())))
 
     def _points(self) -> None:
         if prim := self._some(UsdGeom.Mesh):

@@ -17,7 +17,7 @@ import make_performance
 
 MACHINE = {
     "processor": "A processor", "cores": 2, "system": "Linux", "instruction_set": "avx3", "msbvh": "0.1.0",
-    "commit": "abc1234", "peer": "Embree 4.4.0 (AVX-512)", "threads": [1], "seed": 1, "repetitions": 5, "quick": False,
+    "commit": "abc1234", "peer": "Embree 4.4.0 (AVX-512)", "threads": [1], "builders": [], "seed": 1, "repetitions": 5, "quick": False,
     "scenes": ["*"], "triangles": 100000, "load_average": 0.0, "seconds": 120.0,
 }  # fmt: skip
 
@@ -68,6 +68,13 @@ def test_the_head_says_what_is_compared() -> None:
     for said in ("Embree 4.4.0 (AVX-512)", "(abc1234)", "avx3", "rtcIntersect16", "robust flag", "2 minutes", "A processor"):
         assert said in text
     assert "uncommitted" not in text
+    assert "shared" not in text
+    assert "Make this page\nagain on a quiet one" in page({**MACHINE, "load_average": 9.0}, *ROWS)
+    assert "`msbvh bench --peer embree --triangles 100000 --threads 1`" in text
+    chosen = {"builders": ["mbvh"], "repetitions": 3, "seed": 2, "scenes": ["room"]}
+    assert "--scenes room --triangles 100000 --threads 1 --builder mbvh --seed 2 --repetitions 3`" in page(
+        {**MACHINE, **chosen}, *ROWS
+    )
     assert "uncommitted changes" in page({**MACHINE, "commit": "abc1234-dirty"}, *ROWS)
 
 

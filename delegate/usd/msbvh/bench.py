@@ -253,6 +253,7 @@ def machine(settings: BenchSettings, peer: Peer | None) -> dict[str, Any]:
         "commit": _commit(),
         "peer": peer.name if peer else None,
         "threads": settings.thread_counts,
+        "builders": list(settings.builders),
         "seed": settings.seed,
         "repetitions": settings.rounds,
         "quick": settings.quick,
