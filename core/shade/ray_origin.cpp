@@ -11,8 +11,8 @@ namespace {
 // How far from where it is the tracer may see a point, relative to its distance from the ray's origin: 5
 // roundings of 2^-24 of the triangle test, and 1 each for the ray's origin and direction in an instance's space.
 constexpr double kViewError = 7 * 0x1p-24;
-// Of the angle at which two faces meet: its sine is at least 1 / kSharpest (7 degrees) where hits away from edges
-// are taken to be clear of neighbours. Doubling it doubles how often neighbours are looked at.
+// How far from an edge a hit is taken to be clear of the neighbour there, in what the triangle needs: faces that
+// meet at 10 degrees or more are. Doubling it doubles how often neighbours are looked at.
 constexpr double kSharpest = 8.0;
 // Heights of a triangle in view errors from which on a ray sees faces at about the angles that they have.
 constexpr double kWellSeen = 64.0;
@@ -50,7 +50,8 @@ RayOrigin origin_at(const WorldTriangle& triangle, const Hit& hit, const Ray& ra
   const double step = o.need / std::max(o.cosine, kEdgeOn);
   o.before = Vec3f(position + back * step);
   o.beside_edge = o.cosine < kEdgeOn || step > kShortStep * o.way ||
-                  !well_inside(triangle, hit, doubled_area, kSharpest * o.need, kWellSeen * o.view_error);
+                  !well_inside(triangle, hit, doubled_area, std::max(kSharpest * o.need, step + o.need),
+                               kWellSeen * o.view_error);
   return o;
 }
 
