@@ -23,7 +23,8 @@ void require_valid(const Clock& clock) {
 }  // namespace
 
 struct Accel::Data {
-  BvhInput input;  // until commit
+  // Until commit: a scene may hold an Accel for each of many small meshes.
+  std::unique_ptr<BvhInput> input = std::make_unique<BvhInput>();
   std::shared_ptr<const Bvh> bvh;
   std::unique_ptr<KeptTopology> topology;  // for commit_from()
   std::optional<Tracer> tracer;
@@ -38,7 +39,7 @@ struct Accel::Data {
   void close(BuiltBvh built) {
     bvh = std::make_shared<const Bvh>(std::move(built.bvh));
     topology = std::move(built.topology);
-    input = {};
+    input.reset();
     tracer.emplace(*bvh);
   }
 };
@@ -54,15 +55,15 @@ std::uint32_t Accel::add_mesh(TriangleMesh mesh) {
 
 std::uint32_t Accel::add_mesh(std::shared_ptr<const TriangleMesh> mesh) {
   data_->require_open();
-  data_->input.meshes.push_back(std::move(mesh));
-  return static_cast<std::uint32_t>(data_->input.meshes.size() - 1);
+  data_->input->meshes.push_back(std::move(mesh));
+  return static_cast<std::uint32_t>(data_->input->meshes.size() - 1);
 }
 
 std::uint32_t Accel::add_grids(GridMesh mesh) {
   data_->require_open();
   validate(mesh);
-  data_->input.grids.push_back(std::make_shared<const GridMesh>(std::move(mesh)));
-  return static_cast<std::uint32_t>(data_->input.grids.size() - 1);
+  data_->input->grids.push_back(std::make_shared<const GridMesh>(std::move(mesh)));
+  return static_cast<std::uint32_t>(data_->input->grids.size() - 1);
 }
 
 std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, const TrackForm& form,
@@ -80,7 +81,7 @@ std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, const Tr
   if (!std::ranges::all_of(world_from_object, [](const Affine3f& m) { return is_finite(m); })) {
     throw Error("accelerator: an instance's matrix has an element that is not finite; expected finite ones");
   }
-  BvhInput& in = data_->input;
+  BvhInput& in = *data_->input;
   const auto first = static_cast<std::uint32_t>(in.instances.size());
   std::uint64_t first_control = in.instance_controls.size();
   const std::size_t count = world_from_object.size() / form.controls();
@@ -96,17 +97,17 @@ std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, const Tr
 void Accel::set_clock(const Clock& clock) {
   data_->require_open();
   require_valid(clock);
-  data_->input.clock = clock;
+  data_->input->clock = clock;
 }
 
 void Accel::commit(const BuildSettings& settings) {
   data_->require_open();
-  data_->close(build_bvh(data_->input, settings));
+  data_->close(build_bvh(*data_->input, settings));
 }
 
 void Accel::commit_from(Accel& previous, const BuildSettings& settings) {
   data_->require_open();
-  data_->close(next_bvh(data_->input, settings, previous.bvh(), previous.data_->topology));
+  data_->close(next_bvh(*data_->input, settings, previous.bvh(), previous.data_->topology));
 }
 
 bool Accel::intersect(const Ray& ray, Hit& hit) const { return data_->tracer->intersect(ray, hit); }

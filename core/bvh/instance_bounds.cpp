@@ -19,8 +19,15 @@ Vec3d corner(const Box3d& b, int i) {
   return {(i & 1) ? b.hi.x : b.lo.x, (i & 2) ? b.hi.y : b.lo.y, (i & 4) ? b.hi.z : b.lo.z};
 }
 
+// By map.point() of each corner, to the bit; what corners share is added up once.
 void grow_by_image(Box3d& out, const Affine3d& map, const Box3d& box) {
-  for (int i = 0; i < 8; ++i) out.grow(map.point(corner(box, i)));
+  const Vec3d y[2] = {map.y * box.lo.y, map.y * box.hi.y}, z[2] = {map.z * box.lo.z, map.z * box.hi.z};
+  for (const Vec3d& x : {map.x * box.lo.x, map.x * box.hi.x}) {
+    for (const Vec3d& y_part : y) {
+      const Vec3d xy = x + y_part;
+      for (const Vec3d& z_part : z) out.grow(xy + z_part + map.t);
+    }
+  }
 }
 
 Vec3d error_of(const Affine3d& m, const Box3d& b, std::uint32_t degree) {
