@@ -20,6 +20,7 @@ sys.path.insert(0, str(ROOT / "tests" / "python"))
 from alpha_references import BOUND, SAMPLING, SPP, alpha_errors, comparisons  # noqa: E402
 from msbvh import _core  # noqa: E402
 from msbvh.conformance import Outcome, conform, find_suite, own_renderer, read_rules  # noqa: E402
+from msbvh.conformance_record import STANDARD_ERRORS, read_record  # noqa: E402
 from msbvh.progress import Progress  # noqa: E402
 from pxr import Usd  # noqa: E402
 
@@ -33,9 +34,10 @@ RULES_TEXT = """## Rules of motion
 
 `msbvh conform` runs them; **{passed} of {count} pass**. A rule is a small scene and the coverage that
 usd-core's own evaluation has, projected at 512 times of the shutter (`testenv/motion`). The error is the
-mean of alpha's absolute error over what either image covers; allowed is what as many independent samples a
-pixel explain.
-`msbvh conform --command 'usdrecord --renderer X'` holds another renderer to them."""
+mean of alpha's absolute error over what either image covers; by noise is what as many independent samples a
+pixel explain, by record what a run of ours may have: {standard_errors:g} standard errors above that of the
+run in `testenv/motion/recorded.json` (`python testenv/motion/make_recorded.py`).
+`msbvh conform --command 'usdrecord --renderer X'` holds another renderer to them, by noise alone."""
 
 REFERENCES_TEXT = """Scenes of Autodesk/arnold-usd's test suite, whose reference images' alpha is coverage.
 Mean absolute error of alpha over the whole image, ours and that of the oracle: usd-core's evaluation,
@@ -57,17 +59,18 @@ def heading() -> Iterator[str]:
 
 def rules_table() -> Iterator[str]:
     """Every rule of the suite with its result."""
-    rules = read_rules(find_suite(ROOT / "testenv" / "motion"))
+    suite = find_suite(ROOT / "testenv" / "motion")
+    record = read_record(suite, SPP)
     with Progress("rules") as progress:
-        outcomes = list(conform(rules, own_renderer(SPP), SPP, progress=progress))
+        outcomes = list(conform(read_rules(suite), own_renderer(SPP), SPP, progress=progress, record=record))
     passed = sum(outcome.passed for outcome in outcomes)
-    yield RULES_TEXT.format(passed=passed, count=len(outcomes))
+    yield RULES_TEXT.format(passed=passed, count=len(outcomes), standard_errors=STANDARD_ERRORS)
     for topic, group in groupby(outcomes, key=lambda outcome: outcome.rule.topic):
         yield ""
         yield f"### {topic[0].upper()}{topic[1:]}"
         yield ""
-        yield "| rule | result | error | allowed | statement |"
-        yield "|---|---|---|---|---|"
+        yield "| rule | result | error | by noise | by record | statement |"
+        yield "|---|---|---|---|---|---|"
         yield from map(rule_row, group)
     yield ""
 
@@ -76,7 +79,15 @@ def rule_row(outcome: Outcome) -> str:
     error = "-" if outcome.error is None else f"{outcome.error:.4f}"
     result = "pass" if outcome.passed else "**fail**"
     why = "" if outcome.passed else f" ({outcome.reason})"
-    cells = (f"`{outcome.rule.name}`", result, error, f"{outcome.allowed:.4f}", outcome.rule.statement + why)
+    recorded = f"{outcome.recorded.allowed:.4f}" if outcome.recorded else "-"
+    cells = (
+        f"`{outcome.rule.name}`",
+        result,
+        error,
+        f"{outcome.allowed:.4f}",
+        recorded,
+        outcome.rule.statement + why,
+    )
     return f"| {' | '.join(cell.replace('|', '/') for cell in cells)} |"
 
 

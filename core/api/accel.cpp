@@ -23,7 +23,8 @@ void require_valid(const Clock& clock) {
 }  // namespace
 
 struct Accel::Data {
-  BvhInput input;  // until commit
+  // Until commit: a scene may hold an Accel for each of many small meshes.
+  std::unique_ptr<BvhInput> input = std::make_unique<BvhInput>();
   std::shared_ptr<const Bvh> bvh;
   std::unique_ptr<KeptTopology> topology;  // for commit_from()
   std::optional<Tracer> tracer;
@@ -37,7 +38,7 @@ struct Accel::Data {
     tracer.emplace(*tree);
     bvh = std::move(tree);
     topology = std::move(built.topology);
-    input = {};
+    input.reset();
   }
 };
 
@@ -53,7 +54,7 @@ Accel::Data& Accel::data() const {
 
 BvhInput& Accel::open() {
   data().require_open();
-  return data_->input;
+  return *data_->input;
 }
 
 const Accel::Data& Accel::committed() const {

@@ -1,13 +1,21 @@
 #include "core/build/clip.h"
 
-#include <cmath>
-#include <limits>
+#include <algorithm>
+#include <bit>
+#include <cstdint>
 
 namespace msbvh {
 namespace {
 
 Vec3d at(const std::array<Vec3d, 3>& triangle, const Vec3d& b) {
   return triangle[0] * b.x + triangle[1] * b.y + triangle[2] * b.z;
+}
+
+// std::nextafter() towards infinity, of what is neither infinity nor NaN, without a call of the C library: boxes are
+// rounded outwards several times a node.
+float next_above(float f) {
+  const auto bits = std::bit_cast<std::uint32_t>(f);
+  return std::bit_cast<float>(f > 0.0f ? bits + 1 : f < 0.0f ? bits - 1 : 1u);
 }
 
 double largest_coordinate(const std::array<Vec3d, 3>& triangle) {
@@ -93,12 +101,12 @@ CutBounds cut_bounds(const std::array<Vec3d, 3>& triangle, const Box3f& box, int
 
 float round_down(double value) {
   const float f = static_cast<float>(value);
-  return double(f) > value ? std::nextafterf(f, -std::numeric_limits<float>::infinity()) : f;
+  return double(f) > value ? -next_above(-f) : f;
 }
 
 float round_up(double value) {
   const float f = static_cast<float>(value);
-  return double(f) < value ? std::nextafterf(f, std::numeric_limits<float>::infinity()) : f;
+  return double(f) < value ? next_above(f) : f;
 }
 
 Box3f round_outwards(const Box3d& box) {

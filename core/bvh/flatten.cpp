@@ -17,8 +17,10 @@
 namespace msbvh {
 namespace {
 
-// Subtrees of fewer bytes are written by one task, and planned by one from this depth on (8^3 tasks).
+// Subtrees of fewer bytes are written by one task, and planned by one from this depth on (8^3 tasks). Trees of fewer
+// binary nodes are planned by one, too: of many small trees each takes less time than tasks do.
 constexpr std::size_t kParallelBytes = 1 << 18;
+constexpr std::uint32_t kParallelNodes = 512;
 constexpr std::uint32_t kParallelDepth = 3;
 // The cost of a patch: its tiles are 8 boxes, of which a ray that meets the patch enters one or two.
 constexpr double kPatchBlocks = 3.0;
@@ -128,7 +130,7 @@ class Flattener {
     const WideChildren children(topology_, node);
     std::array<BoxTrack, kWidth> tracks;
     std::array<Tally, kWidth> tallies;
-    const bool parallel = depth <= kParallelDepth;
+    const bool parallel = depth <= kParallelDepth && topology_.node_count >= kParallelNodes;
     if (parallel && settings_.cancelled && settings_.cancelled()) throw Cancelled();
     parallel_for_ranges(children.count, parallel ? 1 : kWidth, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) tracks[i] = plan(children.node[i], depth + 1, tallies[i]);

@@ -19,8 +19,15 @@ Vec3d corner(const Box3d& b, int i) {
   return {(i & 1) ? b.hi.x : b.lo.x, (i & 2) ? b.hi.y : b.lo.y, (i & 4) ? b.hi.z : b.lo.z};
 }
 
+// By map.point() of each corner, to the bit; what corners share is added up once.
 void grow_by_image(Box3d& out, const Affine3d& map, const Box3d& box) {
-  for (int i = 0; i < 8; ++i) out.grow(map.point(corner(box, i)));
+  const Vec3d y[2] = {map.y * box.lo.y, map.y * box.hi.y}, z[2] = {map.z * box.lo.z, map.z * box.hi.z};
+  for (const Vec3d& x : {map.x * box.lo.x, map.x * box.hi.x}) {
+    for (const Vec3d& y_part : y) {
+      const Vec3d xy = x + y_part;
+      for (const Vec3d& z_part : z) out.grow(xy + z_part + map.t);
+    }
+  }
 }
 
 Vec3d error_of(const Affine3d& m, const Box3d& b, std::uint32_t degree) {
@@ -52,6 +59,7 @@ class PaddedBoxes {
 
   InstanceBounds finish() const {
     InstanceBounds out{form_, {}};
+    out.controls.reserve(form_.controls());
     const std::uint32_t last = form_.controls() - 1, reach = form_.degree;
     for (std::uint32_t c = 0; c <= last; ++c) {
       Vec3d pad{};
@@ -150,23 +158,20 @@ InstanceBounds bound_by_chords(const ClockedTrack<Affine3f>& transform, const Cl
   return out.finish();
 }
 
-// The controls of a track that are in force at some time within [a, b] of the shutter.
-template <typename T>
-std::vector<T> controls_within(const ClockedTrack<T>& track, double a, double b) {
-  if (!track.form.moving()) return {track.controls[0]};
-  std::vector<T> result;
+// Calls f with the index of each control that is in force at some time within [a, b] of the shutter; with some of
+// them twice, where a clock has several pieces there.
+template <typename T, typename F>
+void for_controls_within(const ClockedTrack<T>& track, double a, double b, const F& f) {
+  if (!track.form.moving()) return f(0u);
   const auto add = [&](double from, double to) {
     const std::uint32_t segments = track.form.segments, degree = track.form.degree;
     const auto key = [&](double time) {
       return std::min(std::uint32_t(std::clamp(time, 0.0, 1.0) * segments), segments - 1);
     };
     const std::uint32_t first = key(from - kClockError), last = key(to + kClockError);
-    for (std::uint32_t c = first * degree; c <= (last + 1) * degree; ++c) result.push_back(track.controls[c]);
+    for (std::uint32_t c = first * degree; c <= (last + 1) * degree; ++c) f(c);
   };
-  if (!track.clock || track.clock->is_shutter()) {
-    add(a, b);
-    return result;
-  }
+  if (!track.clock || track.clock->is_shutter()) return add(a, b);
   for (std::size_t i = 0; i < track.clock->pieces.size(); ++i) {
     const ClockPiece& piece = track.clock->pieces[i];
     const double begin = piece.begin, end = track.clock->end_of(i);
@@ -177,24 +182,60 @@ std::vector<T> controls_within(const ClockedTrack<T>& track, double a, double b)
     };
     add(local(a), local(b));
   }
-  return result;
 }
+
+// The object's boxes at its controls, under the transform at its own. Most controls are in force in several parts of
+// the shutter; where only one of both moves, each has its image made once.
+class Images {
+ public:
+  struct Image {
+    Box3d box;
+    Vec3d error;
+  };
+
+  Images(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object)
+      : transform_(transform), object_(object) {
+    const std::uint32_t maps = transform.form.controls(), boxes = object.form.controls();
+    if (std::min(maps, boxes) > 1) return;
+    known_.reserve(std::max(maps, boxes));
+    for (std::uint32_t c = 0; c < std::max(maps, boxes); ++c)
+      known_.push_back(image(maps > 1 ? c : 0, boxes > 1 ? c : 0));
+  }
+  Image operator()(std::uint32_t map, std::uint32_t box) const {
+    return known_.empty() ? image(map, box) : known_[map + box];
+  }
+
+ private:
+  Image image(std::uint32_t m, std::uint32_t b) const {
+    const Affine3d map(transform_.controls[m]);
+    const Box3d box = in_double(object_.controls[b]);
+    Image result{{}, error_of(map, box, kMaxDegree)};
+    grow_by_image(result.box, map, box);
+    return result;
+  }
+
+  const ClockedTrack<Affine3f>& transform_;
+  const ClockedTrack<Box3f>& object_;
+  std::vector<Image> known_;  // by the control of the one that moves
+};
 
 InstanceBounds bound_by_parts(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object) {
   const TrackForm form{kClockedSegments, 1};
+  const Images images(transform, object);
   PaddedBoxes out(form);
   Box3d all;
   for (std::uint32_t k = 0; k < form.segments; ++k) {
     const double a = double(k) / form.segments, b = double(k + 1) / form.segments;
-    for (const Affine3f& m : controls_within(transform, a, b)) {
-      for (const Box3f& x : controls_within(object, a, b)) {
+    for_controls_within(transform, a, b, [&](std::uint32_t map) {
+      for_controls_within(object, a, b, [&](std::uint32_t box) {
+        const Images::Image image = images(map, box);
         for (const std::uint32_t key : {k, k + 1}) {
-          grow_by_image(out.box(key), Affine3d(m), in_double(x));
-          out.pad(key, error_of(Affine3d(m), in_double(x), kMaxDegree));
+          out.box(key).grow(image.box);
+          out.pad(key, image.error);
         }
-        all.grow(out.box(k));
-      }
-    }
+        all.grow(image.box);
+      });
+    });
   }
   // Hidden throughout a part: a place is needed all the same, and one beside the others costs least.
   for (std::uint32_t k = 0; k < form.controls(); ++k) {

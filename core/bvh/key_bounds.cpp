@@ -230,18 +230,63 @@ void grow_by_patch(std::span<Box3f> out, const TrackForm& form, const Primitives
   grow_node(out, form, primitives, track.subspan(range.first, range.count), mesh.form());
 }
 
+float largest_coordinate(std::span<const Box3f> boxes) {
+  float size = 0.0f;
+  for (const Box3f& box : boxes) size = std::max(size, largest_coordinate(box));
+  return size;
+}
+
+// A source segment in `ratio` segments, both linear: what grow_segment() does, with each key made once.
+void grow_linear_segment(std::span<Box3f> out, std::span<const Box3f> source) {
+  const auto ratio = static_cast<std::uint32_t>(out.size() - 1);
+  const float pad = kRekeyPad * largest_coordinate(source);
+  const Box3d begin = in_double(source[0]), end = in_double(source[1]);
+  for (std::uint32_t i = 0; i <= ratio; ++i) {
+    const double w = double(i) / ratio;
+    out[i].grow(padded(round_outwards(lerp(begin, end, w)), pad));
+  }
+}
+
 // The part of one source segment that a segment of the finer form covers, in that form.
 void grow_segment(Box3f* out, std::uint32_t degree, const Box3f* source, std::uint32_t source_degree,
                   double a, double b) {
-  float size = 0.0f;
-  for (std::uint32_t i = 0; i <= source_degree; ++i) size = std::max(size, largest_coordinate(source[i]));
-  const float pad = kRekeyPad * static_cast<float>(degree) * size;
+  const float pad = kRekeyPad * static_cast<float>(degree) * largest_coordinate({source, source_degree + 1});
   const auto part = [&](std::uint32_t j) {
     return part_control([&](std::uint32_t i) { return in_double(source[i]); }, source_degree, a, b, j);
   };
   for (std::uint32_t j = 0; j <= degree; ++j) {
     out[j].grow(padded(round_outwards(elevated_control(part, source_degree, degree, j)), pad));
   }
+}
+
+// Sums over segments of the area's mean. Linear: Simpson's rule, exact up to degree 3.
+double linear_area_sum(std::span<const Box3f> keys) {
+  double sum = 0.0;
+  Box3d begin = in_double(keys[0]);
+  double begin_area = half_area(begin);
+  for (const Box3f& key : keys.subspan(1)) {
+    const Box3d end = in_double(key);
+    const double end_area = half_area(end);
+    sum += (begin_area + 4.0 * half_area(lerp(begin, end, 0.5)) + end_area) / 6.0;
+    begin = end;
+    begin_area = end_area;
+  }
+  return sum;
+}
+
+// Gauss-Legendre with 4 points: exact up to degree 7.
+double curved_area_sum(std::span<const Box3f> controls, const TrackForm& form) {
+  constexpr double kNear = 0.33000947820757187, kFar = 0.06943184420297371;
+  constexpr double kNearWeight = 0.32607257743127307, kFarWeight = 0.17392742256872693;
+  double sum = 0.0;
+  for (std::uint32_t k = 0; k < form.segments; ++k) {
+    const Box3f* segment = controls.data() + k * form.degree;
+    const auto at = [&](double w) {
+      return half_area(bezier([&](std::uint32_t i) { return in_double(segment[i]); }, form.degree, w));
+    };
+    sum += kNearWeight * (at(kNear) + at(1.0 - kNear)) + kFarWeight * (at(kFar) + at(1.0 - kFar));
+  }
+  return sum;
 }
 
 }  // namespace
@@ -270,6 +315,11 @@ void grow_track(std::span<Box3f> out, const TrackForm& form, std::span<const Box
     return;
   }
   const std::uint32_t ratio = form.segments / track_form.segments;
+  if (form.degree == 1) {
+    for (std::uint32_t k = 0; k < track_form.segments; ++k)
+      grow_linear_segment(out.subspan(std::size_t(k) * ratio, ratio + 1), track.subspan(k, 2));
+    return;
+  }
   for (std::uint32_t k = 0; k < form.segments; ++k) {
     const double a = double(k % ratio) / ratio, b = double(k % ratio + 1) / ratio;
     grow_segment(out.data() + k * form.degree, form.degree, track.data() + (k / ratio) * track_form.degree,
@@ -285,17 +335,18 @@ void halve_segments(std::span<const Box3f> fine, std::span<Box3f> coarse) {
     return;
   }
   Excess before;
-  for (std::size_t k = 0; k < coarse.size(); ++k) {
+  float size_before = 0.0f, size = largest_coordinate(fine[0]), size_after = 0.0f;
+  for (std::size_t k = 0; k < coarse.size(); ++k, size_before = size, size = size_after) {
     Excess excess = before;
     before = {};
-    float size = largest_coordinate(fine[2 * k]);
-    if (k > 0) size = std::max(size, largest_coordinate(fine[2 * k - 2]));
+    size_after = 0.0f;
     if (k + 1 < coarse.size()) {
       before.grow(fine[2 * k + 1], lerp(fine[2 * k], fine[2 * k + 2], 0.5f));
-      size = std::max(size, largest_coordinate(fine[2 * k + 2]));
+      size_after = largest_coordinate(fine[2 * k + 2]);
     }
     excess.grow(before);
-    coarse[k] = padded({fine[2 * k].lo - excess.lo, fine[2 * k].hi + excess.hi}, kRekeyPad * size);
+    coarse[k] = padded({fine[2 * k].lo - excess.lo, fine[2 * k].hi + excess.hi},
+                       kRekeyPad * std::max({size_before, size, size_after}));
   }
 }
 
@@ -309,24 +360,8 @@ void grow_by_reference(std::span<Box3f> out, const TrackForm& form, const Primit
 }
 
 double mean_half_area(std::span<const Box3f> controls, const TrackForm& form) {
-  const auto area = [](const Box3d& b) { return half_area(b); };
-  if (!form.moving()) return area(in_double(controls[0]));
-  double sum = 0.0;
-  for (std::uint32_t k = 0; k < form.segments; ++k) {
-    const Box3f* segment = controls.data() + k * form.degree;
-    const auto at = [&](double w) {
-      return area(bezier([&](std::uint32_t i) { return in_double(segment[i]); }, form.degree, w));
-    };
-    if (form.degree == 1) {
-      sum += (at(0.0) + 4.0 * at(0.5) + at(1.0)) / 6.0;  // Simpson: exact up to degree 3
-    } else {
-      // Gauss-Legendre with 4 points: exact up to degree 7.
-      constexpr double kNear = 0.33000947820757187, kFar = 0.06943184420297371;
-      constexpr double kNearWeight = 0.32607257743127307, kFarWeight = 0.17392742256872693;
-      sum += kNearWeight * (at(kNear) + at(1.0 - kNear)) + kFarWeight * (at(kFar) + at(1.0 - kFar));
-    }
-  }
-  return sum / form.segments;
+  if (!form.moving()) return half_area(in_double(controls[0]));
+  return (form.degree == 1 ? linear_area_sum(controls) : curved_area_sum(controls, form)) / form.segments;
 }
 
 }  // namespace msbvh

@@ -71,6 +71,11 @@ BlockKind triangle_block_kind(const Primitives& primitives, const TrackForm& for
 }
 
 void sort_leaf(const Primitives& primitives, std::span<Reference> leaf) {
+  const auto of_one_mesh = [&](const Reference& r) { return r.mesh() == leaf.front().mesh(); };
+  if (!leaf.front().is_instance() && std::ranges::all_of(leaf, of_one_mesh)) {
+    std::ranges::sort(leaf, {}, &Reference::index);  // the common case; no look at how they move
+    return;
+  }
   const auto order = [&](const Reference& r) {
     const TrackForm form = form_of(primitives, r);
     return std::tuple(form.segments, form.degree, r.mesh(), r.index);

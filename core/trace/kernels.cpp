@@ -59,7 +59,9 @@ HWY_AFTER_NAMESPACE();
 namespace msbvh {
 
 const KernelTable* kernels_for(InstructionSet set) {
-  const std::int64_t supported = hwy::SupportedTargets();
+  // Asked once: the answer takes several CPUID instructions, each of which leaves a virtual machine, some 10 us
+  // a call. A tree of a dozen triangles is built in half of that.
+  static const std::int64_t supported = hwy::SupportedTargets();
   switch (set) {
     case InstructionSet::kSse4:
       return (supported & HWY_SSE4) ? N_SSE4::kernel_table() : nullptr;

@@ -7,6 +7,14 @@
 #include "core/trace/kernels.h"
 
 namespace msbvh {
+namespace {
+
+InstructionSet best_instruction_set() {
+  static const InstructionSet best = supported_instruction_sets().back();
+  return best;
+}
+
+}  // namespace
 
 std::vector<InstructionSet> supported_instruction_sets() {
   std::vector<InstructionSet> sets;
@@ -29,7 +37,7 @@ const char* instruction_set_name(InstructionSet set) {
   return "unknown";
 }
 
-Tracer::Tracer(const Bvh& bvh) : Tracer(bvh, supported_instruction_sets().back()) {}
+Tracer::Tracer(const Bvh& bvh) : Tracer(bvh, best_instruction_set()) {}
 
 Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
   const KernelTable* table = kernels_for(set);

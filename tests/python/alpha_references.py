@@ -34,13 +34,13 @@ ARNOLD_SHAPES = {"ArnoldUsd", "ArnoldProcedural", "ArnoldAlembic", "ArnoldCurves
 
 @dataclass(frozen=True)
 class Comparison:
-    """One scene with a reference image."""
+    """One scene of the other renderer's suite."""
 
     scene: SharedScene
     frame: float
     camera: str
     size: tuple[int, int]
-    """Width and height of the reference."""
+    """Width and height of the reference; 0 where there is none."""
     excluded: str
     """Why the scene is not compared; empty where it is."""
 
@@ -65,8 +65,8 @@ class AlphaErrors:
 
 
 def comparisons() -> list[Comparison]:
-    """The arnold_* scenes that have a reference image, in the index's order; [] without ../shared/scenes."""
-    return [_comparison(s) for s in every_scene() if s.name.startswith("arnold_") and _reference(s).exists()]
+    """The arnold_* scenes, in the index's order; [] without ../shared/scenes."""
+    return [_comparison(scene) for scene in every_scene() if scene.name.startswith("arnold_")]
 
 
 def alpha_errors(comparison: Comparison, folder: Path) -> AlphaErrors:
@@ -100,6 +100,8 @@ def _reference(scene: SharedScene) -> Path:
 
 
 def _comparison(scene: SharedScene) -> Comparison:
+    if not _reference(scene).exists():
+        return Comparison(scene, 0.0, "", (0, 0), "there is no reference image")
     alpha = read_alpha(_reference(scene))
     height, width = alpha.shape
     stage = Usd.Stage.Open(str(scene.path))

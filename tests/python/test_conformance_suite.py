@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from conftest import ROOT
 from msbvh.conformance import Rule, allowed_errors, conform, errors, own_renderer, read_rules
+from msbvh.conformance_record import read_record
 from msbvh.images import read_alpha
 from projection_oracle import Sampling, coverage
 from pxr import Usd, UsdGeom
@@ -54,7 +55,8 @@ def test_expected_answers_are_made_again(entry: dict) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("rule", read_rules(SUITE), ids=lambda rule: rule.name)
 def test_our_renderer_follows_the_rule(rule: Rule, tmp_path: Path) -> None:
-    (outcome,) = conform([rule], own_renderer(256), 256, tmp_path)
+    """Within what noise explains, and within three standard errors of the recorded run."""
+    (outcome,) = conform([rule], own_renderer(256), 256, tmp_path, record=read_record(SUITE, 256))
     assert outcome.passed, outcome.reason
 
 

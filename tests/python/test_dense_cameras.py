@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from msbvh.camera import find_camera
 from msbvh.conform import conformed
-from msbvh.errors import Diagnostics, SceneError
+from msbvh.errors import Diagnostics
 from msbvh.reader import ReadResult, ReadSettings, read_frame
 from msbvh.stage import open_stage
 from pxr import Gf, UsdGeom
 from recording import DENSE_TIMES01, Shot
-from shared_scenes import EVERY_GROUP, SharedScene, shared_scenes
+from shared_scenes import SharedScene, broken, here, scene_parameters
 
 SHARE = 0.1
 """Of the tolerance: the camera's error adds to every object's."""
@@ -72,22 +72,18 @@ def test_a_fast_zooming_camera_under_an_asymmetric_shutter(tolerance: float) -> 
     assert worst_pixels(result, shot.camera) <= SHARE * tolerance + rounding_pixels(result)
 
 
-def moving_cameras() -> list[SharedScene]:
-    return [shared for shared in shared_scenes(*EVERY_GROUP) if "cam" in str(shared) or "Camera" in str(shared)]
+def without_camera(shared: SharedScene) -> str:
+    return broken(shared) or ("" if shared.has_camera else "has no camera")
 
 
+@pytest.mark.shared
 @pytest.mark.parametrize("tolerance", [0.1, 0.01])
-@pytest.mark.parametrize("shared", moving_cameras() or [None], ids=str)
+@pytest.mark.parametrize("shared", scene_parameters(without_camera))
 def test_cameras_of_public_scenes(shared: SharedScene | None, tolerance: float) -> None:
-    if shared is None:
-        pytest.skip("../shared/scenes is not on this machine")
-    try:
-        stage = open_stage(str(shared.path), Diagnostics())
-    except SceneError:
-        return
+    shared = here(shared)
+    stage = open_stage(str(shared.path), Diagnostics())
     prim = find_camera(stage, None, Diagnostics())
-    if prim is None:
-        return
+    assert prim is not None
     camera = UsdGeom.Camera(prim)
     frame = float(shared.frame) if shared.frame else stage.GetStartTimeCode()
     stage.SetEditTarget(stage.GetSessionLayer())

@@ -8,15 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from msbvh.errors import Diagnostics, SceneError
+from msbvh.errors import Diagnostics
 from msbvh.reader import ReadResult, ReadSettings, read_frame
 from msbvh.stage import open_stage
 from pxr import Gf, Usd, UsdGeom
 from recording import DENSE_TIMES01
-from shared_scenes import EVERY_GROUP, SharedScene, shared_scenes
+from shared_scenes import SharedScene, here, scene_parameters
 from stage_truth import StageTruth
 
-SCENES = shared_scenes(*EVERY_GROUP)
 SHUTTER = (-0.5, 0.5)
 LARGEST_MATCH = 2**22
 """Pairs of instances that are compared at once."""
@@ -30,14 +29,9 @@ class Frame:
     result: ReadResult
 
 
-def read(shared: SharedScene, tolerance: float) -> Frame | None:
-    """Through a camera of our own, in the session layer, far enough to see everything. None for files that are
-    broken on purpose."""
-    try:
-        stage = open_stage(str(shared.path), Diagnostics())
-    except SceneError:
-        assert shared.group == "edge"
-        return None
+def read(shared: SharedScene, tolerance: float) -> Frame:
+    """Through a camera of our own, in the session layer, far enough to see everything."""
+    stage = open_stage(str(shared.path), Diagnostics())
     frame = float(shared.frame) if shared.frame else stage.GetStartTimeCode()
     bounds = UsdGeom.BBoxCache(frame, ["default", "proxy"]).ComputeWorldBound(stage.GetPseudoRoot())
     box = bounds.ComputeAlignedRange()
@@ -140,13 +134,10 @@ def worst_pixels(frame: Frame, time01: float) -> float:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [0.1, 0.01])
-@pytest.mark.parametrize("shared", SCENES or [None], ids=str)
+@pytest.mark.shared
+@pytest.mark.parametrize("shared", scene_parameters())
 def test_tracks_follow_the_stage(shared: SharedScene | None, tolerance: float) -> None:
-    if shared is None:
-        pytest.skip("../shared/scenes is not on this machine")
-    frame = read(shared, tolerance)
-    if frame is None:
-        pytest.skip("broken on purpose: does not open")
+    frame = read(here(shared), tolerance)
     times = DENSE_TIMES01 if moves(frame.result) else [0.5]
     errors = {time01: worst_pixels(frame, time01) for time01 in times}
     worst = max(errors, key=errors.get)

@@ -15,7 +15,7 @@ from msbvh.reader import ReadSettings, read_frame
 from msbvh.samples import SampleLog
 from pxr import Gf, Usd
 from recording import Shot
-from shared_scenes import SCENES
+from shared_scenes import SCENES, require
 
 KEYS = {"path", "source", "rule", "samples", "track", "segments", "degree", "error_px", "bytes", "warnings"}
 SCENE = """#usda 1.0
@@ -360,9 +360,10 @@ def test_moving_square_of_the_suite(motion: Motion, tmp_path: Path) -> None:
     assert samples_of(square, "/world/square.xformOp:translate")["times"] == [0, 4]
 
 
-@pytest.mark.skipif(not SCENES.is_dir(), reason=f"{SCENES} is not there")
+@pytest.mark.shared
 def test_skinned_points_are_computed(motion: Motion, tmp_path: Path) -> None:
     """CesiumMan has one animation and one mesh, and no camera."""
+    require(SCENES / "skinned/CesiumMan")
     (scene,) = (SCENES / "skinned/CesiumMan").rglob("*.usd[acz]")
     path = tmp_path / "skinned.usda"
     camera = SCENE.replace("startTimeCode = 10", f"subLayers = [@{scene}@]\n    startTimeCode = 10")

@@ -10,7 +10,7 @@ import pytest
 from projection_oracle import Sampling, clipped, coverage
 from pxr import Gf, Usd, UsdGeom
 from recording import Shot
-from shared_scenes import SCENES
+from shared_scenes import SCENES, absent
 from stage_truth import StageTruth
 
 SIZE = (96, 48)
@@ -122,6 +122,7 @@ def test_blur_scale_stretches_the_motion_about_the_frame() -> None:
     assert found[0] == pytest.approx((10.5, 0, 0))
 
 
+@pytest.mark.shared
 @pytest.mark.parametrize(
     ("name", "frame", "bound"), [("arnold_1476", 1.0, 0.0035), ("arnold_2231", 1002.0, 0.0035)]
 )
@@ -130,7 +131,7 @@ def test_another_renderers_alpha(name: str, frame: float, bound: float) -> None:
     out by .051 and .020."""
     folder = next(SCENES.glob(f"*/{name}"), None)
     if folder is None:
-        pytest.skip("../shared/scenes is not on this machine")
+        absent(SCENES / "*" / name)
     stage = Usd.Stage.Open(str(folder / "data" / "test.usda"))
     camera = next(str(p.GetPath()) for p in stage.Traverse() if p.IsA(UsdGeom.Camera))
     reference = read_reference(folder / "ref" / "reference.tif")

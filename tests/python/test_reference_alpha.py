@@ -10,15 +10,15 @@ from pathlib import Path
 
 import pytest
 from alpha_references import BOUND, Comparison, alpha_errors, comparisons
-
-COMPARED = [comparison for comparison in comparisons() if not comparison.excluded]
+from shared_scenes import SCENES, absent, parameters
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("comparison", COMPARED or [None], ids=str)
+@pytest.mark.shared
+@pytest.mark.parametrize("comparison", parameters(comparisons(), lambda comparison: comparison.excluded))
 def test_alpha(tmp_path: Path, comparison: Comparison | None) -> None:
     if comparison is None:
-        pytest.skip("../shared/scenes is not on this machine")
+        absent(SCENES / "INDEX.tsv")
     found = alpha_errors(comparison, tmp_path)
     assert found.oracle < 0.03, f"the oracle itself is out by {found.oracle:.4f}: is the scene comparable?"
     assert found.ours <= BOUND * found.oracle, f"ours {found.ours:.4f}, the oracle's {found.oracle:.4f}"

@@ -17,7 +17,7 @@ from msbvh.reader import ReadSettings, read_frame
 from msbvh.stage import open_stage
 from pxr import Usd
 from random_edits import EditedStage
-from shared_scenes import MOTION_GROUPS, SharedScene, shared_scenes
+from shared_scenes import MOTION_GROUPS, SharedScene, here, scene_parameters
 from soak import soak_count, soak_figure
 
 POLICIES = ("auto", "always", "never")
@@ -144,11 +144,11 @@ def test_a_frame_again_is_kept_and_a_single_one_holds_nothing(scene: Path) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shared", shared_scenes(*MOTION_GROUPS, "skinned") or [None], ids=str)
+@pytest.mark.shared
+@pytest.mark.parametrize("shared", scene_parameters())
 def test_public_scenes(shared: SharedScene | None) -> None:
     """Refitted trees hold their invariants, and show what built ones do."""
-    if shared is None:
-        pytest.skip("../shared/scenes is not on this machine")
+    shared = here(shared)
     stage = open_stage(str(shared.path), Diagnostics())
     start = float(shared.frame) if shared.frame else stage.GetStartTimeCode()
     always = None

@@ -8,16 +8,14 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from conftest import Run
-from shared_scenes import MOTION_GROUPS, SharedScene, shared_scenes
-
-SCENES = shared_scenes(*MOTION_GROUPS, "skinned")
+from shared_scenes import SharedScene, here, scene_parameters
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shared", SCENES or [None], ids=str)
+@pytest.mark.shared
+@pytest.mark.parametrize("shared", scene_parameters())
 def test_renders(msbvh: Run, tmp_path: Path, shared: SharedScene | None) -> None:
-    if shared is None:
-        pytest.skip("../shared/scenes is not on this machine")
+    shared = here(shared)
     frames = ("--frames", shared.frame) if shared.frame else ()
     done = msbvh("record", shared.path, "a.exr", "-w", 64, "--spp", 2, *frames)
     assert done.returncode == 0, done.stderr

@@ -11,7 +11,7 @@ from msbvh.errors import Diagnostics
 from msbvh.reader import ReadSettings, read_frame
 from pxr import Gf, Usd, UsdGeom
 from recording import Recording, interpolated, messages, points_at
-from shared_scenes import SCENES
+from shared_scenes import SCENES, require
 from skinning_oracle import pixels, usd_skinned_points, worst_skinned_deviation
 
 SKINNED = SCENES / "skinned"
@@ -19,7 +19,12 @@ BAKED = SKINNED / "usdSkelBakeSkinning"
 RELATIVE = 1e-4
 """Of the size of the mesh: the baked text has seven digits, and was made in single precision."""
 
-pytestmark = pytest.mark.skipif(not SKINNED.is_dir(), reason="needs ../shared/scenes/skinned")
+pytestmark = pytest.mark.shared
+
+
+@pytest.fixture(autouse=True)
+def _scenes() -> None:
+    require(SKINNED)
 
 
 def read(stage: Usd.Stage, frame: float | None, **settings: Any) -> Any:

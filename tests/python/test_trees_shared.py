@@ -7,17 +7,15 @@ from msbvh import _core
 from msbvh.errors import Diagnostics
 from msbvh.reader import ReadSettings, read_frame
 from msbvh.stage import open_stage
-from shared_scenes import MOTION_GROUPS, SharedScene, shared_scenes
-
-SCENES = shared_scenes(*MOTION_GROUPS, "skinned", "subdiv")
+from shared_scenes import SharedScene, here, scene_parameters
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("builder", _core.builders())
-@pytest.mark.parametrize("shared", SCENES or [None], ids=str)
+@pytest.mark.shared
+@pytest.mark.parametrize("shared", scene_parameters())
 def test_invariants(shared: SharedScene | None, builder: str) -> None:
-    if shared is None:
-        pytest.skip("../shared/scenes is not on this machine")
+    shared = here(shared)
     stage = open_stage(str(shared.path), Diagnostics())
     frame = float(shared.frame) if shared.frame else stage.GetStartTimeCode()
     result = read_frame(stage, frame, ReadSettings(), Diagnostics())

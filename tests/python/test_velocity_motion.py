@@ -14,10 +14,16 @@ from msbvh.errors import Diagnostics
 from msbvh.reader import ReadResult, ReadSettings, read_frame
 from pxr import Usd, UsdGeom
 from recording import DENSE_TIMES01
-from shared_scenes import SCENES
+from shared_scenes import SCENES, require
 
 PATH = SCENES / "velocity_accel" / "usdgl_VelocityMotion" / "scene.usda"
-pytestmark = pytest.mark.skipif(not PATH.exists(), reason=f"needs {PATH}")
+pytestmark = pytest.mark.shared
+
+
+@pytest.fixture(autouse=True)
+def _scene() -> None:
+    require(PATH)
+
 
 TOLERANCE_PIXELS = 0.01
 DISTANCE = 20.0
