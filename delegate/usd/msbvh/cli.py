@@ -213,13 +213,14 @@ def _read_one_frame(
         raise click.UsageError(
             f"{command} looks at one frame: --frame takes one time code, and not beside --defaultTime"
         )
+    settings = _read_settings(options)
     diagnostics = Diagnostics()
     stage = open_stage(scene, diagnostics, options["mask"])
     report(diagnostics, reporter)
     start = None if options["default_time"] else stage.GetStartTimeCode()
     time = frames[0] if frames else start
     with reading_progress(time) as progress:
-        result = read_frame(stage, time, _read_settings(options), progress=progress, found=log)
+        result = read_frame(stage, time, settings, progress=progress, found=log)
     return stage, time, result
 
 
@@ -245,6 +246,8 @@ def _record_jobs(
 
 
 def _read_settings(options: dict[str, Any]) -> ReadSettings:
+    if options["shutter"] is not None and options["default_time"]:
+        raise click.UsageError("--shutter and --defaultTime exclude each other: nothing moves at the default time")
     width, height = options["resolution"] or (options["image_width"], None)
     return ReadSettings(
         camera=options["camera"],
@@ -252,6 +255,7 @@ def _read_settings(options: dict[str, Any]) -> ReadSettings:
         height=height,
         conform=options["conform"],
         purposes=options["purposes"],
+        shutter=options["shutter"],
         motion_tolerance=options["motion_tolerance"],
         interpolation=options["interpolation"],
         segments=options["segments"] or 0,

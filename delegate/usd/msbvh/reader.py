@@ -41,6 +41,8 @@ class ReadSettings:
     """UsdRenderSettings' aspectRatioConformPolicy."""
     purposes: tuple[str, ...] = ("proxy",)
     """Drawn beside the default purpose."""
+    shutter: tuple[float, float] | None = None
+    """Opening and closing in frames relative to the frame, in place of the camera's; None: the camera's."""
     disable_camera_light: bool = False
     motion_tolerance: float = 0.1
     """Pixels by which a moving point may stray from the stage's own evaluation. Less: more keys, more memory.
@@ -142,6 +144,7 @@ class _FrameReader:
                 settings.conform,
                 purposes,
                 diagnostics,
+                settings.shutter,
             )
             shutter = self._camera.shutter
             self._context = FrameContext(stage, shutter, is_held(stage), diagnostics, found=found)

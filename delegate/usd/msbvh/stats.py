@@ -28,6 +28,8 @@ class FrameStats:
     output: str
     width: int = 0
     height: int = 0
+    shutter: tuple[float, float] = (0.0, 0.0)
+    """Of the camera, or of --shutter: open and close, in frames relative to the frame."""
     seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PHASES, 0.0))
     scene: dict[str, Any] = field(default_factory=dict)
     """Meshes, triangles, keys, instances, lights: of the scene as it was rendered."""
