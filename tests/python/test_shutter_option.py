@@ -13,6 +13,7 @@ from conftest import MOVING_SQUARE
 from msbvh.cli import main
 from pxr import Gf, UsdGeom
 from recording import Shot, messages
+from skinning_oracle import ARM_POINTS, Arm
 
 
 def moving(shot: Shot) -> UsdGeom.Mesh:
@@ -205,3 +206,24 @@ def test_nothing_moves_at_the_default_time(
 ) -> None:
     assert main([*command, "--defaultTime", "--shutter", "-0.25:0.25"]) == 2
     assert "--shutter and --defaultTime exclude each other" in capfd.readouterr().err
+
+
+def test_the_made_up_camera_sees_what_a_skeleton_poses() -> None:
+    shot = without_camera()
+    arm = Arm(shot)
+    arm.mesh.GetPointsAttr().Set([(x * 2, y * 8, z) for x, y, z in ARM_POINTS])
+    arm.rotate({9.0: (0, 0), 10.0: (60, 60), 11.0: (120, 0)})
+    result = shot.read(shutter=(-1.0, 1.0))
+    for time01 in (0.0, 0.3, 0.5, 1.0):
+        found = seen(result.camera, result.scene.points("/Root/Mesh", time01))
+        assert (found > 0.0).all() and (found < 1.0).all()
+
+
+def test_one_absurd_extent_does_not_spoil_the_framing() -> None:
+    shot = without_camera()
+    shot.mesh("/Sound")
+    for index, extent in enumerate([((3e38,) * 3, (-3e38,) * 3), ((-math.inf,) * 3, (math.inf,) * 3)]):
+        shot.mesh(f"/Absurd_{index}", [(x + 10, y, 0) for x, y in ((0, 0), (1, 0), (1, 1))]).CreateExtentAttr(extent)
+    result = shot.read()
+    found = seen(result.camera, np.array([[0.0, 0, 0], [11, 1, 0]]))
+    assert (found > 0.0).all() and (found < 1.0).all() and not messages(result, "warning")

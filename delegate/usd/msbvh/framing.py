@@ -11,6 +11,7 @@ from pxr import Gf, Usd, UsdGeom
 from .boxes import Box
 from .conform import conformed, image_height, window_of
 from .errors import Diagnostics
+from .skinned_bounds import SkinnedBounds
 from .times import SHUTTER_HINT, Shutter
 
 LARGEST_COORDINATE = 2.0**60
@@ -83,11 +84,13 @@ def _bounds(stage: Usd.Stage, shutter: Shutter, purposes: list[str]) -> Box | No
     bounds single precision holds."""
     times = np.linspace(0.0, 1.0, TIMES_OF_THE_SHUTTER if shutter.moving else 1).tolist()
     cache = UsdGeom.BBoxCache(shutter.frame_code, ["default", *purposes], useExtentsHint=True)
+    skinned = SkinnedBounds(stage, {"default", *purposes})
     bounds = Box.empty()
     for time01 in times:
         cache.SetTime(shutter.time_code(time01))
         found = cache.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
-        bounds = bounds.union(_box(found))
+        for box in (_box(found), *skinned.boxes(shutter.time_code(time01))):
+            bounds = bounds.union(box)
     if not _usable(bounds):
         # Without points USD's bounds are the largest floats, not empty; and one absurd extent spoils them all.
         bounds = Box.empty()
