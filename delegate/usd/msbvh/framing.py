@@ -82,46 +82,62 @@ def _distance(
 def _bounds(stage: Usd.Stage, shutter: Shutter, purposes: list[str]) -> Box | None:
     """Around everything that is drawn, at a few times of the shutter; None where there is nothing, or nothing whose
     bounds single precision holds."""
-    times = np.linspace(0.0, 1.0, TIMES_OF_THE_SHUTTER if shutter.moving else 1).tolist()
-    cache = UsdGeom.BBoxCache(shutter.frame_code, ["default", *purposes], useExtentsHint=True)
-    skinned = SkinnedBounds(stage, {"default", *purposes})
+    drawn = {"default", *purposes}
+    cache = UsdGeom.BBoxCache(shutter.frame_code, list(drawn), useExtentsHint=True)
+    skinned, absurd = SkinnedBounds(stage, drawn), list(_absurd(stage, shutter.frame_code))
     bounds = Box.empty()
-    for time01 in times:
-        cache.SetTime(shutter.time_code(time01))
-        found = cache.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
-        for box in (_box(found), *skinned.boxes(shutter.time_code(time01))):
+    for time01 in np.linspace(0.0, 1.0, TIMES_OF_THE_SHUTTER if shutter.moving else 1).tolist():
+        code = shutter.time_code(time01)
+        cache.SetTime(code)
+        whole = _box(cache.ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange())
+        if not _usable(whole):  # Without points USD's bounds are the largest floats, not empty.
+            whole = Box.empty()
+            absurd = list(_boundables(stage))
+        for box in (whole, *skinned.boxes(code), *_usable_boxes(absurd, code, drawn)):
             bounds = bounds.union(box)
-    if not _usable(bounds):
-        # Without points USD's bounds are the largest floats, not empty; and one absurd extent spoils them all.
-        bounds = Box.empty()
-        for time01 in times:
-            for box in _usable_boxes(stage, shutter.time_code(time01), {"default", *purposes}):
-                bounds = bounds.union(box)
     return bounds if _usable(bounds) else None
 
 
-def _usable_boxes(stage: Usd.Stage, code: Usd.TimeCode, purposes: set[str]) -> Iterator[Box]:
-    """Of each prim, computed from its points where its authored extent makes no sense."""
-    xforms = UsdGeom.XformCache(code)
+def _boundables(stage: Usd.Stage) -> Iterator[UsdGeom.Boundable]:
     prims = iter(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
     for prim in prims:
-        boundable = UsdGeom.Boundable(prim)
-        if not boundable:
-            continue
         if prim.IsA(UsdGeom.PointInstancer):
             prims.PruneChildren()
-        imageable = UsdGeom.Imageable(prim)
+        if prim.IsA(UsdGeom.Boundable):
+            yield UsdGeom.Boundable(prim)
+
+
+def _absurd(stage: Usd.Stage, code: Usd.TimeCode) -> Iterator[UsdGeom.Boundable]:
+    """Prims whose authored extent is not one: USD leaves them out of its bounds, or everything else."""
+    for boundable in _boundables(stage):
+        extent = boundable.GetExtentAttr()
+        if extent.HasAuthoredValue() and not _usable(_extent(extent.Get(code))):
+            yield boundable
+
+
+def _usable_boxes(
+    boundables: list[UsdGeom.Boundable], code: Usd.TimeCode, purposes: set[str]
+) -> Iterator[Box]:
+    """Of each visible prim in the world, computed from its points where its authored extent makes no sense."""
+    xforms = UsdGeom.XformCache(code)
+    for boundable in boundables:
+        imageable = UsdGeom.Imageable(boundable)
         hidden = imageable.ComputeVisibility(code) == UsdGeom.Tokens.invisible
         if hidden or imageable.ComputePurpose() not in purposes:
             continue
-        for extent in (boundable.GetExtentAttr().Get(code), boundable.ComputeExtentFromPlugins(boundable, code)):
-            if extent is None or len(extent) != 2:
-                continue
-            local = Gf.BBox3d(Gf.Range3d(*map(Gf.Vec3d, extent)), xforms.GetLocalToWorldTransform(prim))
-            box = _box(local.ComputeAlignedRange())
-            if _usable(_box(local.GetRange())) and _usable(box):
-                yield box
-                break
+        local = _extent(boundable.GetExtentAttr().Get(code))
+        if not _usable(local):
+            local = _extent(UsdGeom.Boundable.ComputeExtentFromPlugins(boundable, code))
+        world = np.array(xforms.GetLocalToWorldTransform(boundable.GetPrim()))
+        box = Box.around(local.corners() @ world[:, :3])
+        if _usable(local) and _usable(box):
+            yield box
+
+
+def _extent(extent: object) -> Box:
+    """Empty for what is no pair of corners."""
+    corners = np.zeros((0, 3)) if extent is None else np.asarray(extent, np.float64)
+    return Box(*corners) if corners.shape == (2, 3) else Box.empty()
 
 
 def _box(bounds: Gf.Range3d) -> Box:
