@@ -48,7 +48,7 @@ PACKAGE = "delegate/usd/msbvh/"
 MODULE_HOMES = {
     "click": {"cli", "option_types", "options"},
     "tqdm": {"progress"},
-    "OpenImageIO": {"images"},
+    "OpenImageIO": {"images", "texture_mean"},
     "PyOpenColorIO": {"color"},
 }
 """Python libraries, and the only modules of the package that may import them."""

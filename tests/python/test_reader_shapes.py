@@ -217,7 +217,7 @@ def test_a_reader_of_display_color_is_drawn_and_a_texture_falls_back_with_a_warn
     (warning,) = messages(result, "warning")
     assert warning == (
         "/Material/Surface.inputs:emissiveColor: connected to a UsdUVTexture, which is not evaluated yet; "
-        "drawn as (0.5, 0.25, 0)"
+        "it names no file, drawn as its fallback, (0.5, 0.25, 0)"
     )
 
 
