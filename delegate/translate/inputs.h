@@ -108,6 +108,8 @@ struct MeshInput {
   PrimvarInput<Vec3f> display_color;
   PrimvarInput<float> display_opacity;
   std::uint32_t material = kNone;
+  // Empty, or one a face in place of `material`; negative: none.
+  std::span<const int> face_materials;
 };
 
 // Quaternions as USD lays them out.
@@ -153,6 +155,11 @@ struct InstancesInput {
   std::vector<InstanceLevel> levels;
   std::optional<std::vector<VisibleInterval>> visible;  // not given: always
   std::span<const Vec3f> display_color;                 // empty, or one an instance
+  // Empty, or one an instance in place of the prototype's own; negative: none.
+  std::span<const int> materials{};
+  // Of the prims that the innermost level's maps place, one each: every prim has a track report of its own. Empty:
+  // the instances are one prim's, or many that move alike.
+  std::vector<std::string> paths{};
 };
 
 // One time of a camera; window and lens as in core/scene/scene.h.

@@ -67,6 +67,33 @@ TrackReport report_track(const std::vector<Verdict>& verdicts, const InstanceCha
   return report;
 }
 
+// Each prim for itself, over all places where the outer levels put it.
+std::vector<TrackReport> report_prims(const InstancesInput& input, const std::vector<Verdict>& verdicts,
+                                      const InstanceChain& chain, const TransformFitter& fitter,
+                                      double tolerance, PrimLog& log) {
+  std::vector<TrackReport> reports(input.paths.size());
+  std::vector<std::uint32_t> dearest(reports.size(), 0);
+  for (std::size_t i = 0; i < verdicts.size(); ++i) {
+    if (verdicts[i].fate != Fate::kDrawn) continue;
+    const std::size_t prim = i % reports.size();
+    dearest[prim] = std::max(dearest[prim], verdicts[i].track);
+    reports[prim].error_pixels = std::max(reports[prim].error_pixels, verdicts[i].error);
+    reports[prim].bytes += fitter.form(verdicts[i].track).controls() * sizeof(Affine3f);
+  }
+  const std::string rule = chain.rule();
+  for (std::size_t prim = 0; prim < reports.size(); ++prim) {
+    TrackReport& report = reports[prim];
+    report.path = input.paths[prim];
+    report.set_form(fitter.form(dearest[prim]), fitter.clock(dearest[prim]));
+    report.moving_transform = report.segments > 0;
+    report.source = report.moving_transform ? "transform" : "points";
+    report.rule = report.moving_transform ? rule : "still";
+    PrimLog own = log.of_part(report.path);
+    report_fit({report.segments, report.error_pixels}, tolerance, "xformOpOrder", "the motion", "", own);
+  }
+  return reports;
+}
+
 InstanceSet gather(const InstancesInput& input, const TransformFitter& fitter, std::uint32_t track,
                    const std::vector<std::size_t>& members) {
   const TrackForm form = fitter.form(track);
@@ -74,13 +101,32 @@ InstanceSet gather(const InstancesInput& input, const TransformFitter& fitter, s
   if (input.visible) set.clock = with_visibility(set.clock, *input.visible);
   set.world_from_prototype.resize(members.size() * form.controls());
   if (!input.display_color.empty()) set.display_color.resize(members.size());
+  if (!input.materials.empty()) set.materials.resize(members.size());
   parallel_for_ranges(members.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       fitter.controls(members[i], track, set.world_from_prototype.data() + i * form.controls());
       if (!input.display_color.empty()) set.display_color[i] = input.display_color[members[i]];
+      if (!input.materials.empty()) {
+        const int material = input.materials[members[i]];
+        set.materials[i] = material < 0 ? kNone : std::uint32_t(material);
+      }
     }
   });
   return set;
+}
+
+bool has_fitting_sizes(const InstancesInput& input, std::size_t count, std::uint32_t material_count,
+                       PrimLog& log) {
+  if (!input.paths.empty() && count % input.paths.size() != 0) {
+    return log.reject("paths", message("found ", input.paths.size(), " for ", count,
+                                       " instances; expected one for each of the innermost level"));
+  }
+  if (input.materials.empty()) return true;
+  const int largest = *std::ranges::max_element(input.materials);
+  if (input.materials.size() == count && largest < std::int64_t(material_count)) return true;
+  return log.reject("material:binding", message("found ", input.materials.size(), " materials, the largest ",
+                                                largest, "; expected ", count, " and less than ",
+                                                material_count));
 }
 
 // Without the colours, where they do not fit.
@@ -102,7 +148,9 @@ InstancesInput with_checked_colors(InstancesInput input, std::size_t count, Prim
 TranslatedInstances translate_instances(const InstancesInput& given, const InstanceTarget& target,
                                         PrimLog& log) {
   const std::optional<InstanceChain> chain = InstanceChain::make(given.levels, log);
-  if (!chain || chain->count() == 0) return {};
+  if (!chain || chain->count() == 0 || !has_fitting_sizes(given, chain->count(), target.material_count, log)) {
+    return {};
+  }
   const InstancesInput input = with_checked_colors(given, chain->count(), log);
   const TransformFitter fitter(*chain, {target.prototype_origin, target.world_origin, target.box},
                                target.measure, target.settings);
@@ -112,8 +160,13 @@ TranslatedInstances translate_instances(const InstancesInput& given, const Insta
   report_left_out(*chain, verdicts, Fate::kFlat, "are flattened to a plane", "an invertible matrix", log);
 
   TranslatedInstances result;
-  result.track = report_track(verdicts, *chain, fitter, target.settings.tolerance, log);
-  result.track.hidden_partly = input.visible.has_value();
+  const double tolerance = target.settings.tolerance;
+  if (input.paths.empty()) {
+    result.tracks = {report_track(verdicts, *chain, fitter, tolerance, log)};
+  } else {
+    result.tracks = report_prims(input, verdicts, *chain, fitter, tolerance, log);
+  }
+  for (TrackReport& track : result.tracks) track.hidden_partly = input.visible.has_value();
   std::vector<std::vector<std::size_t>> members(fitter.track_count());
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     if (verdicts[i].fate == Fate::kDrawn) members[verdicts[i].track].push_back(i);

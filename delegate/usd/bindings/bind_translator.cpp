@@ -173,6 +173,7 @@ MeshInput mesh_from(Arguments& arguments) {
   if (!arguments.optional("material").is_none()) {
     mesh.material = arguments.value<std::uint32_t>("material", "an int or None");
   }
+  mesh.face_materials = arguments.ints("face_materials");
   arguments.expect_no_more();
   return mesh;
 }
@@ -264,6 +265,8 @@ void add_instances(Translator& translator, const nb::kwargs& keywords) {
   input.visible = visible_from(arguments);
   const nb::object colors = arguments.optional("display_color");
   if (!colors.is_none()) input.display_color = arguments.floats<Vec3f>(colors, "display_color");
+  input.materials = arguments.ints("materials");
+  input.paths = arguments.value_or("paths", std::vector<std::string>{}, "a list of str");
   arguments.expect_no_more();
   nb::gil_scoped_release release;
   translator.add_instances(input);

@@ -116,28 +116,25 @@ def _constant(
     return "constant", first if isinstance(values, list) else first[0][1], None
 
 
-def faces_by_material(
+def faces_by_subset(
     mesh: UsdGeom.Mesh, face_count: int, context: FrameContext
-) -> list[tuple[Usd.Prim, np.ndarray]]:
-    """The parts of a mesh that are bound to materials of their own: the subset's prim and the faces *outside*
-    it, int32.
-
-    With these as holes the mesh shows that part alone. The faces of no subset are a part bound as the mesh
-    is; a mesh without such subsets has no parts at all.
-    """
+) -> tuple[list[Usd.Prim], np.ndarray]:
+    """The subsets that bind materials of their own, and int32[face_count]: the number of the one that each face
+    belongs to, -1 for none. A face of several belongs to the last one, which is said."""
+    owners = np.full(face_count, -1, np.int32)
     subsets = UsdGeom.Subset.GetGeomSubsets(mesh, UsdGeom.Tokens.face, "materialBind")
-    unclaimed = np.ones(face_count, bool)
-    parts = []
-    for subset in subsets:
+    for number, subset in enumerate(subsets):
         faces = array(subset.GetIndicesAttr().Get(context.code), np.int32)
         inside = faces[(faces >= 0) & (faces < face_count)]
         if len(inside) < len(faces):
             message = f"found {len(faces) - len(inside)} indices outside 0 to {face_count - 1}; left out"
             context.diagnostics.warning(str(subset.GetPath()), "indices", message)
-        outside = np.ones(face_count, bool)
-        outside[inside] = False
-        parts.append((subset.GetPrim(), np.flatnonzero(outside).astype(np.int32)))
-        unclaimed[inside] = False
-    if parts and unclaimed.any():
-        parts.append((mesh.GetPrim(), np.flatnonzero(~unclaimed).astype(np.int32)))
-    return parts
+        taken = np.unique(inside[owners[inside] >= 0])
+        if len(taken):
+            message = (
+                f"found {len(taken)} faces that an earlier subset has too, expected each face in one subset; took this"
+                " one's material"
+            )
+            context.diagnostics.warning(str(subset.GetPath()), "indices", message)
+        owners[inside] = number
+    return [subset.GetPrim() for subset in subsets], owners

@@ -13,7 +13,7 @@ from pxr import Usd, UsdGeom
 from .boxes import Box
 from .context import FrameContext
 from .materials import Materials
-from .meshes import faces_by_material, read_shape
+from .meshes import faces_by_subset, read_shape
 from .points import Samples
 from .skinning import read_skinning
 from .times import Shutter
@@ -123,7 +123,7 @@ class Shapes:
     def _add_shape(
         self, shape: Shape, transform: TransformSamples, place: int, add: Callable[..., None]
     ) -> None:
-        """Once for each material on it. Its matrices are number `place` of the samples'."""
+        """Its matrices are number `place` of the samples'."""
         if self._context.found is not None:
             self._context.found.evaluated_shape(shape.mesh["path"], transform.times01)
         mesh = {
@@ -134,16 +134,21 @@ class Shapes:
             "transforms_held": transform.held,
             "transform_error_pixels": transform.error_pixels,
         }
-        prim, parts = shape.part.prim, []
+        prim = shape.part.prim
+        binds = self._context.inherited.binds_material(prim, shape.part.authored)
+        material = self._materials.bound_to(prim) if binds else None
         if prim.IsA(UsdGeom.Mesh):
-            parts = faces_by_material(UsdGeom.Mesh(prim), len(mesh["face_vertex_counts"]), self._context)
-        if not parts:
-            binds = self._context.inherited.binds_material(prim, shape.part.authored)
-            add(material=self._materials.bound_to(prim) if binds else None, **mesh)
-        for bound, outside in parts:
-            holes = mesh["hole_indices"]
-            holes = outside if holes is None else np.union1d(holes, outside).astype(np.int32)
-            add(**{**mesh, "hole_indices": holes, "material": self._materials.bound_to(bound)})
+            mesh["face_materials"] = self._face_materials(UsdGeom.Mesh(prim), mesh, material)
+        add(material=material, **mesh)
+
+    def _face_materials(self, prim: UsdGeom.Mesh, mesh: dict, own: int | None) -> np.ndarray | None:
+        """int32: one a face, negative for none; None where no subset has a material of its own."""
+        subsets, owners = faces_by_subset(prim, len(mesh["face_vertex_counts"]), self._context)
+        if not subsets:
+            return None
+        bound = [self._materials.bound_to(subset) for subset in subsets]
+        numbers = np.array([-1 if material is None else material for material in (*bound, own)], np.int32)
+        return numbers[owners]  # Number -1, of the faces of no subset, is the last: the mesh's own.
 
     def _skinning_tolerance(
         self, root: Usd.Prim | None, context: FrameContext, pixel_sizes: PixelSizes
