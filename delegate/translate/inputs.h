@@ -160,6 +160,8 @@ struct InstancesInput {
   // Of the prims that the innermost level's maps place, one each: every prim has a track report of its own. Empty:
   // the instances are one prim's, or many that move alike.
   std::vector<std::string> paths{};
+  // Whether there is a report of all together as well; always, where there are no paths.
+  bool report_whole = false;
 };
 
 // One time of a camera; window and lens as in core/scene/scene.h.

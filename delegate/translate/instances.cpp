@@ -161,10 +161,10 @@ TranslatedInstances translate_instances(const InstancesInput& given, const Insta
 
   TranslatedInstances result;
   const double tolerance = target.settings.tolerance;
-  if (input.paths.empty()) {
-    result.tracks = {report_track(verdicts, *chain, fitter, tolerance, log)};
-  } else {
-    result.tracks = report_prims(input, verdicts, *chain, fitter, tolerance, log);
+  if (!input.paths.empty()) result.tracks = report_prims(input, verdicts, *chain, fitter, tolerance, log);
+  if (input.paths.empty() || input.report_whole) {
+    result.tracks.push_back(report_track(verdicts, *chain, fitter, tolerance, log));
+    if (!input.paths.empty()) result.tracks.back().count /= input.paths.size();
   }
   for (TrackReport& track : result.tracks) track.hidden_partly = input.visible.has_value();
   std::vector<std::vector<std::size_t>> members(fitter.track_count());

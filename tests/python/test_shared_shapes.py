@@ -170,9 +170,11 @@ def test_the_picture_and_the_messages_are_those_of_shapes_that_stand_alone(autho
     assert counts[0]["meshes"] < counts[1]["meshes"] / 2
     assert sorted(map(str, together.diagnostics)) == sorted(map(str, apart.diagnostics))
     difference = np.abs(picture(together) - picture(apart))
-    # The same triangles but for rounding: a ray in some thousands falls beside an edge, and dice go by rays.
-    assert (difference.max(axis=-1) > 1e-3).mean() < 0.01, (difference.max(axis=-1) > 1e-3).mean()
-    assert difference.mean() < 1e-3
+    # The same triangles but for rounding: a ray in some thousands falls beside an edge. Normals of what is squashed
+    # differ by more: those of the unit shape are the exact ones.
+    assert (difference[..., 3] > 1e-3).mean() < 0.01
+    assert (difference.max(axis=-1) > 0.02).mean() < 0.01
+    assert difference.mean() < 3e-4
 
 
 @OWN_MESHES

@@ -267,6 +267,7 @@ void add_instances(Translator& translator, const nb::kwargs& keywords) {
   if (!colors.is_none()) input.display_color = arguments.floats<Vec3f>(colors, "display_color");
   input.materials = arguments.ints("materials");
   input.paths = arguments.value_or("paths", std::vector<std::string>{}, "a list of str");
+  input.report_whole = arguments.value_or("report_whole", false, "a bool");
   arguments.expect_no_more();
   nb::gil_scoped_release release;
   translator.add_instances(input);

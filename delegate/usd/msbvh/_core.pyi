@@ -211,10 +211,11 @@ class Translator:
         display_color: F32 | None = None,
         materials: I32 | None = None,
         paths: Sequence[str] = (),
+        report_whole: bool = False,
     ) -> None:
         """As many instances as the product of the levels' counts, the outermost (last) level varying slowest;
         ``display_color`` [N, 3], ``materials`` [N] (negative: none) override the prototype's own. ``paths``: of
-        the prims that the innermost level places, for a track report each. After the prototype's meshes."""
+        the prims that the innermost level places, for a track report each; ``report_whole``: and one of all. After the prototype's meshes."""
     def add_material(
         self,
         *,

@@ -260,6 +260,7 @@ def _read_settings(options: dict[str, Any]) -> ReadSettings:
         interpolation=options["interpolation"],
         segments=options["segments"] or 0,
         disable_camera_light=options["disable_camera_light"],
+        complexity=options["complexity"],
     )
 
 
@@ -285,5 +286,6 @@ def _check_renderer(name: str | None) -> None:
 def _warn_of_options(options: dict[str, Any], reporter: Reporter) -> None:
     if options["complexity"] != "low":
         reporter.warning(
-            f"--complexity {options['complexity']}: not supported yet; subdivision surfaces are polygons"
+            f"--complexity {options['complexity']}: subdivision surfaces are polygons yet; only spheres and the like"
+            " are finer"
         )

@@ -6,7 +6,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
-from .implicit import IMPLICIT_TYPES, read_implicit
+from .implicit import IMPLICIT_TYPES, ChooseSides, read_implicit
 from .points import changes, rate_clock, raw_samples, sample_points
 from .primvars import MovingPrimvar, sample_primvar
 
@@ -17,7 +17,11 @@ def is_shape(prim: Usd.Prim) -> bool:
 
 
 def read_shape(
-    prim: Usd.Prim, context: FrameContext, velocity_scale: float, authored: frozenset[str]
+    prim: Usd.Prim,
+    context: FrameContext,
+    velocity_scale: float,
+    authored: frozenset[str],
+    choose_sides: ChooseSides,
 ) -> dict | None:
     """The translator's keywords of a mesh, without transform and material; None if there is nothing to draw.
 
@@ -27,7 +31,9 @@ def read_shape(
     if prim.IsA(UsdGeom.Mesh):
         mesh = _read_mesh(UsdGeom.Mesh(prim), context, velocity_scale, authored)
     else:
-        mesh = read_implicit(prim, context)
+        mesh = read_implicit(prim, context, choose_sides)
+        if mesh is None:
+            return None
     path = str(prim.GetPath())
     if not len(mesh["face_vertex_counts"]) and not any(len(points) for _, points in mesh["samples"].values):
         context.diagnostics.group(path, "", "empty: it has neither faces nor points at this frame", "note")

@@ -10,15 +10,17 @@ from operator import itemgetter
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .boxes import Box
+from .boxes import Box, Pixels
 from .context import FrameContext
+from .implicit import ChooseSides
 from .materials import Materials
 from .meshes import faces_by_subset, read_shape
 from .points import Samples
+from .shape_sizes import side_chooser
 from .skinning import read_skinning
 from .times import Shutter
 from .transform_faults import report_unusable
-from .transform_sampling import SAMPLING_SHARE, PixelSizes, TransformSamples, transform_samples
+from .transform_sampling import SAMPLING_SHARE, TransformSamples, transform_samples
 from .transforms import XformCaches, bends_of, may_move
 from .traversal import Part
 from .visibility import visible_intervals
@@ -62,17 +64,24 @@ class Shapes:
     """Reads the meshes of one frame and hands them down."""
 
     def __init__(
-        self, context: FrameContext, caches: XformCaches, materials: Materials, tolerance_pixels: float
+        self,
+        context: FrameContext,
+        caches: XformCaches,
+        materials: Materials,
+        tolerance_pixels: float,
+        silhouette_pixels: float,
     ) -> None:
         self._context = context
         self._caches = caches
         self._materials = materials
         self._tolerance = tolerance_pixels
+        self._silhouette = silhouette_pixels
 
-    def read(self, part: Part, root: Usd.Prim | None, pixel_sizes: PixelSizes) -> Shape | None:
+    def read(self, part: Part, root: Usd.Prim | None, pixel_sizes: Pixels) -> Shape | None:
         """A mesh and how it moves; None if it is not drawn."""
         context = self._context.scaled(part.scales.blur)
-        mesh = read_shape(part.prim, context, part.scales.velocity, part.authored)
+        choose_sides = self._side_chooser(part, root, context, pixel_sizes)
+        mesh = read_shape(part.prim, context, part.scales.velocity, part.authored, choose_sides)
         if mesh is None:
             return None
         placed_by, varying, bends = part.prim, part.varying, part.bends
@@ -99,7 +108,7 @@ class Shapes:
         return Shape(part, mesh, samples, placed_by, (varying, bends, context.shutter))
 
     def hand_down(
-        self, shapes: list[Shape], root: Usd.Prim | None, pixel_sizes: PixelSizes, add: Callable[..., None]
+        self, shapes: list[Shape], root: Usd.Prim | None, pixel_sizes: Pixels, add: Callable[..., None]
     ) -> None:
         """Hands meshes to the translator with their transforms over the shutter, in their order."""
         held = self._context.held
@@ -150,8 +159,19 @@ class Shapes:
         numbers = np.array([-1 if material is None else material for material in (*bound, own)], np.int32)
         return numbers[owners]  # Number -1, of the faces of no subset, is the last: the mesh's own.
 
+    def _side_chooser(
+        self, part: Part, root: Usd.Prim | None, context: FrameContext, pixel_sizes: Pixels
+    ) -> ChooseSides:
+        """Of an implicit shape, by its size in pixels."""
+
+        def matrices() -> np.ndarray:
+            times = (0.0, 0.5, 1.0) if part.varying and context.shutter.moving else (0.0,)
+            return np.array([self._caches.matrix(time, part.prim, root, context.shutter) for time in times])
+
+        return side_chooser(matrices, part.prim.GetTypeName() == "Sphere", pixel_sizes, self._silhouette)
+
     def _skinning_tolerance(
-        self, root: Usd.Prim | None, context: FrameContext, pixel_sizes: PixelSizes
+        self, root: Usd.Prim | None, context: FrameContext, pixel_sizes: Pixels
     ) -> Callable[[Usd.Prim, Box], float]:
         """How far skinned points may stray between samples: a share of the tolerance, the rest of which the
         track has."""
