@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +66,8 @@ class RunStats:
     def write(self, path: Path) -> None:
         """Writes JSON, complete or not at all. Raises OutputError."""
         self.peak_memory_bytes = peak_memory_bytes()
-        text = json.dumps(asdict(self), indent=2, allow_nan=False)
+        # asdict() would copy every track first.
+        text = json.dumps(vars(self), default=vars, indent=2, allow_nan=False)
         with replacing(path) as temporary:
             temporary.write_text(text + "\n", encoding="utf-8")
 
