@@ -304,16 +304,26 @@ def test_animated_radii_follow_the_stage() -> None:
 
 FIGURES = """
 import resource, sys, time
-start = time.process_time()
+from pxr import Usd, UsdGeom
 from msbvh import _core
 from msbvh.errors import Diagnostics
 from msbvh.reader import read_frame
 from msbvh.stage import open_stage
-imported = time.process_time()
-result = read_frame(open_stage(sys.argv[1], Diagnostics()), 1.0)
+start = time.process_time()
+stage = open_stage(sys.argv[1], Diagnostics())
+result = read_frame(stage, 1.0)
 renderer = _core.Renderer(result.scene, width=96, height=64)
-print(time.process_time() - imported, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+seconds = time.process_time() - start
+size = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+start, places = time.process_time(), UsdGeom.XformCache(1.0)
+for prim in stage.GetPseudoRoot().GetChildren():
+    prim.GetAuthoredPropertyNames()
+    prim.GetAttribute("radius").Get(1.0), prim.GetAttribute("primvars:displayColor").Get(1.0)
+    places.GetLocalToWorldTransform(prim)
+print(seconds, size, time.process_time() - start)
 """
+IDLE_SECONDS = 0.27
+"""What USD's own calls of that loop take for 20,000 prims where nothing else runs: how busy the machine is."""
 
 
 def test_twenty_thousand_spheres_take_two_seconds_and_three_hundred_megabytes(tmp_path: Path) -> None:
@@ -331,6 +341,7 @@ def test_twenty_thousand_spheres_take_two_seconds_and_three_hundred_megabytes(tm
             colour.default = [Gf.Vec3f(*rng.uniform(0, 1, 3).tolist())]
     layer.Save()
     command = [sys.executable, "-c", FIGURES, layer.realPath]
-    seconds, megabytes = map(float, subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    seconds, megabytes, busy_seconds = map(float, done.stdout.split())
     assert megabytes < 300
-    assert seconds < 2.0  # About 1.3 on an idle core.
+    assert seconds < 2.0 * max(1.0, busy_seconds / IDLE_SECONDS)

@@ -6,6 +6,7 @@ import json
 import os
 import sys
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,8 @@ from .bench import BenchSettings
 from .bench import run as run_bench
 from .bench_table import table as bench_table
 from .color import ColorCorrection, ColorError
-from .conformance import conform, find_suite, other_renderer, own_renderer, read_rules, table
+from .conform_shutter import check_suite, shutter_text, with_shutter
+from .conformance import Rule, conform, find_suite, other_renderer, own_renderer, read_rules, table
 from .errors import Diagnostics, SceneError
 from .frames import FrameError, check_single_outputs, frame_jobs, parse_frame_specs
 from .images import ImageSettings
@@ -160,17 +162,32 @@ def motion_command(
 @commands.command("conform")
 @with_options(CONFORM)
 def conform_command(
-    suite: Path | None, pattern: str, spp: int, as_json: bool, out: Path | None, command: str, timeout: float
+    suite: Path | None,
+    pattern: str,
+    spp: int,
+    as_json: bool,
+    out: Path | None,
+    command: str,
+    timeout: float,
+    shutter: tuple[float, float] | None,
 ) -> int:
     """Hold a renderer to the rules of USD's motion: one small scene each, its alpha against the coverage that
     usd-core's own evaluation has.
 
     Exit code 1 if a rule fails. The renderer is msbvh, or any other that --command runs.
     """
-    renderer = other_renderer(command, timeout) if command else own_renderer(spp)
-    rules = read_rules(find_suite(suite), pattern)
+    text = shutter_text(shutter) if shutter else ""
+    renderer = replace(other_renderer(command, timeout), shutter=text) if command else own_renderer(spp, text)
+    folder = find_suite(suite)
+    rules = read_rules(folder, pattern)
+    if shutter is not None:
+        check_suite(folder)
+
+    def prepare(rule: Rule, scratch: Path) -> Rule:
+        return rule if shutter is None else with_shutter(rule, folder, shutter, scratch, renderer.knows_shutter)
+
     with Progress("msbvh: conform") as progress:
-        outcomes = list(conform(rules, renderer, spp, out, progress))
+        outcomes = list(conform(rules, renderer, spp, out, progress, prepare))
     if as_json:
         plain = {"renderer": renderer.name, "rules": [outcome.plain() for outcome in outcomes]}
         print(json.dumps(plain, indent=2))

@@ -93,8 +93,15 @@ class Renderer:
 
     name: str
     arguments: tuple[str, ...]
-    """May contain {scene} {out} {frame} {frames} {width} {height} {camera}."""
+    """May contain {scene} {out} {frame} {frames} {width} {height} {camera} {shutter}."""
     timeout_seconds: float = 120.0
+    shutter: str = ""
+    """OPEN:CLOSE in place of the cameras' own."""
+
+    @property
+    def knows_shutter(self) -> bool:
+        """Whether it is told of that shutter, so that the scenes need not say it."""
+        return any("{shutter}" in argument for argument in self.arguments)
 
     def command(self, rule: Rule, out: str) -> list[str]:
         """What is run for a rule."""
@@ -106,6 +113,7 @@ class Renderer:
             "width": str(rule.width),
             "height": str(rule.height),
             "camera": rule.camera,
+            "shutter": self.shutter,
         }
         return [_filled(argument, values) for argument in self.arguments]
 
@@ -123,10 +131,11 @@ USDRECORD_ARGUMENTS = (
 """What follows a command line that names no scene itself."""
 
 
-def own_renderer(spp: int) -> Renderer:
+def own_renderer(spp: int, shutter: str = "") -> Renderer:
     """msbvh in a process of its own, so that a crash is a row of the table."""
     command = (sys.executable, "-m", "msbvh", "record", "--spp", str(spp), "--max-bounces", "0")
-    return Renderer("msbvh", (*command, *USDRECORD_ARGUMENTS))
+    more = ("--shutter={shutter}",) if shutter else ()
+    return Renderer("msbvh", (*command, *more, *USDRECORD_ARGUMENTS), shutter=shutter)
 
 
 def other_renderer(command_line: str, timeout_seconds: float) -> Renderer:
@@ -205,15 +214,16 @@ def conform(
     spp: int,
     out: Path | None = None,
     progress: Callable[[float], None] = lambda _: None,
+    prepare: Callable[[Rule, Path], Rule] = lambda rule, _: rule,
 ) -> Iterator[Outcome]:
     """Runs the renderer on every rule. `spp`: samples a pixel that the allowed error is for. `out`: where its
-    images stay."""
+    images stay. `prepare`: makes of a rule the one that the renderer is held to, with a folder at hand."""
     with tempfile.TemporaryDirectory(prefix="msbvh_conform_") as scratch:
         for done, rule in enumerate(rules):
             folder = (out or Path(scratch)) / rule.name
             folder.mkdir(parents=True, exist_ok=True)
             progress(done / len(rules))
-            yield _outcome(rule, renderer, spp, folder)
+            yield _outcome(prepare(rule, folder), renderer, spp, folder)
         progress(1.0)
 
 

@@ -299,7 +299,14 @@ CONFORM: Sequence[Decorator] = (
         default="",
         metavar="COMMAND",
         help="Another renderer, such as 'usdrecord --renderer X'. usdrecord's options, scene and image"
-        " follow, unless it names {scene} {out} {frame} {frames} {width} {height} {camera} itself.",
+        " follow, unless it names {scene} {out} {frame} {frames} {width} {height} {camera} {shutter} itself.",
+    ),
+    click.option(
+        "--shutter",
+        type=ShutterRange(),
+        metavar="OPEN:CLOSE",
+        help="Hold the rules' scenes under this shutter instead of their own. The suite's own evaluation makes the"
+        " answers anew: seconds a rule. A renderer whose command has no {shutter} gets scenes whose cameras have it.",
     ),
     click.option(
         "--timeout",
