@@ -98,37 +98,41 @@ def _bounds(stage: Usd.Stage, shutter: Shutter, purposes: list[str]) -> Box | No
     return bounds if _usable(bounds) else None
 
 
-def _boundables(stage: Usd.Stage) -> Iterator[UsdGeom.Boundable]:
+def _boundables(stage: Usd.Stage) -> Iterator[Usd.Prim]:
     prims = iter(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
+    bounded: dict[str, bool] = {}  # By type: asking each of a hundred thousand prims takes a while.
     for prim in prims:
-        if prim.IsA(UsdGeom.PointInstancer):
-            prims.PruneChildren()
-        if prim.IsA(UsdGeom.Boundable):
-            yield UsdGeom.Boundable(prim)
+        kind = prim.GetTypeName()
+        if kind not in bounded:
+            bounded[kind] = prim.IsA(UsdGeom.Boundable)
+        if bounded[kind]:
+            if prim.IsA(UsdGeom.PointInstancer):
+                prims.PruneChildren()
+            yield prim
 
 
-def _absurd(stage: Usd.Stage, code: Usd.TimeCode) -> Iterator[UsdGeom.Boundable]:
+def _absurd(stage: Usd.Stage, code: Usd.TimeCode) -> Iterator[Usd.Prim]:
     """Prims whose authored extent is not one: USD leaves them out of its bounds, or everything else."""
-    for boundable in _boundables(stage):
-        extent = boundable.GetExtentAttr()
+    for prim in _boundables(stage):
+        extent = prim.GetAttribute("extent")
         if extent.HasAuthoredValue() and not _usable(_extent(extent.Get(code))):
-            yield boundable
+            yield prim
 
 
 def _usable_boxes(
-    boundables: list[UsdGeom.Boundable], code: Usd.TimeCode, purposes: set[str]
+    prims: list[Usd.Prim], code: Usd.TimeCode, purposes: set[str]
 ) -> Iterator[Box]:
     """Of each visible prim in the world, computed from its points where its authored extent makes no sense."""
     xforms = UsdGeom.XformCache(code)
-    for boundable in boundables:
-        imageable = UsdGeom.Imageable(boundable)
+    for prim in prims:
+        imageable, boundable = UsdGeom.Imageable(prim), UsdGeom.Boundable(prim)
         hidden = imageable.ComputeVisibility(code) == UsdGeom.Tokens.invisible
         if hidden or imageable.ComputePurpose() not in purposes:
             continue
         local = _extent(boundable.GetExtentAttr().Get(code))
         if not _usable(local):
             local = _extent(UsdGeom.Boundable.ComputeExtentFromPlugins(boundable, code))
-        world = np.array(xforms.GetLocalToWorldTransform(boundable.GetPrim()))
+        world = np.array(xforms.GetLocalToWorldTransform(prim))
         box = Box.around(local.corners() @ world[:, :3])
         if _usable(local) and _usable(box):
             yield box
