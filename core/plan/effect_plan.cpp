@@ -64,12 +64,13 @@ void plan_clock(const std::string& name, const Clock& clock, Planner& planner) {
   planner.add(Effect::kOwnClocks, name, std::to_string(clock.pieces.size()) + " pieces of the shutter");
 }
 
-// Meshes that something shows: in the world, or in a prototype that has instances. In the order of the scene.
-std::vector<const Mesh*> shown_meshes(const Scene& scene) {
+// Meshes that something shows: in the world, or in a prototype that has instances. `own_materials`: only where
+// no instance overrides their materials. In the order of the scene.
+std::vector<const Mesh*> shown_meshes(const Scene& scene, bool own_materials) {
   std::vector<bool> shown(scene.meshes.size(), false);
   for (const std::uint32_t mesh : scene.world_meshes) shown[mesh] = true;
   for (const InstanceSet& set : scene.instances) {
-    if (instance_count(set) == 0) continue;
+    if (instance_count(set) == 0 || (own_materials && !set.materials.empty())) continue;
     for (const std::uint32_t mesh : scene.prototypes[set.prototype].meshes) shown[mesh] = true;
   }
   std::vector<const Mesh*> meshes;
@@ -80,15 +81,30 @@ std::vector<const Mesh*> shown_meshes(const Scene& scene) {
 }
 
 void plan_meshes(const Scene& scene, Planner& planner) {
-  for (const Mesh* mesh : shown_meshes(scene)) {
-    if (mesh->shape.segments > 0) {
-      planner.add(Effect::kDeformingKeys, mesh->shape.name, segments_phrase(mesh->shape.segments));
-      plan_curve(mesh->shape.name, mesh->shape.form(), planner);
-    }
-    if (planner.needs(Effect::kOpacity)) continue;  // looking for the least opacity reads the whole primvar
-    const float opacity = least_opacity(scene, *mesh);
-    if (opacity < 1.0f) {
-      planner.add(Effect::kOpacity, mesh->shape.name, "opacity down to " + phrase(opacity, ""));
+  for (const Mesh* mesh : shown_meshes(scene, false)) {
+    if (mesh->shape.segments == 0) continue;
+    planner.add(Effect::kDeformingKeys, mesh->shape.name, segments_phrase(mesh->shape.segments));
+    plan_curve(mesh->shape.name, mesh->shape.form(), planner);
+  }
+}
+
+// The first thing that is not opaque is enough: looking for the least opacity reads a whole primvar.
+void plan_opacity(const Scene& scene, Planner& planner) {
+  const auto found = [&](const std::string& name, float opacity) {
+    if (opacity < 1.0f) planner.add(Effect::kOpacity, name, "opacity down to " + phrase(opacity, ""));
+    return opacity < 1.0f;
+  };
+  for (const Mesh* mesh : shown_meshes(scene, true)) {
+    if (found(mesh->shape.name, least_opacity(scene, *mesh))) return;
+  }
+  for (const InstanceSet& set : scene.instances) {
+    std::vector<std::uint32_t> materials = set.materials;
+    std::ranges::sort(materials);
+    materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
+    for (const std::uint32_t material : materials) {
+      for (const std::uint32_t mesh : scene.prototypes[set.prototype].meshes) {
+        if (found(set.name, least_opacity(scene.meshes[mesh], material_at(scene, material)))) return;
+      }
     }
   }
 }
@@ -163,6 +179,7 @@ const char* effect_name(Effect effect) {
 EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings) {
   Planner planner;
   plan_meshes(scene, planner);
+  plan_opacity(scene, planner);
   plan_instances(scene, planner);
   plan_camera(scene.camera, planner);
   for (const Light& light : scene.lights) plan_light(light, planner);

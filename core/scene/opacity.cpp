@@ -1,16 +1,15 @@
 #include "core/scene/opacity.h"
 
 #include <algorithm>
+#include <vector>
 
 namespace msbvh {
 
-bool reads_display_opacity(const Scene& scene, const Mesh& mesh) {
-  const Material* material = material_of(scene, mesh);
+bool reads_display_opacity(const Mesh& mesh, const Material* material) {
   return mesh.display_opacity.authored() && (!material || material->opacity_from_display_opacity);
 }
 
-float constant_opacity(const Scene& scene, const Mesh& mesh) {
-  const Material* material = material_of(scene, mesh);
+float constant_opacity(const Material* material) {
   return rendered_opacity(material, material ? material->opacity : 1.0f);
 }
 
@@ -20,10 +19,23 @@ float rendered_opacity(const Material* material, float value) {
   return std::clamp(value, 0.0f, 1.0f);
 }
 
-float least_opacity(const Scene& scene, const Mesh& mesh) {
-  if (!reads_display_opacity(scene, mesh)) return constant_opacity(scene, mesh);
+float least_opacity(const Mesh& mesh, const Material* material) {
+  if (!reads_display_opacity(mesh, material)) return constant_opacity(material);
   const std::vector<float>& values = mesh.display_opacity.values;
-  return rendered_opacity(material_of(scene, mesh), *std::min_element(values.begin(), values.end()));
+  return rendered_opacity(material, *std::min_element(values.begin(), values.end()));
+}
+
+float least_opacity(const Scene& scene, const Mesh& mesh) {
+  if (mesh.triangle_materials.empty()) return least_opacity(mesh, material_at(scene, mesh.material));
+  std::vector<bool> seen(scene.materials.size() + 1, false);  // the last stands for kNone
+  float least = 1.0f;
+  for (const std::uint32_t material : mesh.triangle_materials) {
+    const std::size_t index = std::min<std::size_t>(material, scene.materials.size());
+    if (seen[index]) continue;
+    seen[index] = true;
+    least = std::min(least, least_opacity(mesh, material_at(scene, material)));
+  }
+  return least;
 }
 
 }  // namespace msbvh

@@ -5,20 +5,28 @@
 
 namespace msbvh {
 
-inline const Material* material_of(const Scene& scene, const Mesh& mesh) {
-  return mesh.material == kNone ? nullptr : &scene.materials[mesh.material];
+// Null for kNone: diffuse in displayColor.
+inline const Material* material_at(const Scene& scene, std::uint32_t index) {
+  return index == kNone ? nullptr : &scene.materials[index];
 }
 
-// Whether the mesh's displayOpacity decides. Otherwise its opacity is the same everywhere:
-// constant_opacity().
-bool reads_display_opacity(const Scene& scene, const Mesh& mesh);
-float constant_opacity(const Scene& scene, const Mesh& mesh);
+// Of a triangle, as long as no instance overrides it.
+inline const Material* material_of(const Scene& scene, const Mesh& mesh, std::uint32_t triangle) {
+  return material_at(scene, mesh.triangle_materials.empty() ? mesh.material : mesh.triangle_materials[triangle]);
+}
+
+// Whether the mesh's displayOpacity decides under a material, which may be null. Otherwise its opacity is the
+// same everywhere: constant_opacity().
+bool reads_display_opacity(const Mesh& mesh, const Material* material);
+float constant_opacity(const Material* material);
 
 // From a value read there to the opacity in [0, 1] that is rendered. `material` may be null. A material's
 // opacityThreshold cuts out, as UsdPreviewSurface says.
 float rendered_opacity(const Material* material, float value);
 
-// The least rendered opacity on the mesh, over all its values and keys.
+// The least rendered opacity on the mesh under a material, which may be null, over all its values and keys.
+float least_opacity(const Mesh& mesh, const Material* material);
+// Under its own materials.
 float least_opacity(const Scene& scene, const Mesh& mesh);
 
 }  // namespace msbvh

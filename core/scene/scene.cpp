@@ -70,6 +70,13 @@ void expect_index(std::size_t index, std::size_t size, const std::string& part,
          "less than " + std::to_string(size));
 }
 
+void expect_materials(const std::vector<std::uint32_t>& materials, const Scene& scene,
+                      const std::string& part, const std::string& attribute) {
+  for (const std::uint32_t material : materials) {
+    if (material != kNone) expect_index(material, scene.materials.size(), part, attribute);
+  }
+}
+
 template <typename T>
 void check_primvar(const Primvar<T>& primvar, const TriangleMesh& shape, const std::string& part,
                    const std::string& attribute) {
@@ -89,6 +96,10 @@ void check_mesh(const Mesh& mesh, const Scene& scene, const std::string& part) {
   check_primvar(mesh.display_color, mesh.shape, part, "displayColor");
   check_primvar(mesh.display_opacity, mesh.shape, part, "displayOpacity");
   if (mesh.material != kNone) expect_index(mesh.material, scene.materials.size(), part, "material");
+  expect(mesh.triangle_materials.empty() || mesh.triangle_materials.size() == mesh.shape.triangles.size(), part,
+         "triangleMaterials", std::to_string(mesh.triangle_materials.size()) + " values",
+         "none or " + std::to_string(mesh.shape.triangles.size()));
+  expect_materials(mesh.triangle_materials, scene, part, "triangleMaterials");
 }
 
 void check_material(const Material& material, const std::string& part) {
@@ -116,6 +127,9 @@ void check_instances(const InstanceSet& set, const Scene& scene, const std::stri
   expect(set.display_color.empty() || set.display_color.size() == colors, part, "displayColor",
          std::to_string(set.display_color.size()) + " values", "none or " + std::to_string(colors));
   expect_all_finite(set.display_color, part, "displayColor");
+  expect(set.materials.empty() || set.materials.size() == count, part, "materials",
+         std::to_string(set.materials.size()) + " values", "none or " + std::to_string(count));
+  expect_materials(set.materials, scene, part, "materials");
 }
 
 void expect_size(float size, const std::string& part, const std::string& attribute) {

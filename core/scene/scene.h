@@ -48,6 +48,9 @@ struct Mesh {
   Primvar<Vec3f> display_color;
   Primvar<float> display_opacity;
   std::uint32_t material = kNone;  // kNone: diffuse in display_color (0.18 grey where not authored)
+  // Empty, or one a triangle in place of `material`: parts with materials of their own stay one mesh, with one
+  // tree and no edges that could leak.
+  std::vector<std::uint32_t> triangle_materials{};
 };
 
 // The constants of a UsdPreviewSurface that the diffuse model uses.
@@ -81,6 +84,7 @@ struct InstanceSet {
   std::uint32_t degree = 1;
   Clock clock{};  // of the transforms; hides all of the set where it says so
   std::uint32_t color_segments = 0;
+  std::vector<std::uint32_t> materials{};  // empty, or one an instance: overrides the meshes' own
 
   TrackForm form() const { return {segments, degree}; }
 };

@@ -25,6 +25,14 @@ Vec3f display_color(const HitSource& source, const Hit& hit, float time, Vec3f f
   return interpolate(mesh.display_color, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time);
 }
 
+// The instance's, else the triangle's.
+const Material* material_of(const Scene& scene, const HitSource& source, const Hit& hit) {
+  if (source.instances && !source.instances->materials.empty()) {
+    return material_at(scene, source.instances->materials[source.instance]);
+  }
+  return material_of(scene, *source.mesh, hit.triangle);
+}
+
 void set_colors(const Material* material, const HitSource& source, const Hit& hit, float time,
                 SurfacePoint& surface) {
   static const Material standard{.diffuse_from_display_color = true};
@@ -79,16 +87,17 @@ SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& 
   surface.shading_normal =
       shading_normal(source, hit, source.mesh_time(ray.time), pose, surface.geometric_normal);
   surface.origin = origin_at(triangle, hit, ray, position, normal, doubled_area);
-  set_colors(material_of(scene, *source.mesh), source, hit, ray.time, surface);
+  set_colors(material_of(scene, source, hit), source, hit, ray.time, surface);
   return surface;
 }
 
 float opacity_at(const Scene& scene, const HitSource& source, const Hit& hit, float time) {
   const Mesh& mesh = *source.mesh;
-  if (!reads_display_opacity(scene, mesh)) return constant_opacity(scene, mesh);
+  const Material* material = material_of(scene, source, hit);
+  if (!reads_display_opacity(mesh, material)) return constant_opacity(material);
   const float value =
       interpolate(mesh.display_opacity, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time);
-  return rendered_opacity(material_of(scene, mesh), value);
+  return rendered_opacity(material, value);
 }
 
 }  // namespace msbvh

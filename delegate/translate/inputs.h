@@ -110,6 +110,8 @@ struct MeshInput {
   PrimvarInput<Vec3f> display_color;
   PrimvarInput<float> display_opacity;
   std::uint32_t material = kNone;
+  // Empty, or one a face in place of `material`; negative: none.
+  std::span<const int> face_materials;
 };
 
 // Quaternions as USD lays them out.
@@ -157,6 +159,13 @@ struct InstancesInput {
   std::vector<InstanceLevel> levels;
   std::optional<std::vector<VisibleInterval>> visible;  // not given: always
   PrimvarInput<Vec3f> display_color;                    // one an instance, without indices, or none
+  // Empty, or one an instance in place of the prototype's own; negative: none.
+  std::span<const int> materials{};
+  // Of the prims that the innermost level's maps place, one each: every prim has a track report of its own. Empty:
+  // the instances are one prim's, or many that move alike.
+  std::vector<std::string> paths{};
+  // Whether there is a report of all together as well; always, where there are no paths.
+  bool report_whole = false;
 };
 
 // One time of a camera; window, lens and clip as in core/scene/scene.h.

@@ -70,6 +70,33 @@ TrackReport report_track(const std::vector<Verdict>& verdicts, const InstanceCha
   return report;
 }
 
+// Each prim for itself, over all places where the outer levels put it.
+std::vector<TrackReport> report_prims(const InstancesInput& input, const std::vector<Verdict>& verdicts,
+                                      const InstanceChain& chain, const TransformFitter& fitter,
+                                      const FitSettings& settings, PrimLog& log) {
+  std::vector<TrackReport> reports(input.paths.size());
+  std::vector<std::uint32_t> dearest(reports.size(), 0);
+  for (std::size_t i = 0; i < verdicts.size(); ++i) {
+    if (verdicts[i].fate != Fate::kDrawn) continue;
+    const std::size_t prim = i % reports.size();
+    dearest[prim] = std::max(dearest[prim], verdicts[i].track);
+    reports[prim].error_pixels = std::max(reports[prim].error_pixels, verdicts[i].error);
+    reports[prim].bytes += fitter.form(verdicts[i].track).controls() * sizeof(Affine3f);
+  }
+  const std::string rule = chain.rule();
+  for (std::size_t prim = 0; prim < reports.size(); ++prim) {
+    TrackReport& report = reports[prim];
+    report.path = input.paths[prim];
+    report.set_form(fitter.form(dearest[prim]), fitter.clock(dearest[prim]));
+    report.moving_transform = report.segments > 0;
+    report.source = report.moving_transform ? "transform" : "points";
+    report.rule = report.moving_transform ? rule : "still";
+    PrimLog own = log.of_part(report.path);
+    report_fit({report.segments, report.error_pixels}, settings, "xformOpOrder", "the motion", own);
+  }
+  return reports;
+}
+
 // `colors` has those of all `count` instances.
 InstanceSet gather(const InstancesInput& input, const TransformFitter& fitter, std::uint32_t track,
                    const std::vector<std::size_t>& members, const PrimvarTrack<Vec3f>& colors,
@@ -81,15 +108,34 @@ InstanceSet gather(const InstancesInput& input, const TransformFitter& fitter, s
   const bool colored = !colors.values.empty();
   set.color_segments = colors.segments;
   if (colored) set.display_color.resize(members.size() * key_count(colors.segments));
+  if (!input.materials.empty()) set.materials.resize(members.size());
   parallel_for_ranges(members.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       fitter.controls(members[i], track, set.world_from_prototype.data() + i * form.controls());
       for (std::size_t key = 0; colored && key < key_count(colors.segments); ++key) {
         set.display_color[key * members.size() + i] = colors.values[key * count + members[i]];
       }
+      if (!input.materials.empty()) {
+        const int material = input.materials[members[i]];
+        set.materials[i] = material < 0 ? kNone : std::uint32_t(material);
+      }
     }
   });
   return set;
+}
+
+bool has_fitting_sizes(const InstancesInput& input, std::size_t count, std::uint32_t material_count,
+                       PrimLog& log) {
+  if (!input.paths.empty() && count % input.paths.size() != 0) {
+    return log.reject("paths", message("found ", input.paths.size(), " for ", count,
+                                       " instances; expected one for each of the innermost level"));
+  }
+  if (input.materials.empty()) return true;
+  const int largest = *std::ranges::max_element(input.materials);
+  if (input.materials.size() == count && largest < std::int64_t(material_count)) return true;
+  return log.reject("material:binding", message("found ", input.materials.size(), " materials, the largest ",
+                                                largest, "; expected ", count, " and less than ",
+                                                material_count));
 }
 
 constexpr const char* kColor = "primvars:displayColor";
@@ -126,7 +172,9 @@ std::vector<double> times_of_size(const InstanceChain& chain) {
 TranslatedInstances translate_instances(const InstancesInput& input, const InstanceTarget& target,
                                         PrimLog& log) {
   const std::optional<InstanceChain> chain = InstanceChain::make(input.levels, log);
-  if (!chain || chain->count() == 0) return {};
+  if (!chain || chain->count() == 0 || !has_fitting_sizes(input, chain->count(), target.material_count, log)) {
+    return {};
+  }
   const PrimvarTrack<Vec3f> colors =
       color_track(input, chain->count(), target.settings.max_segments, log);
   const TransformFitter fitter(*chain, {target.prototype_origin, target.world_origin, target.box},
@@ -137,8 +185,13 @@ TranslatedInstances translate_instances(const InstancesInput& input, const Insta
   report_left_out(*chain, verdicts, Fate::kFlat, "are flattened to a plane", "an invertible matrix", log);
 
   TranslatedInstances result;
-  result.track = report_track(verdicts, *chain, fitter, target.settings, log);
-  result.track.hidden_partly = input.visible.has_value();
+  const FitSettings& settings = target.settings;
+  if (!input.paths.empty()) result.tracks = report_prims(input, verdicts, *chain, fitter, settings, log);
+  if (input.paths.empty() || input.report_whole) {
+    result.tracks.push_back(report_track(verdicts, *chain, fitter, settings, log));
+    if (!input.paths.empty()) result.tracks.back().count /= input.paths.size();
+  }
+  for (TrackReport& track : result.tracks) track.hidden_partly = input.visible.has_value();
   std::vector<std::vector<std::size_t>> members(fitter.track_count());
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     if (verdicts[i].fate == Fate::kDrawn) members[verdicts[i].track].push_back(i);

@@ -22,12 +22,14 @@ struct InstanceTarget {
   Vec3d prototype_origin;  // of the prototype's stored meshes, in its own space
   Box3d box;               // of the stored meshes, over the shutter
   FitSettings settings;
+  std::uint32_t material_count = 0;
 };
 
 struct TranslatedInstances {
   // By the cost of their tracks; instances in the order of the input.
   std::vector<InstanceSet> sets;
-  TrackReport track;  // the dearest and the largest error of any
+  // Of all together: the dearest and the largest error of any; or of each of the input's paths.
+  std::vector<TrackReport> tracks;
 };
 
 // Leaves out, with a warning that counts them: instances whose matrix is not finite, and those that are flat

@@ -48,6 +48,27 @@ TriangleMesh shape_of(const MovingArray& points, const Candidate& track, const T
   return shape;
 }
 
+// One material a triangle, or the mesh's own where all triangles have the same.
+void add_face_materials(const MeshInput& input, const Triangulation& topology, std::uint32_t material_count,
+                        Mesh& mesh, PrimLog& optional) {
+  const std::span<const int> given = input.face_materials;
+  if (given.empty()) return;
+  const auto largest = std::ranges::max_element(given);
+  if (given.size() != topology.face_count || *largest >= std::int64_t(material_count)) {
+    optional.reject("material:binding",
+                    message("found ", given.size(), " materials of faces, the largest ", *largest,
+                            "; expected ", topology.face_count, " and less than ", material_count));
+    return;
+  }
+  const auto of_face = [&](std::uint32_t face) { return given[face] < 0 ? kNone : std::uint32_t(given[face]); };
+  mesh.material = of_face(topology.faces.front());
+  const bool alike = std::ranges::all_of(
+      topology.faces, [&](std::uint32_t face) { return of_face(face) == mesh.material; });
+  if (alike) return;
+  mesh.triangle_materials.reserve(topology.faces.size());
+  for (const std::uint32_t face : topology.faces) mesh.triangle_materials.push_back(of_face(face));
+}
+
 void add_primvars(const MeshInput& input, const Triangulation& topology, const NormalMotion& motion,
                   const MeshTarget& target, Mesh& mesh, PrimLog& log) {
   mesh.normals = authored_normals(input, topology, motion, target.settings.max_segments, log);
@@ -65,6 +86,7 @@ void add_primvars(const MeshInput& input, const Triangulation& topology, const N
                                                 target.material_count));
     mesh.material = kNone;
   }
+  add_face_materials(input, topology, target.material_count, mesh, optional);
 }
 
 void set_clock(const MeshInput& input, const Clock& clock, TranslatedMesh& result) {

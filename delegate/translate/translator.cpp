@@ -199,7 +199,10 @@ void Translator::add_instances(const InstancesInput& input) {
   if (state.box.empty() || input.levels.empty()) return;  // nothing to draw; its meshes have been reported
   const Vec3d prototype_origin = state.target.origin.value_or(Vec3d{});
   TranslatedInstances result = translate_instances(
-      input, {data_->measure, data_->origin, prototype_origin, state.box, data_->fit}, log);
+      input,
+      {data_->measure, data_->origin, prototype_origin, state.box, data_->fit,
+       std::uint32_t(data_->scene.materials.size())},
+      log);
   if (result.sets.empty()) return;
   for (const std::uint32_t part : state.parts) {
     for (InstanceSet& set : result.sets) {
@@ -207,7 +210,7 @@ void Translator::add_instances(const InstancesInput& input) {
       data_->scene.instances.push_back(set);
     }
   }
-  data_->tracks.push_back(result.track);
+  data_->tracks.insert(data_->tracks.end(), result.tracks.begin(), result.tracks.end());
 }
 
 std::uint32_t Translator::add_material(const Material& material) {

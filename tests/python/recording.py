@@ -100,7 +100,7 @@ MESH_KEYWORDS = {
 }  # fmt: skip
 OPTIONAL_KEYWORDS = {
     "velocities", "accelerations", "frame01", "seconds_per_shutter", "velocity_scale", "topology_varies",
-    "computed_points", "transform_periods01",
+    "computed_points", "face_materials", "transform_periods01",
 }  # fmt: skip
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from conftest import ROOT, Run
 from msbvh.conformance import allowed_errors, errors
+from msbvh.images import read_alpha
 
 SUITE = ROOT / "testenv" / "motion"
 RULES = "rotate_op,shutter_zero,velocity_at_48,frame_fractional,frame_in_sequence,large_world"
@@ -181,3 +182,32 @@ def test_the_allowed_error_is_that_of_independent_samples() -> None:
         allowed, worst_allowed = allowed_errors(expected, spp)
         assert 0.5 * allowed < mean <= allowed
         assert worst <= worst_allowed
+
+
+def test_another_shutter_has_answers_of_its_own(msbvh: Run, tmp_path: Path) -> None:
+    done = msbvh("conform", "--json", "--rules", "shutter_zero", "--shutter", "-0.1:0.3", "--out", tmp_path / "out")
+    found = {entry["rule"]: entry for entry in json.loads(done.stdout)["rules"]}
+    assert set(found) == {"shutter_zero"} and done.returncode == 0, found
+    # What a closed shutter shows is sharp; it moves now.
+    answer = read_alpha(tmp_path / "out" / "shutter_zero" / "expected.png")
+    assert np.abs(answer - read_alpha(SUITE / "scenes" / "shutter_zero.expected.png")).max() > 0.2
+
+
+def test_another_renderer_gets_scenes_with_that_shutter(msbvh: Run, tmp_path: Path) -> None:
+    body = """
+from pxr import Usd
+from projection_oracle import Sampling, coverage, shutter_of
+stage = Usd.Stage.Open(scene)
+assert shutter_of(stage, frame, camera) == (-0.25, 0.125), shutter_of(stage, frame, camera)
+write(image, coverage(stage, frame, camera, (width, width // 2), Sampling(128, 4)))
+"""
+    command = fake(tmp_path, body)
+    code, found = outcomes(msbvh, command, "shutter_animated", "--shutter", "-0.25:0.125")
+    assert code == 0, found
+
+
+def test_a_suite_that_cannot_make_answers_says_so(msbvh: Run, tmp_path: Path) -> None:
+    (tmp_path / "rules.json").write_text((SUITE / "rules.json").read_text())
+    done = msbvh("conform", "--suite", tmp_path, "--rules", "rotate_op", "--shutter", "0:1")
+    assert done.returncode == 1
+    assert "found no make_expected.py" in done.stderr and "--shutter" in done.stderr

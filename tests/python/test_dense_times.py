@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from msbvh.errors import Diagnostics
+from msbvh.implicit import SIDES
 from msbvh.reader import ReadResult, ReadSettings, read_frame
 from msbvh.stage import open_stage
 from pxr import Gf, Usd, UsdGeom
@@ -19,6 +20,12 @@ from stage_truth import StageTruth
 SHUTTER = (-0.5, 0.5)
 LARGEST_MATCH = 2**22
 """Pairs of instances that are compared at once."""
+
+
+@pytest.fixture(autouse=True)
+def implicit_shapes_of_one_fineness(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the truth has them, whatever their size in pixels: points are compared by their number."""
+    monkeypatch.setattr("msbvh.implicit.SIDE_COUNTS", (SIDES,))
 
 
 @dataclass

@@ -133,7 +133,8 @@ def test_without_a_camera_one_is_made_that_frames_everything(up):
     UsdGeom.Sphere.Define(shot.stage, "/Ball").CreateRadiusAttr(0.01)
     result = shot.read()
     assert messages(result, "note") == [
-        "no camera on the stage; made one in front of everything, as usdrecord does"
+        "no camera on the stage; made one in front of everything. Its shutter is closed, so nothing is blurred;"
+        " --shutter -0.25:0.25 opens it"
     ]
     camera = result.camera
     # usdrecord's distance: half the face's diagonal over the tangent of half the view, and half the depth.

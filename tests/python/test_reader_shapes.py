@@ -217,7 +217,7 @@ def test_a_reader_of_display_color_is_drawn_and_a_texture_falls_back_with_a_warn
     (warning,) = messages(result, "warning")
     assert warning == (
         "/Material/Surface.inputs:emissiveColor: connected to a UsdUVTexture, which is not evaluated yet; "
-        "drawn as (0.5, 0.25, 0)"
+        "it names no file, drawn as its fallback, (0.5, 0.25, 0)"
     )
 
 
@@ -296,24 +296,6 @@ def test_another_renderers_material_leaves_a_warning_and_display_color():
     result = shot.read()
     assert result.scene.meshes["/Mesh"]["material"] is None
     assert any("found a surface shader SomeoneElses" in message for message in messages(result, "warning"))
-
-
-def test_subsets_with_materials_of_their_own_split_a_mesh():
-    shot = Shot()
-    mesh = shot.mesh("/Mesh", [(x, y, 0) for y in range(2) for x in range(4)])
-    mesh.GetFaceVertexCountsAttr().Set([4, 4, 4])
-    mesh.GetFaceVertexIndicesAttr().Set([0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6])
-    for name, faces in (("One", [0]), ("Two", [2, 99])):
-        preview_material(shot, f"/{name}")
-        subset = UsdGeom.Subset.CreateGeomSubset(mesh, name, "face", faces, "materialBind")
-        bind(shot, subset.GetPrim(), f"/{name}")
-    result = shot.read()
-    shown = {
-        mesh["material"]: sorted({0, 1, 2} - set(mesh["hole_indices"].tolist()))
-        for mesh in result.scene.meshes.values()
-    }
-    assert shown == {0: [0], 1: [2], None: [1]}
-    assert messages(result, "warning") == ["/Mesh/Two.indices: found 1 indices outside 0 to 2; left out"]
 
 
 def test_what_is_not_supported_is_named_once_a_type():

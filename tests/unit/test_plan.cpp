@@ -182,6 +182,27 @@ TEST_CASE("opacity follows UsdPreviewSurface") {
     material.opacity = 0.4f;
     CHECK(least_opacity(scene, mesh) == 0.0f);
   }
+  SUBCASE("of materials that triangles or instances have") {
+    scene.materials.resize(2);
+    scene.materials[1].opacity = 0.5f;
+    mesh.triangle_materials = {0};
+    CHECK(least_opacity(scene, mesh) == 1.0f);
+    mesh.triangle_materials = {1};
+    CHECK(least_opacity(scene, mesh) == 0.5f);
+    mesh.triangle_materials = {kNone};
+    CHECK(least_opacity(scene, mesh) == 0.25f);
+    const auto plans_opacity = [&] {
+      return plan_effects(scene, {.max_bounces = 0}).set.has(Effect::kOpacity);
+    };
+    CHECK(plans_opacity());
+    scene.world_meshes.clear();
+    scene.prototypes = {{"/prototype", {0}}};
+    scene.instances = {{"/instances", 0, 0, std::vector<Affine3f>(2), {}}};
+    scene.instances[0].materials = {0, 0};
+    CHECK_FALSE(plans_opacity());
+    scene.instances[0].materials = {0, 1};
+    CHECK(plans_opacity());
+  }
   SUBCASE("values outside [0, 1] are clamped") {
     CHECK(rendered_opacity(nullptr, 1.5f) == 1.0f);
     CHECK(rendered_opacity(nullptr, -1.0f) == 0.0f);

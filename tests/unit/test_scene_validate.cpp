@@ -129,6 +129,14 @@ TEST_CASE("indices must be in range") {
     scene.meshes[0].material = 1;
     CHECK(complaint(scene) == "/mesh: material: found index 1; expected less than 1");
   }
+  SUBCASE("materials of triangles") {
+    scene.meshes[0].triangle_materials.assign(scene.meshes[0].shape.triangles.size(), kNone);
+    CHECK(complaint(scene).empty());
+    scene.meshes[0].triangle_materials.back() = 1;
+    CHECK(complaint(scene) == "/mesh: triangleMaterials: found index 1; expected less than 1");
+    scene.meshes[0].triangle_materials.push_back(0);
+    CHECK(complaint(scene).find("/mesh: triangleMaterials: found ") == 0);
+  }
   SUBCASE("world mesh") {
     scene.world_meshes = {7};
     CHECK(complaint(scene) == "scene: worldMeshes: found index 7; expected less than 1");

@@ -137,6 +137,40 @@ TEST_CASE("materials: their constants, and displayColor only where they read it"
   CHECK(surface(scene, kHit, kDown).emission == Vec3f{0, 0, 7});
 }
 
+TEST_CASE("triangles and instances may have materials of their own") {
+  Scene scene = triangle_scene();
+  scene.meshes[0].shape.triangles.push_back({0, 1, 2});
+  scene.meshes[0].material = 0;
+  scene.materials.resize(2);
+  scene.materials[0].diffuse_color = {0, 1, 0};
+  scene.materials[1].diffuse_color = {0, 0, 1};
+  scene.materials[1].opacity = 0.25f;
+  const Hit second{.u = 0.25f, .v = 0.5f, .triangle = 1};
+  const auto opacity = [&](const Hit& hit) {
+    return opacity_at(scene, SceneIndex(scene).resolve(hit), hit, 0.0f);
+  };
+  SUBCASE("of triangles") {
+    scene.meshes[0].triangle_materials = {1, kNone};
+    CHECK(surface(scene, kHit, kDown).albedo == Vec3f{0, 0, 1});
+    CHECK(surface(scene, second, kDown).albedo == Vec3f{0.18f, 0.18f, 0.18f});
+    CHECK(opacity(kHit) == 0.25f);
+    CHECK(opacity(second) == 1.0f);
+  }
+  SUBCASE("of instances, before those of triangles") {
+    scene.meshes[0].triangle_materials = {0, 1};
+    scene.world_meshes.clear();
+    scene.prototypes = {{"/prototype", {0}}};
+    scene.instances = {{"/instances", 0, 0, std::vector<Affine3f>(3), {}}};
+    scene.instances[0].materials = {0, 1, kNone};
+    const Vec3f albedos[] = {{0, 1, 0}, {0, 0, 1}, {0.18f, 0.18f, 0.18f}};
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      const Hit hit{.u = 0.25f, .v = 0.5f, .triangle = i % 2, .instance = i};
+      CHECK(surface(scene, hit, kDown).albedo == albedos[i]);
+      CHECK(opacity(hit) == (i == 1 ? 0.25f : 1.0f));
+    }
+  }
+}
+
 TEST_CASE("opacity is read at the point") {
   Scene scene = triangle_scene();
   scene.meshes[0].display_opacity.interpolation = Interpolation::kVertex;

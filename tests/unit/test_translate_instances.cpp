@@ -92,6 +92,39 @@ TEST_SUITE("translate: instances") {
     CHECK(scene->instances[1].display_color == std::vector<Vec3f>{{0, 1, 0}, {1, 1, 1}});
   }
 
+  TEST_CASE("prims that are instances have track reports and materials of their own") {
+    Instanced instanced(uniform_times(128), {0, 0, 10}, linear_settings());
+    instanced.translator.add_material({});
+    const std::vector<Motion> motions{[](double) { return translation({1, 0, 0}); },
+                                      [](double u) { return translation({3 * u, 0, 0}); }};
+    for (const double time01 : instanced.times01) {
+      for (const Motion& motion : motions) instanced.matrices.push_back(row_vector_matrix(motion(time01)));
+    }
+    InstancesInput input =
+        instances_of("/still", instanced.prototype, instanced.times01, instanced.matrices, {});
+    input.paths = {"/still", "/moves"};
+    const std::vector<int> materials{-1, 0};
+    input.materials = materials;
+    instanced.translator.add_instances(input);
+    const std::vector<TrackReport> tracks = instanced.translator.tracks();
+    const auto scene = instanced.translator.finish();
+    validate(*scene);
+    REQUIRE(tracks.size() == 4);  // with the camera's and the prototype's
+    CHECK(tracks[2].path == "/still");
+    CHECK(tracks[2].segments == 0);
+    CHECK(tracks[2].rule == "still");
+    CHECK(tracks[3].path == "/moves");
+    CHECK(tracks[3].segments == 1);
+    CHECK(tracks[3].source == "transform");
+    CHECK(tracks[3].bytes == 2 * tracks[2].bytes);
+    REQUIRE(scene->instances.size() == 2);
+    CHECK(scene->instances[0].materials == std::vector{kNone});
+    CHECK(scene->instances[1].materials == std::vector{0u});
+    input.paths.push_back("/third");
+    instanced.translator.add_instances(input);
+    CHECK(instanced.translator.diagnostics().size() == 1);
+  }
+
   TEST_CASE("the track stays within the tolerance in pixels at dense times") {
     const Vec3d eye{0, 0, 10};
     Instanced instanced(uniform_times(128), eye);

@@ -303,6 +303,29 @@ TEST_SUITE("translate: mesh") {
     CHECK(result.diagnostics.size() == 2);
   }
 
+  TEST_CASE("materials of faces go to their triangles, unless all have the same") {
+    MeshFixture fixture = two_faces();
+    MeshInput input = fixture.input();
+    const auto translated = [&](std::vector<int> materials) {
+      input.face_materials = materials;
+      Translator translator(camera_at({0, 0, 10}), settings_of());
+      translator.add_material({});
+      translator.add_material({});
+      translator.add_mesh(input);
+      return std::pair(translator.finish()->meshes.at(0), translator.diagnostics().size());
+    };
+    const auto [parts, no_complaint] = translated({-1, 1});
+    CHECK(no_complaint == 0);
+    REQUIRE(parts.triangle_materials.size() == parts.shape.triangles.size());
+    CHECK(parts.triangle_materials.front() == kNone);
+    CHECK(parts.triangle_materials.back() == 1);
+    const Mesh alike = translated({1, 1}).first;
+    CHECK(alike.triangle_materials.empty());
+    CHECK(alike.material == 1);
+    CHECK(translated({0, 2}).second == 1);
+    CHECK(translated({0}).second == 1);
+  }
+
   TEST_CASE("what is translated passes the scene's own gate") {
     MeshFixture fixture = two_faces();
     MeshInput input = fixture.input();

@@ -188,6 +188,7 @@ MeshInput mesh_from(Arguments& arguments) {
   if (!arguments.optional("material").is_none()) {
     mesh.material = arguments.value<std::uint32_t>("material", "an int or None");
   }
+  mesh.face_materials = arguments.ints("face_materials");
   arguments.expect_no_more();
   return mesh;
 }
@@ -285,6 +286,9 @@ void add_instances(Translator& translator, const nb::kwargs& keywords) {
   } else if (!colors.is_none()) {
     input.display_color.values = arguments.floats<Vec3f>(colors, "display_color");
   }
+  input.materials = arguments.ints("materials");
+  input.paths = arguments.value_or("paths", std::vector<std::string>{}, "a list of str");
+  input.report_whole = arguments.value_or("report_whole", false, "a bool");
   arguments.expect_no_more();
   nb::gil_scoped_release release;
   translator.add_instances(input);

@@ -138,6 +138,8 @@ class MeshArguments(TypedDict, total=False):
     """(interpolation, float32[K] or such samples, indices)."""
     material: int | None
     """From Translator.add_material."""
+    face_materials: I32 | None
+    """[F] in place of ``material``; negative: none."""
 
 class InstanceLevel(TypedDict, total=False):
     """A level of instancing: either ``times01`` [T] and ``matrices`` [T, N, 4, 4], the outer from the inner
@@ -212,9 +214,13 @@ class Translator:
         levels: Sequence[InstanceLevel],
         visible: F64 | None = None,
         display_color: F32 | None = None,
+        materials: I32 | None = None,
+        paths: Sequence[str] = (),
+        report_whole: bool = False,
     ) -> None:
         """As many instances as the product of the levels' counts, the outermost (last) level varying slowest;
-        ``display_color`` [N, 3]. After the prototype's meshes."""
+        ``display_color`` [N, 3], ``materials`` [N] (negative: none) override the prototype's own. ``paths``: of
+        the prims that the innermost level places, for a track report each; ``report_whole``: and one of all. After the prototype's meshes."""
     def add_material(
         self,
         *,

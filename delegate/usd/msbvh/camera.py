@@ -11,14 +11,23 @@ from pxr import Gf, Usd, UsdGeom, UsdUtils
 
 from .boxes import Box, PixelSize
 from .camera_values import CameraValues
-from .conform import Window, conformed
+from .conform import Window, conformed, image_height, window_of
 from .errors import Diagnostics, SceneError
 from .framing import framing_camera
 from .held_values import warn_of_change
 from .lens import read_lenses
 from .metadata import world_to_camera, world_to_ndc
 from .motion_scales import scales_at
-from .times import JUMP_TIME01, Shutter, breakpoints_of, checked_shutter, even_level, even_times01, is_held
+from .times import (
+    JUMP_TIME01,
+    Shutter,
+    asked_shutter,
+    breakpoints_of,
+    checked_shutter,
+    even_level,
+    even_times01,
+    is_held,
+)
 from .transform_faults import unusable_op
 from .transforms import LARGEST, authored_xform_times, xformables
 from .turns import NO_TURNS, Turns, total_turns, xform_turns
@@ -94,24 +103,23 @@ def read_camera(
     conform: str,
     purposes: list[str],
     diagnostics: Diagnostics,
+    asked: tuple[float, float] | None = None,
 ) -> RenderCamera:
     """Finds the camera, and samples it over its shutter.
 
     `image_size` is width and height in pixels; height None: the camera's aspect ratio decides, as in
-    usdrecord. Raises SceneError for an unknown camera, an unknown conform policy and optics that make no
-    image.
+    usdrecord. `asked`: a shutter in place of the camera's own, in frames relative to the frame. Raises SceneError
+    for an unknown camera, an unknown conform policy and optics that make no image.
     """
     prim = find_camera(stage, name, diagnostics)
     if prim is None:
-        framing = framing_camera(stage, frame, purposes, diagnostics)
-        shutter = checked_shutter(frame, 0.0, 0.0, "", diagnostics) if frame is None else Shutter(frame)
+        shutter = _shutter(None, frame, asked, diagnostics)
+        framing = framing_camera(stage, shutter, purposes, image_size, conform, diagnostics)
         course = Course(shutter, (), NO_TURNS, False)
         return _sampled("", shutter, course, lambda _: framing, image_size, conform, diagnostics)
     camera = UsdGeom.Camera(prim)
     code = Shutter(frame).frame_code
-    opening = value(camera.GetShutterOpenAttr(), code, FLOAT)
-    closing = value(camera.GetShutterCloseAttr(), code, FLOAT)
-    shutter = checked_shutter(frame, opening or 0.0, closing or 0.0, str(prim.GetPath()), diagnostics)
+    shutter = _shutter(camera, frame, asked, diagnostics)
     own = shutter.scaled(scales_at(prim, shutter, diagnostics).blur)
     course = _course(prim, own, is_held(stage))
     values_at = CameraValues(camera).at
@@ -128,6 +136,23 @@ def read_camera(
         return found
 
     return _sampled(str(prim.GetPath()), shutter, course, camera_at, image_size, conform, diagnostics)
+
+
+def _shutter(
+    camera: UsdGeom.Camera | None,
+    frame: float | None,
+    asked: tuple[float, float] | None,
+    diagnostics: Diagnostics,
+) -> Shutter:
+    """The one that was asked for, else the camera's; closed where a camera is made up, which says so itself."""
+    if frame is not None and asked is not None:
+        return asked_shutter(frame, asked, diagnostics)
+    if camera is None:
+        return checked_shutter(frame, 0.0, 0.0, "", diagnostics) if frame is None else Shutter(frame)
+    code = Shutter(frame).frame_code
+    opening = value(camera.GetShutterOpenAttr(), code, FLOAT)
+    closing = value(camera.GetShutterCloseAttr(), code, FLOAT)
+    return checked_shutter(frame, opening or 0.0, closing or 0.0, str(camera.GetPath()), diagnostics)
 
 
 def find_camera(stage: Usd.Stage, name: str | None, diagnostics: Diagnostics) -> Usd.Prim | None:
@@ -225,14 +250,14 @@ def _sampled(
     _check_optics(path, at_frame)
     width, height = image_size
     height = height or image_height(width, at_frame.aspectRatio)
-    window, pixel_aspect = conformed(_window(at_frame), width / height, conform)
+    window, pixel_aspect = conformed(window_of(at_frame), width / height, conform)
 
     times01 = course.times01()
     cameras = [camera_at(course.shutter.time_code(time01)) for time01 in times01]
     for camera in cameras:
         _check_optics(path, camera)
     matrices = np.array([np.array(camera.transform) for camera in cameras])
-    windows = np.float32([conformed(_window(camera), width / height, conform)[0] for camera in cameras])
+    windows = np.float32([conformed(window_of(camera), width / height, conform)[0] for camera in cameras])
     lenses = read_lenses(path, at_frame, cameras, diagnostics)
     keep = len(times01)
     clips = np.float32([(camera.clippingRange.min, camera.clippingRange.max) for camera in cameras])
@@ -256,30 +281,6 @@ def _sampled(
         frame_matrix=np.array(at_frame.transform),
         frame_window=window,
         pixel_aspect_ratio=pixel_aspect,
-    )
-
-
-def image_height(width: int, aspect_ratio: float) -> int:
-    """The image's height by usdrecord's rule: rounded down, never below one pixel.
-
-    In single precision as there: in double, the float 16:9 would make 539 lines of 960 columns.
-    """
-    return max(int(np.float32(width) / np.float32(aspect_ratio if abs(aspect_ratio) > 1e-4 else 1.0)), 1)
-
-
-def _window(camera: Gf.Camera) -> Window:
-    """The camera's own window. Apertures and focal length share a unit, a tenth of the stage's."""
-    if camera.projection == Gf.Camera.Orthographic:
-        scale = Gf.Camera.APERTURE_UNIT
-    else:
-        scale = Gf.Camera.APERTURE_UNIT / (camera.focalLength * Gf.Camera.FOCAL_LENGTH_UNIT)
-    x, half_width = camera.horizontalApertureOffset, camera.horizontalAperture / 2
-    y, half_height = camera.verticalApertureOffset, camera.verticalAperture / 2
-    return (
-        (x - half_width) * scale,
-        (x + half_width) * scale,
-        (y - half_height) * scale,
-        (y + half_height) * scale,
     )
 
 

@@ -7,6 +7,7 @@ import os
 import sys
 import traceback
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,8 @@ from .bench import BenchSettings
 from .bench import run as run_bench
 from .bench_table import table as bench_table
 from .color import ColorCorrection, ColorError
-from .conformance import conform, find_suite, other_renderer, own_renderer, read_rules, table
+from .conform_shutter import check_suite, shutter_text, with_shutter
+from .conformance import Rule, conform, find_suite, other_renderer, own_renderer, read_rules, table
 from .conformance_record import read_record
 from .errors import Diagnostics, SceneError
 from .exit_codes import DEFECT, DEGRADED, DONE, USAGE, WRONG, table_text
@@ -181,7 +183,14 @@ def motion_command(
 @commands.command("conform")
 @with_options(CONFORM)
 def conform_command(
-    suite: Path | None, pattern: str, spp: int, as_json: bool, out: Path | None, command: str, timeout: float
+    suite: Path | None,
+    pattern: str,
+    spp: int,
+    as_json: bool,
+    out: Path | None,
+    command: str,
+    timeout: float,
+    shutter: tuple[float, float] | None,
 ) -> int:
     """Hold a renderer to the rules of USD's motion: one small scene each, its alpha against the coverage that
     usd-core's own evaluation has.
@@ -189,12 +198,21 @@ def conform_command(
     Exit code 1 if a rule fails. The renderer is msbvh, or any other that --command runs. Errors may be what
     noise explains; those of msbvh itself also no larger than in the suite's recorded run.
     """
-    renderer = other_renderer(command, timeout) if command else own_renderer(spp)
+    text = shutter_text(shutter) if shutter else ""
+    renderer = replace(other_renderer(command, timeout), shutter=text) if command else own_renderer(spp, text)
     folder = find_suite(suite)
     rules = read_rules(folder, pattern)
-    record = {} if command else read_record(folder, spp)
+    if shutter is not None:
+        check_suite(folder)
+
+    # Under another shutter the answers, and so the errors, are others than those that were recorded.
+    record = {} if command or shutter is not None else read_record(folder, spp)
+
+    def prepare(rule: Rule, scratch: Path) -> Rule:
+        return rule if shutter is None else with_shutter(rule, folder, shutter, scratch, renderer.knows_shutter)
+
     with Progress("msbvh: conform") as progress:
-        outcomes = list(conform(rules, renderer, spp, out, progress, record))
+        outcomes = list(conform(rules, renderer, spp, out, progress, record, prepare))
     if as_json:
         plain = {"renderer": renderer.name, "rules": [outcome.plain() for outcome in outcomes]}
         print(json.dumps(plain, indent=2))
@@ -241,13 +259,14 @@ def _read_one_frame(
         raise click.UsageError(
             f"{command} looks at one frame: --frame takes one time code, and not beside --defaultTime"
         )
+    settings = _read_settings(options)
     diagnostics = Diagnostics()
     stage = open_stage(scene, diagnostics, options["mask"])
     report(diagnostics, reporter)
     start = None if options["default_time"] else start_time(stage)
     time = frames[0] if frames else start
     with reading_progress(time) as progress:
-        result = read_frame(stage, time, _read_settings(options), progress=progress, found=log)
+        result = read_frame(stage, time, settings, progress=progress, found=log)
     return stage, time, result
 
 
@@ -273,6 +292,8 @@ def _record_jobs(
 
 
 def _read_settings(options: dict[str, Any]) -> ReadSettings:
+    if options["shutter"] is not None and options["default_time"]:
+        raise click.UsageError("--shutter and --defaultTime exclude each other: nothing moves at the default time")
     width, height = options["resolution"] or (options["image_width"], None)
     return ReadSettings(
         camera=options["camera"],
@@ -280,10 +301,12 @@ def _read_settings(options: dict[str, Any]) -> ReadSettings:
         height=height,
         conform=options["conform"],
         purposes=options["purposes"],
+        shutter=options["shutter"],
         motion_tolerance=options["motion_tolerance"],
         interpolation=options["interpolation"],
         segments=options["segments"] or 0,
         disable_camera_light=options["disable_camera_light"],
+        complexity=options["complexity"],
     )
 
 
@@ -319,7 +342,8 @@ def _check_text(scene: str, options: dict[str, Any]) -> None:
 def _warn_of_options(options: dict[str, Any], reporter: Reporter) -> None:
     if options["complexity"] != "low":
         reporter.warning(
-            f"--complexity {options['complexity']}: not supported yet; subdivision surfaces are polygons"
+            f"--complexity {options['complexity']}: subdivision surfaces are polygons yet; only spheres and the like"
+            " are finer"
         )
     _note_threads([options["threads"]], reporter)
 

@@ -107,8 +107,15 @@ class Renderer:
 
     name: str
     arguments: tuple[str, ...]
-    """May contain {scene} {out} {frame} {frames} {width} {height} {camera}."""
+    """May contain {scene} {out} {frame} {frames} {width} {height} {camera} {shutter}."""
     timeout_seconds: float = 120.0
+    shutter: str = ""
+    """OPEN:CLOSE in place of the cameras' own."""
+
+    @property
+    def knows_shutter(self) -> bool:
+        """Whether it is told of that shutter, so that the scenes need not say it."""
+        return any("{shutter}" in argument for argument in self.arguments)
 
     def command(self, rule: Rule, out: str) -> list[str]:
         """What is run for a rule."""
@@ -120,6 +127,7 @@ class Renderer:
             "width": str(rule.width),
             "height": str(rule.height),
             "camera": rule.camera,
+            "shutter": self.shutter,
         }
         return [_filled(argument, values) for argument in self.arguments]
 
@@ -137,10 +145,11 @@ USDRECORD_ARGUMENTS = (
 """What follows a command line that names no scene itself."""
 
 
-def own_renderer(spp: int) -> Renderer:
+def own_renderer(spp: int, shutter: str = "") -> Renderer:
     """msbvh in a process of its own, so that a crash is a row of the table."""
     command = (sys.executable, "-m", "msbvh", "record", "--spp", str(spp), "--max-bounces", "0")
-    return Renderer("msbvh", (*command, *USDRECORD_ARGUMENTS))
+    more = ("--shutter={shutter}",) if shutter else ()
+    return Renderer("msbvh", (*command, *more, *USDRECORD_ARGUMENTS), shutter=shutter)
 
 
 def other_renderer(command_line: str, timeout_seconds: float) -> Renderer:
@@ -220,9 +229,11 @@ def conform(
     out: Path | None = None,
     progress: Callable[[float], None] = lambda _: None,
     record: Mapping[str, Recorded] | None = None,
+    prepare: Callable[[Rule, Path], Rule] = lambda rule, _: rule,
 ) -> Iterator[Outcome]:
     """Runs the renderer on every rule. `spp`: samples a pixel that the allowed error is for. `out`: where its
-    images stay. `record`: of our own renderer, see read_record()."""
+    images stay. `record`: of our own renderer, see read_record(). `prepare`: makes of a rule the one that the renderer
+    is held to, with a folder at hand."""
     for rule in rules if out is not None else ():
         check_folder(out / rule.name)
     with _scratch() as scratch:
@@ -230,6 +241,7 @@ def conform(
             folder = (out or scratch) / rule.name
             folder.mkdir(parents=True, exist_ok=True)
             progress(done / len(rules))
+            rule = prepare(rule, folder)
             expected = read_expected(rule)
             try:
                 found = _rendered(rule, renderer, folder, expected.shape)

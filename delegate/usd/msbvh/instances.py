@@ -203,7 +203,7 @@ def level_keywords(
         for samples in sampled:
             if not samples.usable:
                 _report(level.motion, samples.indices, diagnostics)
-        choices.append([(samples.indices, _keywords(samples)) for samples in sampled if samples.usable])
+        choices.append([(samples.indices, sample_keywords(samples)) for samples in sampled if samples.usable])
     counts = [level.count for level in placement.levels]
     for chosen in product(*choices):
         indices = np.zeros(1, np.int64)
@@ -218,7 +218,8 @@ def _report(motion: Motion, indices: np.ndarray, diagnostics: Diagnostics) -> No
         report_unusable(motion, index, diagnostics)
 
 
-def _keywords(samples: TransformSamples) -> dict:
+def sample_keywords(samples: TransformSamples) -> dict:
+    """The translator's keywords of a level of matrices."""
     return {
         "times01": samples.times01,
         "matrices": np.ascontiguousarray(samples.matrices),

@@ -5,15 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from pxr import Gf, Tf, Usd, UsdShade
+import numpy as np
+from pxr import Gf, Sdf, Tf, Usd, UsdShade
 
 from .context import FrameContext
 from .held_values import values_within, warn_of_change
 from .stage import tf_reason
+from .texture_mean import texture_mean
 from .value_types import TOKEN
 from .values import raw, value
 
 PREVIEW_SURFACE = "UsdPreviewSurface"
+TEXTURE = "UsdUVTexture"
+CHANNELS = {"r": 0, "g": 1, "b": 2, "a": 3}
+"""Of a texture's outputs that are numbers."""
 
 Number = float | tuple[float, float, float]
 """What an input takes: a number or a colour."""
@@ -26,6 +31,8 @@ class Input:
     value: Number
     primvar: str = ""
     """Name of the primvar that a connected reader reads."""
+    is_mean: bool = False
+    """Of a texture, which stands in for it."""
 
 
 class Materials:
@@ -40,15 +47,26 @@ class Materials:
         """The translator's id of the material that a prim or subset is bound to; None: displayColor shows."""
         try:
             material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
-            if not material:
-                return None
-            path = str(material.GetPath())
-            if path not in self._ids:
-                self._ids[path] = self._read(material)
+            return self._id(material)
         except (Tf.ErrorException, UnicodeDecodeError) as error:
             message = f"USD cannot evaluate the material: {tf_reason(error)}; displayColor shows instead"
             self._context.diagnostics.warning(str(prim.GetPath()), "material:binding", message)
             return None
+
+    def bound_to_each(self, prims: list[Usd.Prim]) -> list[int | None]:
+        """Likewise of many prims, which is quicker together."""
+        try:
+            materials, _ = UsdShade.MaterialBindingAPI.ComputeBoundMaterials(prims, UsdShade.Tokens.full)
+            return [self._id(material) for material in materials]
+        except (Tf.ErrorException, UnicodeDecodeError):
+            return [self.bound_to(prim) for prim in prims]
+
+    def _id(self, material: UsdShade.Material) -> int | None:
+        if not material:
+            return None
+        path = str(material.GetPath())
+        if path not in self._ids:
+            self._ids[path] = self._read(material)
         return self._ids[path]
 
     def _read(self, material: UsdShade.Material) -> int | None:
@@ -66,6 +84,8 @@ class Materials:
         diffuse = self._input(shader, "diffuseColor", (0.18, 0.18, 0.18))
         emissive = self._input(shader, "emissiveColor", (0.0, 0.0, 0.0))
         opacity = self._input(shader, "opacity", 1.0)
+        # The mean of a cutout is how much of it is there: a threshold would make it all or nothing.
+        threshold = Input(0.0) if opacity.is_mean else self._input(shader, "opacityThreshold", 0.0)
         return self._translator.add_material(
             name=path,
             diffuse_color=diffuse.value,
@@ -74,7 +94,7 @@ class Materials:
             emissive_from_display_color=emissive.primvar == "displayColor",
             opacity=opacity.value,
             opacity_from_display_opacity=opacity.primvar == "displayOpacity",
-            opacity_threshold=self._input(shader, "opacityThreshold", 0.0).value,
+            opacity_threshold=threshold.value,
         )
 
     def _tell_of_the_rest(self, shader: UsdShade.Shader) -> None:
@@ -109,12 +129,15 @@ class Materials:
             warn_of_change(source, why, self._context.shutter, self._context.diagnostics)
             value = raw(source, self._context.code)
             return Input(default if value is None else self._number(value, default, source))
-        return self._connected(shader_input, UsdShade.Shader(source.GetPrim()), default)
+        return self._connected(shader_input, source, default)
 
-    def _connected(self, shader_input: UsdShade.Input, node: UsdShade.Shader, default: Number) -> Input:
-        """An input that another node drives: readers of displayColor and displayOpacity are drawn, others
+    def _connected(self, shader_input: UsdShade.Input, source: Usd.Attribute, default: Number) -> Input:
+        """An input that another node's output drives: readers of displayColor and displayOpacity are drawn, others
         fall back."""
+        node = UsdShade.Shader(source.GetPrim())
         identifier = _shader_id(node) or "node of no known type"
+        if identifier == TEXTURE:
+            return self._textured(shader_input, node, source.GetName().split(":")[-1], default)
         fallback = self._fallback(node, default)
         if identifier.startswith("UsdPrimvarReader"):
             primvar = self._name(node, "varname")
@@ -130,12 +153,42 @@ class Materials:
         self._context.diagnostics.group(shader, shader_input.GetFullName(), message)
         return Input(fallback)
 
-    def _fallback(self, node: UsdShade.Shader, default: Number) -> Number:
-        """What a node says is drawn in its place. Textures have four channels: three are a colour, the last an
-        opacity."""
+    def _textured(
+        self, shader_input: UsdShade.Input, node: UsdShade.Shader, output: str, default: Number
+    ) -> Input:
+        """What stands in for a texture: its mean, else its fallback, else the input's default."""
+        file, mean = self._constant(node, "file", None), None
+        if isinstance(file, Sdf.AssetPath) and file.path:
+            attribute = node.GetInput("file").GetValueProducingAttributes()[0]
+            mean = texture_mean(file, attribute, str(self._constant(node, "sourceColorSpace", "auto")))
+        if mean is not None:
+            mean = mean * self._four(node, "scale", 1.0) + self._four(node, "bias", 0.0)
+            found, drawn = Input(_channel(mean, output, default), is_mean=True), "drawn as the mean of its texture"
+        else:
+            authored = self._constant(node, "fallback", None)
+            found = Input(default if authored is None else self._fallback(node, default, output))
+            name = file.path if isinstance(file, Sdf.AssetPath) else ""
+            why = f"@{name}@ cannot be read" if name else "it names no file"
+            source = "and it has no fallback: drawn as" if authored is None else "drawn as its fallback,"
+            drawn = f"{why}, {source} {_text(found.value)}"
+        message = f"connected to a {TEXTURE}, which is not evaluated yet; {drawn}"
+        shader = str(shader_input.GetPrim().GetPath())
+        self._context.diagnostics.group(shader, shader_input.GetFullName(), message)
+        return found
+
+    def _four(self, node: UsdShade.Shader, name: str, default: float) -> np.ndarray:
+        """scale or bias: float64[4]. What is not four finite numbers leaves the texture as it is, like its scale."""
+        try:
+            values = np.array(self._constant(node, name, (default,) * 4), np.float64)
+        except (TypeError, ValueError):
+            values = np.zeros(0)
+        return values if values.shape == (4,) and np.isfinite(values).all() else np.full(4, default)
+
+    def _fallback(self, node: UsdShade.Shader, default: Number, output: str = "") -> Number:
+        """What a node says is drawn in its place. Those of textures have four channels."""
         value = self._constant(node, "fallback", default)
         if isinstance(value, Gf.Vec4f):
-            value = value[3] if isinstance(default, float) else tuple(value)[:3]
+            value = _channel(np.array(value, np.float64), output, default)
         return self._number(value, default, node.GetPrim().GetAttribute("inputs:fallback"))
 
     def _number(self, value: Any, default: Number, source: Usd.Attribute) -> Number:
@@ -174,6 +227,15 @@ def _shader_id(shader: UsdShade.Shader) -> str | None:
 def _is_output(attribute: Usd.Attribute) -> bool:
     """Whether a node computes the attribute, so that it holds no value itself."""
     return UsdShade.Utils.GetType(attribute.GetName()) == UsdShade.AttributeType.Output
+
+
+def _channel(values: np.ndarray, output: str, default: Number) -> Number:
+    """What an output of a texture gives an input of `default`'s kind: three channels are a colour, the last is an
+    opacity; one channel is grey."""
+    if output in CHANNELS:
+        value = float(values[CHANNELS[output]])
+        return value if isinstance(default, float) else (value, value, value)
+    return float(values[3]) if isinstance(default, float) else (float(values[0]), float(values[1]), float(values[2]))
 
 
 def _text(value: Number) -> str:

@@ -7,7 +7,7 @@ from pxr import Usd, UsdGeom
 
 from .context import FrameContext, array
 from .held_values import Stretch, warn_of_change
-from .implicit import IMPLICIT_TYPES, read_implicit
+from .implicit import IMPLICIT_TYPES, ChooseSides, read_implicit
 from .points import changes, optional_samples, rate_clock, sample_points
 from .primvars import MovingPrimvar, held_by, sample_primvar
 from .value_types import INTS, TOKEN
@@ -24,7 +24,11 @@ def is_shape(prim: Usd.Prim) -> bool:
 
 
 def read_shape(
-    prim: Usd.Prim, context: FrameContext, velocity_scale: float, authored: frozenset[str]
+    prim: Usd.Prim,
+    context: FrameContext,
+    velocity_scale: float,
+    authored: frozenset[str],
+    choose_sides: ChooseSides,
 ) -> dict | None:
     """The translator's keywords of a mesh, without transform and material; None if there is nothing to draw.
 
@@ -34,7 +38,9 @@ def read_shape(
     if prim.IsA(UsdGeom.Mesh):
         mesh = _read_mesh(UsdGeom.Mesh(prim), context, velocity_scale, authored)
     else:
-        mesh = read_implicit(prim, context)
+        mesh = read_implicit(prim, context, choose_sides)
+        if mesh is None:
+            return None
     path = str(prim.GetPath())
     if not len(mesh["face_vertex_counts"]) and not any(len(points) for _, points in mesh["samples"].values):
         context.diagnostics.group(path, "", "empty: it has neither faces nor points at this frame", "note")
@@ -177,28 +183,25 @@ def _binds_faces(subset: UsdGeom.Subset) -> bool:
     return element == UsdGeom.Tokens.face and value(subset.GetFamilyNameAttr(), code, TOKEN) == "materialBind"
 
 
-def faces_by_material(
+def faces_by_subset(
     mesh: UsdGeom.Mesh, face_count: int, context: FrameContext
-) -> list[tuple[Usd.Prim, np.ndarray]]:
-    """The parts of a mesh that are bound to materials of their own: the subset's prim and the faces *outside*
-    it, int32.
-
-    With these as holes the mesh shows that part alone. The faces of no subset are a part bound as the mesh
-    is; a mesh without such subsets has no parts at all.
-    """
+) -> tuple[list[Usd.Prim], np.ndarray]:
+    """The subsets that bind materials of their own, and int32[face_count]: the number of the one that each face
+    belongs to, -1 for none. A face of several belongs to the last one, which is said."""
+    owners = np.full(face_count, -1, np.int32)
     subsets = [each for each in UsdGeom.Subset.GetAllGeomSubsets(mesh) if _binds_faces(each)]
-    unclaimed = np.ones(face_count, bool)
-    parts = []
-    for subset in subsets:
+    for number, subset in enumerate(subsets):
         faces = array(value(subset.GetIndicesAttr(), context.code, INTS), np.int32)
         inside = faces[(faces >= 0) & (faces < face_count)]
         if len(inside) < len(faces):
             message = f"found {len(faces) - len(inside)} indices outside 0 to {face_count - 1}; left out"
             context.diagnostics.warning(str(subset.GetPath()), "indices", message)
-        outside = np.ones(face_count, bool)
-        outside[inside] = False
-        parts.append((subset.GetPrim(), np.flatnonzero(outside).astype(np.int32)))
-        unclaimed[inside] = False
-    if parts and unclaimed.any():
-        parts.append((mesh.GetPrim(), np.flatnonzero(~unclaimed).astype(np.int32)))
-    return parts
+        taken = np.unique(inside[owners[inside] >= 0])
+        if len(taken):
+            message = (
+                f"found {len(taken)} faces that an earlier subset has too, expected each face in one subset; took this"
+                " one's material"
+            )
+            context.diagnostics.warning(str(subset.GetPath()), "indices", message)
+        owners[inside] = number
+    return [subset.GetPrim() for subset in subsets], owners

@@ -131,8 +131,8 @@ def motion_report(
 
 
 def _merged(tracks: Sequence[Any]) -> PrimMotion:
-    """The tracks of one path as one: the parts of a mesh with several materials, instances that take
-    different numbers of keys, a mesh that is itself an instance."""
+    """The tracks of one path as one: instances that take different numbers of keys, a mesh that is itself an
+    instance."""
     main = max(tracks, key=lambda track: (track.segments, track.degree, track.error_pixels))
     instances = [track.count for track in tracks if track.source == "instances"]
     rules = dict.fromkeys(track.rule for track in tracks)

@@ -13,48 +13,12 @@ import click
 from . import _core
 from .color import MODES
 from .conform import POLICIES
-from .times import FINEST_LEVEL
+from .option_types import Names, Numbers, PowerOfTwo, ShutterRange
 
 PURPOSES = ("default", "render", "proxy", "guide")
 MAX_PIXELS_ACROSS = 65535
 MAX_SPP = 1 << 20
-SEGMENT_COUNTS = tuple(2**k for k in range(FINEST_LEVEL + 1))
 INTERPOLATIONS = ("auto", "linear", "quadratic", "cubic")
-
-
-class Names(click.ParamType):
-    """Names separated by commas or blanks, as usdrecord takes them; with `choices`, only those."""
-
-    name = "names"
-
-    def __init__(self, choices: Sequence[str] = ()) -> None:
-        self._choices = choices
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, ...]:
-        names = tuple(value.replace(",", " ").split()) if isinstance(value, str) else tuple(value)
-        for name in names:
-            if self._choices and name not in self._choices:
-                self.fail(f"found '{name}', expected any of: {', '.join(self._choices)}", param, ctx)
-        return names
-
-
-class Numbers(click.ParamType):
-    """Whole numbers from 0 on, separated by commas or blanks."""
-
-    name = "numbers"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[int, ...]:
-        numbers = tuple(value.replace(",", " ").split()) if isinstance(value, str) else tuple(value)
-        for number in numbers:
-            if not str(number).isdecimal() or int(number) > 4096:
-                self.fail(f"found '{number}', expected numbers of threads such as 1,0", param, ctx)
-        if not numbers:
-            self.fail("found no number, expected numbers of threads such as 1,0", param, ctx)
-        return tuple(map(int, numbers))
 
 
 def _unsupported(hint: str) -> Callable[..., None]:
@@ -74,22 +38,6 @@ def _finite(ctx: click.Context, param: click.Parameter, value: float) -> float:
     return value
 
 
-class PowerOfTwo(click.ParamType):
-    """A power of two up to the most segments that a track has."""
-
-    name = "integer"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        try:
-            number = int(value)
-        except ValueError:
-            number = -1
-        if number not in SEGMENT_COUNTS:
-            counts = ", ".join(map(str, SEGMENT_COUNTS))
-            self.fail(f"found '{value}', expected a power of two: one of {counts}", param, ctx)
-        return number
-
-
 Decorator = Callable[..., Any]
 
 
@@ -103,6 +51,15 @@ def with_options(*tables: Sequence[Decorator]) -> Decorator:
 
     return decorate
 
+
+SHUTTER = click.option(
+    "--shutter",
+    type=ShutterRange(),
+    metavar="OPEN:CLOSE",
+    help="Open for this part of each frame, in frames relative to it, such as -0.25:0.25 or 0:0.5; 0:0 closes it."
+    " Default: the camera's shutter:open and shutter:close, closed where nobody has authored them. Costs nothing"
+    " by itself: what moves takes memory for its motion.",
+)
 
 SCENE: Sequence[Decorator] = (
     click.argument("scene", type=click.Path(path_type=str)),
@@ -119,6 +76,7 @@ SCENE: Sequence[Decorator] = (
         is_flag=True,
         help="Read the stage at its default time instead of its start time; nothing moves then.",
     ),
+    SHUTTER,
     click.option(
         "--imageWidth",
         "-w",
@@ -194,7 +152,8 @@ SCENE: Sequence[Decorator] = (
         type=click.Choice(("low", "medium", "high", "veryhigh")),
         default="low",
         show_default=True,
-        help="Accepted; subdivision surfaces are drawn as polygons at any value.",
+        help="How fine spheres, cones and the like are: within 0.1, 0.05, 0.025 or 0.0125 pixels of the true shape."
+        " Each step takes twice the triangles. Subdivision surfaces are polygons at any value.",
     ),
     click.option(
         "--sessionLayer",
@@ -340,7 +299,14 @@ CONFORM: Sequence[Decorator] = (
         default="",
         metavar="COMMAND",
         help="Another renderer, such as 'usdrecord --renderer X'. usdrecord's options, scene and image"
-        " follow, unless it names {scene} {out} {frame} {frames} {width} {height} {camera} itself.",
+        " follow, unless it names {scene} {out} {frame} {frames} {width} {height} {camera} {shutter} itself.",
+    ),
+    click.option(
+        "--shutter",
+        type=ShutterRange(),
+        metavar="OPEN:CLOSE",
+        help="Hold the rules' scenes under this shutter instead of their own. The suite's own evaluation makes the"
+        " answers anew: seconds a rule. A renderer whose command has no {shutter} gets scenes whose cameras have it.",
     ),
     click.option(
         "--timeout",

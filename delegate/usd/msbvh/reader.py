@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 from pxr import Tf, Usd, UsdGeom
 
-from .boxes import Box
+from .boxes import Box, UniformPixelSize
 from .camera import RenderCamera, optics, read_camera
 from .context import FrameContext
 from .crash_line import crash_line
 from .errors import Diagnostics, SceneError
 from .instances import Placement, Placer, coarse_keywords, level_keywords
+from .implicit import IMPLICIT_TYPES, SILHOUETTES
 from .light_values import Switches
 from .lights import add_lights, camera_light
 from .materials import Materials
@@ -26,10 +27,11 @@ from .overs import report_overs
 from .point_instancers import each
 from .samples import SampleLog
 from .shapes import BATCH_WEIGHT, Shape, Shapes
+from .shared_shapes import MOST_PLACES, Crowd, SharedShapes
 from .stage import tf_messages, tf_reason
 from .times import is_held
 from .transforms import XformCaches
-from .traversal import WORLD, Group, Traversal
+from .traversal import WORLD, Group, Part, Traversal
 from .usd_faults import leaving_out
 from .values import reported_to
 
@@ -47,7 +49,11 @@ class ReadSettings:
     """UsdRenderSettings' aspectRatioConformPolicy."""
     purposes: tuple[str, ...] = ("proxy",)
     """Drawn beside the default purpose."""
+    shutter: tuple[float, float] | None = None
+    """Opening and closing in frames relative to the frame, in place of the camera's; None: the camera's."""
     disable_camera_light: bool = False
+    complexity: str = "low"
+    """How fine implicit shapes are; implicit.SILHOUETTES."""
     motion_tolerance: float = 0.1
     """Pixels by which a moving point may stray from the stage's own evaluation. Less: more keys, more memory.
     """
@@ -122,9 +128,8 @@ def _core_translator(**settings: Any) -> Any:
         raise SceneError(str(error)) from None
 
 
-def _unlimited(corners: np.ndarray) -> np.ndarray:
-    """Pixels so large that no motion is seen: for a first look at where things are."""
-    return np.full(corners.shape[1], np.inf)
+_UNLIMITED = UniformPixelSize(float("inf"))
+"""Pixels so large that no motion is seen: for a first look at where things are."""
 
 
 class _FrameReader:
@@ -152,6 +157,7 @@ class _FrameReader:
                 settings.conform,
                 purposes,
                 diagnostics,
+                settings.shutter,
             )
             shutter = self._camera.shutter
             self._context = FrameContext(stage, shutter, is_held(stage), diagnostics, found=found)
@@ -160,7 +166,11 @@ class _FrameReader:
         self._pixel = self._camera.pixel_size()
         self._translator = make_translator(**self._translator_settings())
         materials = Materials(self._translator, self._context)
-        self._shapes = Shapes(self._context, self._caches, materials, settings.motion_tolerance)
+        silhouette = SILHOUETTES[settings.complexity]
+        self._shapes = Shapes(self._context, self._caches, materials, settings.motion_tolerance, silhouette)
+        self._shared = SharedShapes(
+            self._context, self._caches, materials, self._translator, settings.motion_tolerance, silhouette
+        )
         self._light_count = 0
         self._progress, self._steps_done = progress, 0
         self._steps = sum(len(group.shapes) + 1 for group in self._traversal.groups.values())
@@ -182,9 +192,9 @@ class _FrameReader:
             self._progress(1.0)
         return result
 
-    def _step(self) -> None:
-        """A mesh is done, or a prototype's instances are."""
-        self._steps_done += 1
+    def _step(self, count: int = 1) -> None:
+        """Meshes are done, or a prototype's instances are."""
+        self._steps_done += count
         if self._progress is not None:
             self._progress(min(self._steps_done / self._steps, 1.0))
 
@@ -224,21 +234,21 @@ class _FrameReader:
 
     def _add_world_meshes(self) -> None:
         """Meshes by the hundred, so that those that move alike are evaluated together."""
+        crowds, parts = self._shared.gather(self._traversal.groups[WORLD].shapes, None)
+        self._shared.add_to_world(crowds, self._pixel)
+        self._step(sum(len(crowd.parts) for crowd in crowds))
         batch: list[Shape] = []
         weight = 0
-        for part in self._traversal.groups[WORLD].shapes:
-            shape = self._shapes.read(part, None, self._world_pixel_sizes)
+        for part in parts:
+            shape = self._shapes.read(part, None, self._pixel)
             if shape is not None:
                 batch.append(shape)
                 weight += shape.weight()
             self._step()
             if weight > BATCH_WEIGHT:
-                self._shapes.hand_down(batch, None, self._world_pixel_sizes, self._translator.add_mesh)
+                self._shapes.hand_down(batch, None, self._pixel, self._translator.add_mesh)
                 batch, weight = [], 0
-        self._shapes.hand_down(batch, None, self._world_pixel_sizes, self._translator.add_mesh)
-
-    def _world_pixel_sizes(self, corners: np.ndarray) -> np.ndarray:
-        return self._pixel.nearest(corners)
+        self._shapes.hand_down(batch, None, self._pixel, self._translator.add_mesh)
 
     def _add_instanced(self, placements: list[Placement]) -> None:
         """Every group once, and every place where it stands."""
@@ -253,30 +263,49 @@ class _FrameReader:
     def _add_group(self, group: Group, placed: list[Placement]) -> None:
         """A prototype's meshes, followed as closely as the instance asks for that is seen largest."""
         # How large a pixel is depends on the instances, and where they are on the meshes' extent.
-        coarse = [self._shapes.read(part, group.root, _unlimited) for part in group.shapes]
-        box = Box.empty()
+        crowds, parts = self._crowds(group, placed)
+        coarse = [self._shapes.read(part, group.root, _UNLIMITED) for part in parts]
+        box = self._shared.extent(crowds)
         for shape in filter(None, coarse):
             box = box.union(shape.extent(self._caches, group.root))
         pixels_per_unit = max(self._pixels_per_unit(placement, box) for placement in placed)
+        pixel = UniformPixelSize(1.0 / max(pixels_per_unit, 1e-30))
+        self._shared.add_to_group(crowds, group.root, pixel, placed, self._levels)
+        self._step(sum(len(crowd.parts) for crowd in crowds))
+        if parts:
+            self._add_prototype(group, placed, list(zip(parts, coarse, strict=True)), pixel, box)
+        self._step()
 
-        def pixel_sizes(corners: np.ndarray) -> np.ndarray:
-            return np.full(corners.shape[1], 1.0 / max(pixels_per_unit, 1e-30))
+    def _crowds(self, group: Group, placed: list[Placement]) -> tuple[list[Crowd], list[Part]]:
+        """Of a group that stands in few places."""
+        if sum(placement.count for placement in placed) > MOST_PLACES:
+            return [], group.shapes
+        return self._shared.gather(group.shapes, group.root)
 
-        prototype = self._translator.begin_prototype(group.path, pixels_per_unit)
+    def _add_prototype(
+        self,
+        group: Group,
+        placed: list[Placement],
+        shapes: list[tuple[Part, Shape | None]],
+        pixel: UniformPixelSize,
+        box: Box,
+    ) -> None:
+        """`shapes` as a first look has found them."""
+        prototype = self._translator.begin_prototype(group.path, 1.0 / pixel.size)
 
         def add(**mesh: Any) -> None:
             self._translator.add_prototype_mesh(prototype, **mesh)
 
-        shapes = []
-        for part, shape in zip(group.shapes, coarse, strict=True):
-            if shape is not None and shape.mesh.get("computed_points"):
-                shape = self._shapes.read(part, group.root, pixel_sizes)  # Skinned: sampled as the pixels ask.
+        fine = []
+        for part, shape in shapes:
+            sized = part.prim.GetTypeName() in IMPLICIT_TYPES
+            if shape is not None and (sized or shape.mesh.get("computed_points")):
+                shape = self._shapes.read(part, group.root, pixel)  # As fine as the pixels ask.
             self._step()
-            shapes.extend([shape] if shape is not None else [])
-        self._shapes.hand_down(shapes, group.root, pixel_sizes, add)
+            fine.extend([shape] if shape is not None else [])
+        self._shapes.hand_down(fine, group.root, pixel, add)
         for placement in placed:
             self._add_instances(placement, prototype, box)
-        self._step()
 
     def _pixels_per_unit(self, placement: Placement, box: Box) -> float:
         return self._measure([coarse_keywords(level) for level in placement.levels], box)
@@ -286,10 +315,12 @@ class _FrameReader:
             return 0.0
         return self._translator.pixels_per_unit(levels=levels, box=np.array([box.lo, box.hi], np.float64))
 
-    def _add_instances(self, placement: Placement, prototype: int, box: Box) -> None:
+    def _levels(self, placement: Placement, box: Box) -> Iterator[tuple[list[dict], np.ndarray]]:
         tolerance, held = self._settings.motion_tolerance, self._context.held
-        diagnostics = self._context.diagnostics
-        for levels, indices in level_keywords(placement, box, self._measure, tolerance, held, diagnostics):
+        return level_keywords(placement, box, self._measure, tolerance, held, self._context.diagnostics)
+
+    def _add_instances(self, placement: Placement, prototype: int, box: Box) -> None:
+        for levels, indices in self._levels(placement, box):
             colour = placement.display_color
             if self._context.found is not None:
                 self._context.found.evaluated_instances(placement.path, levels)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -158,6 +159,7 @@ def _record_frame(
     report(result.diagnostics, reporter)
     camera = result.camera
     stats.width, stats.height = camera.width, camera.height
+    stats.shutter = (camera.shutter.open, camera.shutter.close)
     stats.scene = dict(result.scene.statistics())
     stats.tracks = [{name: getattr(track, name) for name in TRACK_FIELDS} for track in result.tracks]
     with stats.timed("build"):
@@ -230,4 +232,6 @@ def _plain(settings: RecordSettings) -> dict[str, Any]:
     """The settings as JSON knows them."""
     values = asdict(settings)
     values["stats"] = None if settings.stats is None else str(settings.stats)
+    if settings.read.shutter is not None:  # JSON has no NaN.
+        values["read"]["shutter"] = [x if math.isfinite(x) else str(x) for x in settings.read.shutter]
     return values

@@ -10,16 +10,18 @@ from operator import itemgetter
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .boxes import Box
+from .boxes import Box, Pixels
 from .context import FrameContext
 from .held_values import stretches
+from .implicit import ChooseSides
 from .materials import Materials
-from .meshes import faces_by_material, held_at, held_attributes, read_shape
+from .meshes import faces_by_subset, held_at, held_attributes, read_shape
 from .points import Samples
+from .shape_sizes import side_chooser
 from .skinning import read_skinning
 from .times import Shutter
 from .transform_faults import report_unusable
-from .transform_sampling import SAMPLING_SHARE, PixelSizes, TransformSamples, transform_samples
+from .transform_sampling import SAMPLING_SHARE, TransformSamples, transform_samples
 from .transforms import XformCaches, bends_of, may_move
 from .traversal import Part
 from .usd_faults import FAULTS, report_left_out
@@ -64,14 +66,20 @@ class Shapes:
     """Reads the meshes of one frame and hands them down."""
 
     def __init__(
-        self, context: FrameContext, caches: XformCaches, materials: Materials, tolerance_pixels: float
+        self,
+        context: FrameContext,
+        caches: XformCaches,
+        materials: Materials,
+        tolerance_pixels: float,
+        silhouette_pixels: float,
     ) -> None:
         self._context = context
         self._caches = caches
         self._materials = materials
         self._tolerance = tolerance_pixels
+        self._silhouette = silhouette_pixels
 
-    def read(self, part: Part, root: Usd.Prim | None, pixel_sizes: PixelSizes) -> Shape | None:
+    def read(self, part: Part, root: Usd.Prim | None, pixel_sizes: Pixels) -> Shape | None:
         """A mesh and how it moves; None if it is not drawn."""
         try:
             return self._read(part, root, pixel_sizes)
@@ -79,9 +87,10 @@ class Shapes:
             report_left_out(part.prim, error, self._context.code)
             return None
 
-    def _read(self, part: Part, root: Usd.Prim | None, pixel_sizes: PixelSizes) -> Shape | None:
+    def _read(self, part: Part, root: Usd.Prim | None, pixel_sizes: Pixels) -> Shape | None:
         context = self._context.scaled(part.scales.blur)
-        mesh = read_shape(part.prim, context, part.scales.velocity, part.authored)
+        choose_sides = self._side_chooser(part, root, context, pixel_sizes)
+        mesh = read_shape(part.prim, context, part.scales.velocity, part.authored, choose_sides)
         if mesh is None:
             return None
         placed_by, varying, bends = part.prim, part.varying, part.bends
@@ -108,7 +117,7 @@ class Shapes:
         return Shape(part, mesh, samples, placed_by, (varying, bends, context.shutter))
 
     def hand_down(
-        self, shapes: list[Shape], root: Usd.Prim | None, pixel_sizes: PixelSizes, add: Callable[..., None]
+        self, shapes: list[Shape], root: Usd.Prim | None, pixel_sizes: Pixels, add: Callable[..., None]
     ) -> None:
         """Hands meshes to the translator with their transforms over the shutter, in their order."""
         held = self._context.held
@@ -149,8 +158,7 @@ class Shapes:
         add: Callable[..., None],
         context: FrameContext,
     ) -> None:
-        """Once for each material on it, by the subsets of `context`. Its matrices are number `place` of the samples'.
-        """
+        """With the materials of the subsets of `context`. Its matrices are number `place` of the samples'."""
         if self._context.found is not None:
             self._context.found.evaluated_shape(shape.mesh["path"], transform.times01)
         mesh = {
@@ -163,19 +171,37 @@ class Shapes:
         }
         if transform.periods01 and transform.periods01[place]:
             mesh["transform_periods01"] = np.array(transform.periods01[place])
-        prim, parts = shape.part.prim, []
+        prim = shape.part.prim
+        binds = self._context.inherited.binds_material(prim, shape.part.authored)
+        material = self._materials.bound_to(prim) if binds else None
         if prim.IsA(UsdGeom.Mesh):
-            parts = faces_by_material(UsdGeom.Mesh(prim), len(mesh["face_vertex_counts"]), context)
-        if not parts:
-            binds = self._context.inherited.binds_material(prim, shape.part.authored)
-            add(material=self._materials.bound_to(prim) if binds else None, **mesh)
-        for bound, outside in parts:
-            holes = mesh["hole_indices"]
-            holes = outside if holes is None else np.union1d(holes, outside).astype(np.int32)
-            add(**{**mesh, "hole_indices": holes, "material": self._materials.bound_to(bound)})
+            mesh["face_materials"] = self._face_materials(UsdGeom.Mesh(prim), mesh, material, context)
+        add(material=material, **mesh)
+
+    def _face_materials(
+        self, prim: UsdGeom.Mesh, mesh: dict, own: int | None, context: FrameContext
+    ) -> np.ndarray | None:
+        """int32: one a face, negative for none; None where no subset has a material of its own."""
+        subsets, owners = faces_by_subset(prim, len(mesh["face_vertex_counts"]), context)
+        if not subsets:
+            return None
+        bound = [self._materials.bound_to(subset) for subset in subsets]
+        numbers = np.array([-1 if material is None else material for material in (*bound, own)], np.int32)
+        return numbers[owners]  # Number -1, of the faces of no subset, is the last: the mesh's own.
+
+    def _side_chooser(
+        self, part: Part, root: Usd.Prim | None, context: FrameContext, pixel_sizes: Pixels
+    ) -> ChooseSides:
+        """Of an implicit shape, by its size in pixels."""
+
+        def matrices() -> np.ndarray:
+            motion = self._caches.motion([part.prim], root, part.varying, context.shutter, part.bends)
+            return motion.at_times(motion.few_times01())[:, 0]
+
+        return side_chooser(matrices, part.prim.GetTypeName() == "Sphere", pixel_sizes, self._silhouette)
 
     def _skinning_tolerance(
-        self, root: Usd.Prim | None, context: FrameContext, pixel_sizes: PixelSizes
+        self, root: Usd.Prim | None, context: FrameContext, pixel_sizes: Pixels
     ) -> Callable[[Usd.Prim, Box], float]:
         """How far skinned points may stray between samples: a share of the tolerance, the rest of which the
         track has."""

@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,8 @@ class FrameStats:
     output: list[str]
     width: int = 0
     height: int = 0
+    shutter: tuple[float, float] = (0.0, 0.0)
+    """Of the camera, or of --shutter: open and close, in frames relative to the frame."""
     seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PHASES, 0.0))
     scene: dict[str, Any] = field(default_factory=dict)
     """Meshes, triangles, keys, instances, lights: of the scene as it was rendered."""
@@ -66,7 +68,8 @@ class RunStats:
     def write(self, path: Path) -> None:
         """Writes JSON, complete or not at all. Raises OutputError."""
         self.peak_memory_bytes = peak_memory_bytes()
-        text = json.dumps(asdict(self), indent=2, allow_nan=False)
+        # asdict() would copy every track first.
+        text = json.dumps(vars(self), default=vars, indent=2, allow_nan=False)
         write_whole(path, f"{text}\n".encode())
 
 

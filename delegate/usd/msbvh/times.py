@@ -79,6 +79,9 @@ class Shutter:
         return (time - (self.frame + self.open)) / (self.close - self.open)
 
 
+SHUTTER_HINT = "--shutter -0.25:0.25 opens it"
+
+
 def checked_shutter(
     frame: float | None, open_frames: float, close_frames: float, camera: str, diagnostics: Diagnostics
 ) -> Shutter:
@@ -96,13 +99,35 @@ def checked_shutter(
         diagnostics.warning(camera, "shutter:close", f"{found}; no motion blur")
         return closed
     if close_frames == open_frames:
-        diagnostics.note(camera, "shutter:close", f"equals shutter:open, {open_frames:g}: no motion blur")
+        message = f"equals shutter:open, {open_frames:g}: no motion blur; {SHUTTER_HINT}"
+        diagnostics.note(camera, "shutter:close", message)
         return closed
-    length = close_frames - open_frames
+    _warn_of_absurd_length(close_frames - open_frames, (camera, "shutter:close"), "as authored", diagnostics)
+    return Shutter(frame, open_frames, close_frames)
+
+
+def asked_shutter(frame: float, asked: tuple[float, float], diagnostics: Diagnostics) -> Shutter:
+    """The shutter of --shutter, held to the same rules as a camera's. The option has refused one that closes before
+    it opens."""
+    open_frames, close_frames = asked
+    if not math.isfinite(close_frames - open_frames):
+        found = f"found {open_frames:g} to {close_frames:g}, expected finite numbers"
+        diagnostics.warning("", "--shutter", f"{found}; no motion blur")
+        return Shutter(frame)
+    if close_frames == open_frames:
+        message = f"closes where it opens, at {open_frames:g}: no motion blur"
+        diagnostics.note("", "--shutter", message)
+        return Shutter(frame)
+    _warn_of_absurd_length(close_frames - open_frames, ("", "--shutter"), "as asked", diagnostics)
+    return Shutter(frame, open_frames, close_frames)
+
+
+def _warn_of_absurd_length(
+    length: float, subject: tuple[str, str], rendered: str, diagnostics: Diagnostics
+) -> None:
     if length > ABSURD_SHUTTER_FRAMES:
         found = f"the shutter is open for {length:g} frames, expected about one"
-        diagnostics.warning(camera, "shutter:close", f"{found}; rendered as authored")
-    return Shutter(frame, open_frames, close_frames)
+        diagnostics.warning(*subject, f"{found}; rendered {rendered}")
 
 
 MOST_EVEN_LEVEL = 14
