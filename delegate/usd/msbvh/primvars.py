@@ -28,21 +28,23 @@ def read_primvar(
     `columns` is 3 for colours, None for scalars. A value of another type is left out with a warning.
     """
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
-    if not primvar:
-        return None
+    return _at_frame(primvar, primvar.GetAttr(), columns, context) if primvar else None
+
+
+def _at_frame(
+    primvar: UsdGeom.Primvar, attribute: Usd.Attribute, columns: int | None, context: FrameContext
+) -> PrimvarInput | None:
+    """`attribute` is the primvar's."""
+    code, indices = context.code, None
+    kind = FLOAT_PRIMVAR if columns is None else COLOR_PRIMVAR
     try:
-        return _at_frame(primvar, columns, context)
+        values = array(required(attribute, code, kind), np.float32, columns)
+        if len(values) and primvar.IsIndexed():
+            indices = array(required(primvar.GetIndicesAttr(), code, INTS), np.int32)
     except Unreadable as fault:
         ignore(fault)
         return None
-
-
-def _at_frame(primvar: UsdGeom.Primvar, columns: int | None, context: FrameContext) -> PrimvarInput | None:
-    values = array(required(primvar.GetAttr(), context.code, _kind(columns)), np.float32, columns)
-    if not len(values):
-        return None
-    indices = array(required(primvar.GetIndicesAttr(), context.code, INTS), np.int32) if primvar.IsIndexed() else None
-    return str(primvar.GetInterpolation()), values, indices
+    return (str(primvar.GetInterpolation()), values, indices) if len(values) else None
 
 
 def sample_primvar(
@@ -53,39 +55,37 @@ def sample_primvar(
     Values that cannot be interpolated, since their number changes or one is not finite, are held, with a
     warning.
     """
-    at_frame = read_primvar(prim, name, columns, context)
+    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
+    if not primvar:
+        return None
+    attribute = primvar.GetAttr()
+    at_frame = _at_frame(primvar, attribute, columns, context)
     if at_frame is None or not context.shutter.moving:
         return at_frame
     interpolation, values, indices = at_frame
-    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
-    path = str(prim.GetPath())
     if indices is not None and _changes(primvar.GetIndicesAttr(), INTS, context):
         message = "the indices change within the shutter; held those of the frame"
-        context.diagnostics.warning(path, primvar.GetName(), message)
-    samples = _samples(primvar.GetAttr(), _kind(columns), context)
+        context.diagnostics.warning(str(prim.GetPath()), primvar.GetName(), message)
+    samples = _samples(attribute, FLOAT_PRIMVAR if columns is None else COLOR_PRIMVAR, context)
     if all(np.array_equal(sample, values) for _, sample in samples):
         return at_frame
     if any(len(sample) != len(values) for _, sample in samples):
         message = f"the number of values changes within the shutter; held the frame's {len(values)}"
-        context.diagnostics.warning(path, primvar.GetName(), message)
+        context.diagnostics.warning(str(prim.GetPath()), primvar.GetName(), message)
         return at_frame
     if not np.isfinite(values).all():
         return at_frame  # The translator says so: with nothing to hold, one message is enough.
     if not all(np.isfinite(sample).all() for _, sample in samples):
         message = "found a value within the shutter that is not finite; held the frame's values"
-        context.diagnostics.warning(path, primvar.GetName(), message)
+        context.diagnostics.warning(str(prim.GetPath()), primvar.GetName(), message)
         return at_frame
     return interpolation, _with_jumps(samples) if context.held else samples, indices
-
-
-def _kind(columns: int | None) -> Kind:
-    return FLOAT_PRIMVAR if columns is None else COLOR_PRIMVAR
 
 
 def warn_of_change(prim: Usd.Prim, name: str, columns: int | None, context: FrameContext) -> None:
     """For primvars that are read at the frame only."""
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
-    if _changes(primvar.GetAttr(), _kind(columns), context):
+    if _changes(primvar.GetAttr(), FLOAT_PRIMVAR if columns is None else COLOR_PRIMVAR, context):
         message = "changes within the shutter, which is not supported for instances; held the frame's values"
         context.diagnostics.warning(str(prim.GetPath()), primvar.GetName(), message)
 

@@ -12,7 +12,7 @@ import numpy as np
 from pxr import Usd, UsdGeom
 
 from .times import Shutter, TimeGrid, xform_bends
-from .xform_ops import may_vary, relative_transform, resets, world_transform
+from .xform_ops import may_vary, relative_transform, resets, world_transform, world_transforms
 
 LARGEST = 2.0**60
 """The largest element of a usable matrix: kMaxCoordinate (core/geometry), so that products do not overflow."""
@@ -117,7 +117,7 @@ class XformCaches:
         if root is not None:
             return np.array([self.matrix(time01, prim, root, shutter) for prim in prims])
         cache = self.cache(time01, shutter)
-        return np.array([np.array(world_transform(cache, prim)) for prim in prims])
+        return world_transforms(cache, prims)
 
     def matrix(
         self, time01: float, prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter | None = None
