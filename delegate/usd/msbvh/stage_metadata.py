@@ -17,7 +17,10 @@ LARGEST_RATE = 1e6
 
 def time_codes_per_second(stage: Usd.Stage) -> float:
     """Above 0; USD's fallback, with a warning, where the stage says nothing of sense."""
-    return _rate(stage.GetTimeCodesPerSecond(), "timeCodesPerSecond", diagnostics())
+    found = stage.GetTimeCodesPerSecond()
+    if 1.0 / LARGEST_RATE <= found <= LARGEST_RATE:
+        return found
+    return _rate(found, "timeCodesPerSecond", diagnostics())
 
 
 def frames_per_second(stage: Usd.Stage, report: Diagnostics) -> float:

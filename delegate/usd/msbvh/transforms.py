@@ -13,7 +13,7 @@ from pxr import Sdf, Usd, UsdGeom
 
 from .times import Shutter, even_level, even_times01, xform_bends
 from .turns import NO_TURNS, Turns, total_turns, xform_turns
-from .xform_ops import may_vary, relative_transform, resets, world_transform
+from .xform_ops import may_vary, relative_transform, resets, world_transform, world_transforms
 
 LARGEST = 2.0**60
 """The largest element of a usable matrix: kMaxCoordinate (core/geometry), so that products do not overflow."""
@@ -133,7 +133,7 @@ class XformCaches:
         if root is not None:
             return np.array([self.matrix(time01, prim, root, shutter) for prim in prims])
         cache = self.cache(time01, shutter)
-        return np.array([np.array(world_transform(cache, prim)) for prim in prims])
+        return world_transforms(cache, prims)
 
     def matrix(
         self, time01: float, prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter | None = None

@@ -7,6 +7,8 @@ caches hold the answer nevertheless.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from pxr import Gf, Tf, Usd, UsdGeom
 
@@ -24,6 +26,18 @@ def world_transform(cache: UsdGeom.XformCache, prim: Usd.Prim) -> Gf.Matrix4d:
     except Tf.ErrorException:
         _report_above(prim, cache.GetTime())
     return cache.GetLocalToWorldTransform(prim)
+
+
+def world_transforms(cache: UsdGeom.XformCache, prims: Iterable[Usd.Prim]) -> np.ndarray:
+    """The same of several prims, float64[N, 4, 4], without a call for each where all is well."""
+    to_world, matrices = cache.GetLocalToWorldTransform, []
+    for prim in prims:
+        try:
+            matrices.append(np.array(to_world(prim)))
+        except Tf.ErrorException:
+            _report_above(prim, cache.GetTime())
+            matrices.append(np.array(to_world(prim)))
+    return np.array(matrices)
 
 
 def local_transform(cache: UsdGeom.XformCache, prim: Usd.Prim) -> Gf.Matrix4d:
@@ -94,7 +108,8 @@ def check_order(prim: Usd.Prim, authored: frozenset[str]) -> None:
     """Reports ops that USD passes over: an order of another type, names without an attribute. `authored` are the
     names of the prim's properties."""
     found = raw(prim.GetAttribute("xformOpOrder"), Usd.TimeCode.Default())
-    if type(found) is not TOKENS.exact or not all(_is_known(name, authored) for name in found):
+    sound = type(found) is TOKENS.exact
+    if not sound or not (authored.issuperset(found) or all(_is_known(name, authored) for name in found)):
         report_ops(prim, Usd.TimeCode.Default())
 
 
