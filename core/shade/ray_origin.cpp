@@ -9,10 +9,11 @@ namespace {
 // docs/design/watertight.md, section 4, derives these.
 //
 // How far from where it is the tracer may see a point, relative to its distance from the ray's origin: 5
-// roundings of 2^-24 of the triangle test, and 1 each for the ray's origin and direction in an instance's space.
+// roundings of 2^-24 of the triangle test, and 1 each for the ray's origin and direction in an instance's
+// space.
 constexpr double kViewError = 7 * 0x1p-24;
-// How far from an edge a hit is taken to be clear of the neighbour there, in what the triangle needs: faces that
-// meet at 10 degrees or more are. Doubling it doubles how often neighbours are looked at.
+// How far from an edge a hit is taken to be clear of the neighbour there, in what the triangle needs: it is
+// if they meet at 10 degrees or more. Doubling it doubles how often neighbours are looked at.
 constexpr double kSharpest = 8.0;
 // Heights of a triangle in view errors from which on a ray sees faces at about the angles that they have.
 constexpr double kWellSeen = 64.0;

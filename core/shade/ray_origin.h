@@ -22,8 +22,8 @@ struct RayOrigin {
   double cosine = 0.0;      // between that way and the normal
 };
 
-// Of the triangle that `ray` hit at `position`. `normal` is the triangle's, on the ray's side, as long as
-// its doubled area is large.
+// Of the triangle that `ray` hit at `position`. `normal`: unit, on the ray's side. `doubled_area`: twice the
+// triangle's.
 RayOrigin origin_at(const WorldTriangle& triangle, const Hit& hit, const Ray& ray, const Vec3d& position,
                     const Vec3d& normal, double doubled_area);
 

@@ -13,8 +13,8 @@ namespace msbvh {
 // How an instance stands in the world at one time. For sources in the world itself there is none.
 struct InstancePose {
   Affine3d world_from_object;
-  // By axis, at all controls around the time: how far a corner of the cube [-1, 1]^3 in the object can be from
-  // the instance's origin, and that from the world's.
+  // By axis, at all controls around the time: how far a corner of the cube [-1, 1]^3 in the object can be
+  // from the instance's origin, and that from the world's.
   Vec3f reach, place;
   float error;  // relative to the sizes of the terms of a point's way out of the instance
 
