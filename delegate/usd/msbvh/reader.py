@@ -16,6 +16,7 @@ from .boxes import Box
 from .camera import RenderCamera, optics, read_camera
 from .context import FrameContext
 from .errors import Diagnostics, SceneError
+from .instance_count import InstanceGraph
 from .instances import Placement, Placer, coarse_keywords, level_keywords
 from .light_values import Switches
 from .lights import add_lights, camera_light
@@ -28,6 +29,10 @@ from .stage import tf_messages
 from .times import is_held
 from .transforms import XformCaches
 from .traversal import WORLD, Group, Traversal
+
+
+MAX_INSTANCES = 10_000_000
+"""While they are read and their tree is built, instances take 0.8 kB each, moving ones 1 kB: these fit in 10 GB."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,8 @@ class ReadSettings:
     """linear, quadratic or cubic tracks only; auto: the cheapest for each prim."""
     segments: int = 0
     """Exactly these for whatever moves, a power of two; 0: as few as it takes."""
+    max_instances: int = MAX_INSTANCES
+    """More are refused, nested ones multiplied out."""
 
 
 @dataclass
@@ -148,6 +155,8 @@ class _FrameReader:
             shutter = self._camera.shutter
             self._context = FrameContext(stage, shutter, is_held(stage), diagnostics, found=found)
             self._traversal = Traversal(self._context, purposes)
+            self._graph = InstanceGraph(self._traversal.groups, self._context)
+            self._graph.check(settings.max_instances)
             self._caches = XformCaches(shutter, self._traversal.authored_times, self._context.held)
         self._pixel = self._camera.pixel_size()
         self._translator = make_translator(**self._translator_settings())
@@ -163,7 +172,7 @@ class _FrameReader:
         """Hands everything down and finishes the scene."""
         with self._timed("meshes"):
             self._add_world_meshes()
-        placements = list(Placer(self._traversal, self._caches, self._context).placements())
+        placements = list(Placer(self._traversal, self._graph, self._caches, self._context).placements())
         with self._timed("instances"):
             self._add_instanced(placements[1:])
         with self._timed("lights"):
