@@ -57,7 +57,7 @@ def sample_primvar(
     interpolation, values, indices = at_code
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
     path = str(prim.GetPath())
-    if stretch is None and held_by(prim, name, context):
+    if stretch is None and (context.held or indices is not None) and held_by(prim, name, context):
         return at_code
     samples = _samples(primvar.GetAttr(), columns, context, stretch)
     if all(np.array_equal(sample, values) for _, sample in samples):

@@ -186,13 +186,14 @@ class Traversal:
         group_root: Usd.Prim | None,
         shutter: Shutter,
     ) -> _State:
-        """The state below a transform, which may vary or leave what is above."""
-        own = shutter.moving and xformable.TransformMightBeTimeVarying()
+        """The state below a transform, which may vary or leave what is above. A prim that its motion:blurScale holds
+        varies all the same: what is below may have another one."""
+        own = self._context.shutter.moving and xformable.TransformMightBeTimeVarying()
         inherits = above.varying and not xformable.GetResetXformStack()
         if not (own or inherits):
             return state if not (state.varying or state.bends) else replace(state, varying=False, bends=())
         bends = set(above.bends) if inherits else set()
-        if own:
+        if own and shutter.moving:
             bends.update(xform_bends(xformable, shutter))
         if inherits and state.scales.blur > above.scales.blur:  # Its shutter is open for longer.
             bends = bends_of(xformable.GetPrim(), group_root, shutter)
