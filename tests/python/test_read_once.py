@@ -140,7 +140,8 @@ def row_of_squares(shot: Shot, path: str = "/Mesh") -> UsdGeom.Mesh:
 @case("visibility")
 def _visibility() -> None:
     shot = Shot(SHUTTER)
-    set_in_turn(UsdGeom.Imageable(row_of_squares(shot)).CreateVisibilityAttr(), ("inherited", "invisible", "inherited"))
+    visibility = UsdGeom.Imageable(row_of_squares(shot)).CreateVisibilityAttr()
+    set_in_turn(visibility, ("inherited", "invisible", "inherited"))
     assert_covers_as_the_stage(shot)
 
 
@@ -216,7 +217,8 @@ def _subsets() -> None:
 @case("primvars:normals:indices")
 def _indices_of_normals() -> None:
     shot = Shot(SHUTTER)
-    primvar = UsdGeom.PrimvarsAPI(shot.mesh("/Mesh")).CreatePrimvar("normals", Sdf.ValueTypeNames.Normal3fArray, "vertex")
+    api = UsdGeom.PrimvarsAPI(shot.mesh("/Mesh"))
+    primvar = api.CreatePrimvar("normals", Sdf.ValueTypeNames.Normal3fArray, "vertex")
     primvar.Set([(0, 0, 1), (0, 1, 0)])
     primvar.CreateIndicesAttr()
     set_in_turn(primvar.GetIndicesAttr(), ([0, 0, 0, 0], [0, 1, 0, 1], [1, 1, 1, 1]))
@@ -454,7 +456,8 @@ def _colours_of_nested_instances() -> None:
     inner, primvar = instance_colours(shot)
     set_in_turn(primvar, ([RED, BLUE], [GREEN, RED]), (9.75, 10.5))
     inner.GetPositionsAttr().Set([(-25, 0, 0), (0, 0, 0)])
-    UsdGeom.Mesh.Get(shot.stage, "/Points/Square").GetPointsAttr().Set([(0, -50, 0), (25, -50, 0), (25, 50, 0), (0, 50, 0)])
+    square = UsdGeom.Mesh.Get(shot.stage, "/Points/Square")
+    square.GetPointsAttr().Set([(0, -50, 0), (25, -50, 0), (25, 50, 0), (0, 50, 0)])
     outer = UsdGeom.PointInstancer.Define(shot.stage, "/Outer")
     outer.CreatePrototypesRel().SetTargets(["/Points"])
     outer.CreateProtoIndicesAttr([0, 0])
@@ -551,7 +554,8 @@ def _indices() -> None:
 @case("PointInstancer.primvars:displayOpacity")
 def _opacities_of_instances() -> None:
     shot = Shot(SHUTTER)
-    primvar = UsdGeom.PrimvarsAPI(points(shot)).CreatePrimvar("displayOpacity", Sdf.ValueTypeNames.FloatArray, "vertex")
+    api = UsdGeom.PrimvarsAPI(points(shot))
+    primvar = api.CreatePrimvar("displayOpacity", Sdf.ValueTypeNames.FloatArray, "vertex")
     set_in_turn(primvar, ([1.0] * 4, [0.5] * 4), (10.0, 10.4))
     named(shot, "/Points.primvars:displayOpacity", "not supported")
 

@@ -73,8 +73,8 @@ class InstanceGraph:
         return self._component[outer] == self._component[inner]
 
     def check(self, limit: int) -> None:
-        """Raises SceneError where more instances are drawn than the limit, or where instancers that draw none are nested
-        in more ways."""
+        """Raises SceneError where more instances are drawn than the limit, or where instancers that draw none are
+        nested in more ways."""
         total, ways = self._instances[WORLD], self._ways[WORLD]
         if total > limit:
             use, found = self._largest()

@@ -102,7 +102,8 @@ def _samples(
     if stretch is None or stretch.shown is None:
         codes = [(shutter.time01(time), Usd.TimeCode(time)) for time in times]
     else:
-        codes = [(time01, shutter.time_code(time01)) for time01 in _knots(times, stretch.shown, shutter)] if times else []
+        knots = _knots(times, stretch.shown, shutter) if times else []
+        codes = [(time01, shutter.time_code(time01)) for time01 in knots]
     return [(time01, array(attribute.Get(code), np.float32, columns)) for time01, code in codes]
 
 

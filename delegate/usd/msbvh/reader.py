@@ -291,6 +291,8 @@ class _FrameReader:
         diagnostics = self._context.diagnostics
         for levels, indices in level_keywords(placement, box, self._measure, tolerance, held, diagnostics):
             colour = placement.display_color
+            if colour is not None:
+                colour = each(colour, lambda every, some=indices: np.ascontiguousarray(every[some]))
             if self._context.found is not None:
                 self._context.found.evaluated_instances(placement.path, levels)
             self._translator.add_instances(
@@ -298,7 +300,7 @@ class _FrameReader:
                 prototype=prototype,
                 levels=levels,
                 visible=placement.visible,
-                display_color=None if colour is None else each(colour, lambda all_: np.ascontiguousarray(all_[indices])),
+                display_color=colour,
             )
 
     def _add_lights(self, placements: list[Placement]) -> None:

@@ -291,7 +291,8 @@ class Traversal:
             for parts in (emptied.shapes, emptied.lights, emptied.instancers):
                 parts[:] = [part for part in parts if part.prim == group.root]
             emptied.instances.clear()
-        group.resets[:] = [child.GetPath().MakeRelativePath(root) for child in group.root.GetFilteredChildren(_DEFINED)]
+        children = group.root.GetFilteredChildren(_DEFINED)
+        group.resets[:] = [child.GetPath().MakeRelativePath(root) for child in children]
 
     def _warn_of_draw_mode(self, prim: Usd.Prim) -> None:
         """They take effect on models: on components, on others by model:applyDrawMode (UsdGeomModelAPI)."""
