@@ -154,16 +154,14 @@ Vec3d camera_point(const WindowD& w, double x01, double y01, double depth, bool 
   return std::isinf(depth) ? Vec3d{x, y, -1.0} : Vec3d{x * depth, y * depth, -depth};
 }
 
-// By how much a clip plane is out, as the share of its distance by which what it cuts is seen elsewhere, of the
-// image's width: what the plane cuts under a flat angle. An orthographic camera's planes count in its windows.
+// By how much a clip plane is out: the share of its distance, for an orthographic camera of the window's
+// width, times the image's width. So far off are edges that it cuts at a flat angle.
 double clip_pixels(const CameraInstant& truth, const CameraInstant& track, const CameraInput& camera,
                    const TranslatorSettings& settings) {
   if (!camera.samples.front().clip) return 0.0;
-  const bool perspective = camera.projection == Projection::kPerspective;
   const double window = std::abs(truth.window.right - truth.window.left);
-  const auto share = [&](double a, double b) {
-    return a == b ? 0.0 : std::abs(a - b) / (perspective ? std::abs(a) : window);
-  };
+  const bool perspective = camera.projection == Projection::kPerspective;
+  const auto share = [&](double a, double b) { return std::abs(a - b) / (perspective ? a : window); };
   const ClipD &a = truth.clip, &b = track.clip;
   return settings.width * std::max(share(a.near_clip, b.near_clip), share(a.far_clip, b.far_clip));
 }
@@ -410,13 +408,10 @@ void check_lens(const CameraInput& camera, const CameraSample& sample) {
 
 void check_clip(const CameraInput& camera, const ClipRange& clip, const std::string& when) {
   const bool perspective = camera.projection == Projection::kPerspective;
-  if (clip.near_clip < clip.far_clip && std::isfinite(clip.near_clip) &&
-      !(perspective && clip.near_clip <= 0.0f)) {
-    return;
-  }
-  fail(camera, "clippingRange",
-       message("found ", clip.near_clip, " to ", clip.far_clip, when, "; expected ",
-               perspective ? "0 < near < far" : "near < far"));
+  const bool increases = std::isfinite(clip.near_clip) && clip.near_clip < clip.far_clip;
+  if (increases && !(perspective && clip.near_clip <= 0.0f)) return;
+  const char* expected = perspective ? "; expected 0 < near < far" : "; expected near < far";
+  fail(camera, "clippingRange", message("found ", clip.near_clip, " to ", clip.far_clip, when, expected));
 }
 
 }  // namespace
@@ -427,13 +422,11 @@ void check_camera(const CameraInput& camera) {
   std::vector<Diagnostic> diagnostics;
   PrimLog log(diagnostics, camera.path);
   if (!check_times(times01, "shutter", log)) fail(camera, diagnostics[0].attribute, diagnostics[0].message);
-  for (const CameraSample& sample : camera.samples) {
-    check_sample(camera, sample);
-    check_lens(camera, sample);
-  }
   check_clip(camera, {camera.near_clip, camera.far_clip}, "");
   const bool clips = camera.samples.front().clip.has_value();
   for (const CameraSample& sample : camera.samples) {
+    check_sample(camera, sample);
+    check_lens(camera, sample);
     if (sample.clip.has_value() != clips) {
       fail(camera, "clippingRange", "found in some samples only; expected in all or in none");
     }
@@ -470,7 +463,9 @@ Camera fit_camera(const CameraInput& input, const Vec3d& origin, const Translato
   if (!form.moving()) add_control(motion.at(0.5), open, clips, camera);
   for (std::uint32_t i = 0; i < form.segments; ++i) {
     const std::vector<CameraInstant> controls = motion.controls(fit.track.layout.segment(i), form.degree);
-    for (std::uint32_t c = i == 0 ? 0 : 1; c < controls.size(); ++c) add_control(controls[c], open, clips, camera);
+    for (std::uint32_t c = i == 0 ? 0 : 1; c < controls.size(); ++c) {
+      add_control(controls[c], open, clips, camera);
+    }
   }
   return camera;
 }

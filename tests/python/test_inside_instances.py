@@ -276,3 +276,14 @@ def test_both_at_once():
     scaled(shot.mesh("/Asset/Other", [(2, -2, 0), (3, -2, 0), (3, -3, 0)]), 0.5)
     two_instances(shot)
     assert_as_the_stage(shot, 0.01)
+
+
+@pytest.mark.parametrize("blurs", [(0.0, 0.5), (0.0, 2.0), (2.0, 0.0), (0.5, 3.0)])
+def test_a_blur_scale_below_another_one_has_its_own_view_of_what_is_above(blurs):
+    shot = Shot(SHUTTER)
+    parent = UsdGeom.Xform.Define(shot.stage, "/Parent")
+    slide(parent, (-3, 0), (1, 1), (3, 0))
+    turn(parent)
+    scaled(parent, blurs[0])
+    scaled(shot.mesh("/Parent/Square"), blurs[1])
+    assert_as_the_stage(shot, 0.01)

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from msbvh.errors import SceneError
 from msbvh.reader import ReadSettings
-from pxr import Sdf, Usd, UsdGeom, Vt
+from pxr import Sdf, UsdGeom, UsdLux, Vt
 from recording import Shot, messages
 
-LIMIT = ReadSettings().max_instances if hasattr(ReadSettings(), "max_instances") else 10_000_000
-not_counted = pytest.mark.xfail(strict=True, run=False, reason="instances are not counted: takes all memory")
+LIMIT = ReadSettings().max_instances
 
 
 def instancer(shot: Shot, path: str, prototypes: list[str], count: int) -> UsdGeom.PointInstancer:
@@ -50,7 +49,6 @@ def refused(shot: Shot, **settings: int) -> str:
     return str(error.value)
 
 
-@not_counted
 def test_nested_instancers_that_multiply_beyond_all_bounds():
     shot = Shot()
     nested(shot, 8, 16)
@@ -59,7 +57,6 @@ def test_nested_instancers_that_multiply_beyond_all_bounds():
     assert f"expected at most {LIMIT}" in text and "--max-instances" in text
 
 
-@not_counted
 def test_the_limit_can_be_moved():
     shot = Shot()
     nested(shot, 3, 10)
@@ -67,7 +64,6 @@ def test_the_limit_can_be_moved():
     assert len(shot.read(max_instances=1000).scene.maps(0.5)) == 1000
 
 
-@not_counted
 def test_many_levels_of_native_instances():
     shot = Shot()
     shot.stage.CreateClassPrim("/A0")
@@ -81,7 +77,6 @@ def test_many_levels_of_native_instances():
     assert text.startswith(f"/World/Top: found {8**12} instances")
 
 
-@not_counted
 def test_native_instances_of_instancers_name_the_instancer():
     shot = Shot()
     shot.stage.CreateClassPrim("/Set")
@@ -93,7 +88,6 @@ def test_native_instances_of_instancers_name_the_instancer():
     assert text.startswith("/World/I0/Points.protoIndices: found 20000000 instances")
 
 
-@not_counted
 def test_a_wide_instancer_is_refused_before_its_arrays_are_read():
     shot = Shot()
     shot.mesh("/Points/Square")
@@ -102,7 +96,6 @@ def test_a_wide_instancer_is_refused_before_its_arrays_are_read():
     assert refused(shot).startswith("/Points.protoIndices: found 100000000 instances")
 
 
-@not_counted
 def test_several_that_are_too_many_together_name_the_largest():
     shot = Shot()
     shot.mesh("/Small/Square")
@@ -113,7 +106,6 @@ def test_several_that_are_too_many_together_name_the_largest():
     assert text.startswith("/Large.protoIndices: found 700 instances of 1100 on the stage, expected at most 1000")
 
 
-@not_counted
 def test_what_is_not_drawn_does_not_count():
     shot = Shot()
     UsdGeom.Xform.Define(shot.stage, "/Points/Empty")
@@ -124,17 +116,13 @@ def test_what_is_not_drawn_does_not_count():
     assert "found 10 instances" in refused(shot, max_instances=9)
 
 
-@not_counted
 def test_instances_that_show_lights_alone_count():
-    from pxr import UsdLux
-
     shot = Shot()
     UsdLux.SphereLight.Define(shot.stage, "/Points/Light")
     instancer(shot, "/Points", ["/Points/Light"], 100)
     assert "found 100 instances" in refused(shot, max_instances=99)
 
 
-@not_counted
 def test_ways_through_nested_instancers_that_show_nothing_are_bounded_as_well():
     shot = Shot()
     UsdGeom.Xform.Define(shot.stage, "/Hidden/P0")
@@ -147,7 +135,7 @@ def test_ways_through_nested_instancers_that_show_nothing_are_bounded_as_well():
     assert "/Points.protoIndices: found" in refused(shot)
 
 
-@pytest.mark.parametrize("count", [3, pytest.param(14, marks=pytest.mark.xfail(strict=True, run=False, reason="14! ways"))])
+@pytest.mark.parametrize("count", [3, 14])
 def test_prototypes_that_instance_each_other_are_errors_and_take_no_time(count):
     shot = Shot()
     names = [f"/P{i}" for i in range(count)]
@@ -160,12 +148,11 @@ def test_prototypes_that_instance_each_other_are_errors_and_take_no_time(count):
     assert {text.split(".")[0] for text in found if "instances itself" in text} == set(names)
 
 
-@pytest.mark.xfail(strict=True, run=False, reason="no such option: takes all memory")
 def test_the_command_line_refuses_with_one_line_and_exit_code_1(msbvh, tmp_path):
     shot = Shot()
     nested(shot, 8, 16)
     shot.stage.GetRootLayer().Export(str(tmp_path / "nest.usda"))
-    for command in (("record", "nest.usda", "out.exr"), ("plan", "nest.usda"), ("motion", "nest.usda")):
+    for command in (("record", "nest.usda", "out.exr"), ("motion", "nest.usda")):
         run = msbvh(*command)
         assert run.returncode == 1
         (line,) = [line for line in run.stderr.splitlines() if "error" in line]

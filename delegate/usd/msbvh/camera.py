@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from pxr import Gf, Usd, UsdGeom, UsdUtils
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdUtils
 
 from .boxes import Box, PixelSize
 from .camera_values import CameraValues
@@ -161,8 +161,7 @@ def find_camera(stage: Usd.Stage, name: str | None, diagnostics: Diagnostics) ->
     None if the stage has no camera and none was asked for. Raises SceneError if the one asked for is not
     there.
     """
-    prims = Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies())
-    cameras = [prim for prim in prims if prim.IsA(UsdGeom.Camera)]
+    cameras = list(_cameras(stage))
     if name:
         return _named_camera(cameras, name)
     if not cameras:
@@ -174,6 +173,27 @@ def find_camera(stage: Usd.Stage, name: str | None, diagnostics: Diagnostics) ->
             str(chosen.GetPath()), "", f"the first of {len(cameras)} cameras; --camera chooses another"
         )
     return chosen
+
+
+def _cameras(stage: Usd.Stage) -> Iterator[Usd.Prim]:
+    """Those in instances too. What has none is looked through once, however many instances show it."""
+    known: dict[Sdf.Path, bool] = {}
+
+    def has_camera(prototype: Usd.Prim) -> bool:
+        path = prototype.GetPath()
+        if path not in known:
+            known[path] = any(
+                prim.IsA(UsdGeom.Camera) or (prim.IsInstance() and has_camera(prim.GetPrototype()))
+                for prim in Usd.PrimRange(prototype)
+            )
+        return known[path]
+
+    prims = iter(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
+    for prim in prims:
+        if prim.IsA(UsdGeom.Camera):
+            yield prim
+        if prim.IsInstance() and not has_camera(prim.GetPrototype()):
+            prims.PruneChildren()
 
 
 def _named_camera(cameras: list[Usd.Prim], name: str) -> Usd.Prim:

@@ -305,6 +305,7 @@ def _read_settings(options: dict[str, Any]) -> ReadSettings:
         motion_tolerance=options["motion_tolerance"],
         interpolation=options["interpolation"],
         segments=options["segments"] or 0,
+        max_instances=options["max_instances"],
         disable_camera_light=options["disable_camera_light"],
         complexity=options["complexity"],
     )

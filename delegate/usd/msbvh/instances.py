@@ -14,6 +14,7 @@ from pxr import Usd, UsdGeom
 from .boxes import Box
 from .context import FrameContext
 from .errors import Diagnostics
+from .instance_count import InstanceGraph
 from .point_instancers import (
     Colours,
     each,
@@ -93,27 +94,30 @@ class Placement:
 class Placer:
     """Flattens the graph of groups into placements in the world."""
 
-    def __init__(self, traversal: Traversal, caches: XformCaches, context: FrameContext) -> None:
+    def __init__(
+        self, traversal: Traversal, graph: InstanceGraph, caches: XformCaches, context: FrameContext
+    ) -> None:
         self._groups = traversal.groups
+        self._graph = graph
         self._caches = caches
         self._context = context
 
     def placements(self) -> Iterator[Placement]:
         """Every group wherever it stands; the world first, once, at the identity."""
         identity = Motion(self._caches.shutter, 1, True, lambda _: np.eye(4)[None])
-        yield from self._below(Placement("/", WORLD, (), None, None, lambda: identity), ())
+        yield from self._below(Placement("/", WORLD, (), None, None, lambda: identity))
 
-    def _below(self, outer: Placement, trail: tuple[Hashable, ...]) -> Iterator[Placement]:
-        if outer.key in trail:
-            message = "found a prototype that instances itself, expected none; not drawn"
-            self._context.diagnostics.error(outer.path, "prototypes", message)
-            return
+    def _below(self, outer: Placement) -> Iterator[Placement]:
         yield outer
         group = self._groups[outer.key]
         for inner in self._inner(group):
+            if self._graph.leads_back(outer.key, inner.key):
+                message = "found a prototype that instances itself, expected none; not drawn"
+                self._context.diagnostics.error(inner.path, "prototypes", message)
+                continue
             if self._context.found is not None:
                 self._context.found.inside(inner.path, outer.path)
-            yield from self._below(inner.inside(outer), (*trail, outer.key))
+            yield from self._below(inner.inside(outer))
 
     def _inner(self, group: Group) -> Iterator[Placement]:
         """What instances in a group show, in the group's space; those that move alike together."""

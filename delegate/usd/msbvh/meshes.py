@@ -121,8 +121,12 @@ def held_attributes(
     """
     if not context.shutter.moving:
         return []
-    named = [name for keyword, name, _ in PRIMVARS if keywords[keyword] is not None]
-    held = [attribute for name in named for attribute in held_by(prim, name, context)]
+    held: list[Usd.Attribute] = []
+    for keyword, name, _ in PRIMVARS:
+        primvar = keywords[keyword]
+        # A mesh says itself whether its primvar is indexed, which most are not.
+        if primvar is not None and (context.held or primvar[2] is not None or not prim.IsA(UsdGeom.Mesh)):
+            held += held_by(prim, name, context)
     if prim.IsA(UsdGeom.Mesh):
         held += _held_by_faces(UsdGeom.Mesh(prim), keywords, authored)
     held = [attribute for attribute in held if attribute.ValueMightBeTimeVarying()]

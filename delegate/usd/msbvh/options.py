@@ -14,6 +14,7 @@ from . import _core
 from .color import MODES
 from .conform import POLICIES
 from .option_types import Names, Numbers, PowerOfTwo, ShutterRange
+from .reader import MAX_INSTANCES
 
 PURPOSES = ("default", "render", "proxy", "guide")
 MAX_PIXELS_ACROSS = 65535
@@ -139,6 +140,14 @@ SCENE: Sequence[Decorator] = (
         metavar="N",
         help="Exactly these for meshes and instances that move: a power of two, 1 to 128. Memory grows in"
         " proportion; too few miss --motion-tolerance, with a warning. Default: as few as it takes.",
+    ),
+    click.option(
+        "--max-instances",
+        type=click.IntRange(1),
+        default=MAX_INSTANCES,
+        show_default=True,
+        metavar="N",
+        help="More are refused before they are read; nested ones are multiplied out. Each takes about 1 kB.",
     ),
     click.option(
         "--disableCameraLight",

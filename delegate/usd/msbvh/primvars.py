@@ -59,7 +59,7 @@ def sample_primvar(
     interpolation, values, indices = at_code
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
     path = str(prim.GetPath())
-    if stretch is None and held_by(prim, name, context):
+    if stretch is None and (context.held or indices is not None) and held_by(prim, name, context):
         return at_code
     samples = _samples(primvar.GetAttr(), _kind(columns), context, stretch)
     if all(np.array_equal(sample, values) for _, sample in samples):
@@ -108,7 +108,8 @@ def _samples(
     if stretch is None or stretch.shown is None:
         codes = [(shutter.time01(time), Usd.TimeCode(time)) for time in times]
     else:
-        codes = [(time01, shutter.time_code(time01)) for time01 in _knots(times, stretch.shown, shutter)] if times else []
+        knots = _knots(times, stretch.shown, shutter) if times else []
+        codes = [(time01, shutter.time_code(time01)) for time01 in knots]
     return [(time01, np.asarray(value(attribute, code, kind) or kind.exact())) for time01, code in codes]
 
 

@@ -17,6 +17,7 @@ from .camera import RenderCamera, optics, read_camera
 from .context import FrameContext
 from .crash_line import crash_line
 from .errors import Diagnostics, SceneError
+from .instance_count import InstanceGraph
 from .instances import Placement, Placer, coarse_keywords, level_keywords
 from .implicit import IMPLICIT_TYPES, SILHOUETTES
 from .light_values import Switches
@@ -34,6 +35,10 @@ from .transforms import XformCaches
 from .traversal import WORLD, Group, Part, Traversal
 from .usd_faults import leaving_out
 from .values import reported_to
+
+
+MAX_INSTANCES = 10_000_000
+"""While they are read and their tree is built, instances take 0.8 kB each, moving ones 1 kB: these fit in 10 GB."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,8 @@ class ReadSettings:
     """linear, quadratic or cubic tracks only; auto: the cheapest for each prim."""
     segments: int = 0
     """Exactly these for whatever moves, a power of two; 0: as few as it takes."""
+    max_instances: int = MAX_INSTANCES
+    """More are refused, nested ones multiplied out."""
 
 
 @dataclass
@@ -162,6 +169,8 @@ class _FrameReader:
             shutter = self._camera.shutter
             self._context = FrameContext(stage, shutter, is_held(stage), diagnostics, found=found)
             self._traversal = Traversal(self._context, purposes)
+            self._graph = InstanceGraph(self._traversal.groups, self._context)
+            self._graph.check(settings.max_instances)
             self._caches = XformCaches(shutter)
         self._pixel = self._camera.pixel_size()
         self._translator = make_translator(**self._translator_settings())
@@ -181,7 +190,7 @@ class _FrameReader:
         """Hands everything down and finishes the scene."""
         with self._timed("meshes"):
             self._add_world_meshes()
-        placements = list(Placer(self._traversal, self._caches, self._context).placements())
+        placements = list(Placer(self._traversal, self._graph, self._caches, self._context).placements())
         with self._timed("instances"):
             self._add_instanced(placements[1:])
         with self._timed("lights"):
@@ -322,6 +331,8 @@ class _FrameReader:
     def _add_instances(self, placement: Placement, prototype: int, box: Box) -> None:
         for levels, indices in self._levels(placement, box):
             colour = placement.display_color
+            if colour is not None:
+                colour = each(colour, lambda every, some=indices: np.ascontiguousarray(every[some]))
             if self._context.found is not None:
                 self._context.found.evaluated_instances(placement.path, levels)
             self._translator.add_instances(
@@ -329,7 +340,7 @@ class _FrameReader:
                 prototype=prototype,
                 levels=levels,
                 visible=placement.visible,
-                display_color=None if colour is None else each(colour, lambda all_: np.ascontiguousarray(all_[indices])),
+                display_color=colour,
             )
 
     def _add_lights(self, placements: list[Placement]) -> None:

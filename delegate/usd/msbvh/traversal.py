@@ -207,13 +207,14 @@ class Traversal:
         group_root: Usd.Prim | None,
         shutter: Shutter,
     ) -> _State:
-        """The state below a transform, which may vary or leave what is above."""
-        own = shutter.moving and may_vary(xformable)
+        """The state below a transform, which may vary or leave what is above. A prim that its motion:blurScale holds
+        varies all the same: what is below may have another one."""
+        own = self._context.shutter.moving and may_vary(xformable)
         inherits = above.varying and not resets(xformable)
         if not (own or inherits):
             return state if not (state.varying or state.bends) else replace(state, varying=False, bends=())
         bends = set(above.bends) if inherits else set()
-        if own:
+        if own and shutter.moving:
             bends.update(xform_bends(xformable, shutter))
         if inherits and state.scales.blur > above.scales.blur:  # Its shutter is open for longer.
             bends = bends_of(xformable.GetPrim(), group_root, shutter)
@@ -300,7 +301,8 @@ class Traversal:
             for parts in (emptied.shapes, emptied.lights, emptied.instancers):
                 parts[:] = [part for part in parts if part.prim == group.root]
             emptied.instances.clear()
-        group.resets[:] = [child.GetPath().MakeRelativePath(root) for child in group.root.GetFilteredChildren(_DEFINED)]
+        children = group.root.GetFilteredChildren(_DEFINED)
+        group.resets[:] = [child.GetPath().MakeRelativePath(root) for child in children]
 
     def _warn_of_draw_mode(self, prim: Usd.Prim) -> None:
         """They take effect on models: on components, on others by model:applyDrawMode (UsdGeomModelAPI)."""
