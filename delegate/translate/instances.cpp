@@ -124,9 +124,9 @@ bool has_fitting_sizes(const InstancesInput& input, std::size_t count, std::uint
   if (input.materials.empty()) return true;
   const int largest = *std::ranges::max_element(input.materials);
   if (input.materials.size() == count && largest < std::int64_t(material_count)) return true;
-  return log.reject("material:binding", message("found ", input.materials.size(), " materials, the largest ",
-                                                largest, "; expected ", count, " and less than ",
-                                                material_count));
+  return log.reject("material:binding",
+                    message("found ", input.materials.size(), " materials, the largest ", largest,
+                            "; expected ", count, " and less than ", material_count));
 }
 
 // Without the colours, where they do not fit.
@@ -148,7 +148,8 @@ InstancesInput with_checked_colors(InstancesInput input, std::size_t count, Prim
 TranslatedInstances translate_instances(const InstancesInput& given, const InstanceTarget& target,
                                         PrimLog& log) {
   const std::optional<InstanceChain> chain = InstanceChain::make(given.levels, log);
-  if (!chain || chain->count() == 0 || !has_fitting_sizes(given, chain->count(), target.material_count, log)) {
+  if (!chain || chain->count() == 0 ||
+      !has_fitting_sizes(given, chain->count(), target.material_count, log)) {
     return {};
   }
   const InstancesInput input = with_checked_colors(given, chain->count(), log);

@@ -184,7 +184,9 @@ def conform_command(
         check_suite(folder)
 
     def prepare(rule: Rule, scratch: Path) -> Rule:
-        return rule if shutter is None else with_shutter(rule, folder, shutter, scratch, renderer.knows_shutter)
+        if shutter is None:
+            return rule
+        return with_shutter(rule, folder, shutter, scratch, renderer.knows_shutter)
 
     with Progress("msbvh: conform") as progress:
         outcomes = list(conform(rules, renderer, spp, out, progress, prepare))
@@ -264,7 +266,9 @@ def _record_jobs(
 
 def _read_settings(options: dict[str, Any]) -> ReadSettings:
     if options["shutter"] is not None and options["default_time"]:
-        raise click.UsageError("--shutter and --defaultTime exclude each other: nothing moves at the default time")
+        raise click.UsageError(
+            "--shutter and --defaultTime exclude each other: nothing moves at the default time"
+        )
     width, height = options["resolution"] or (options["image_width"], None)
     return ReadSettings(
         camera=options["camera"],
@@ -303,6 +307,6 @@ def _check_renderer(name: str | None) -> None:
 def _warn_of_options(options: dict[str, Any], reporter: Reporter) -> None:
     if options["complexity"] != "low":
         reporter.warning(
-            f"--complexity {options['complexity']}: subdivision surfaces are polygons yet; only spheres and the like"
-            " are finer"
+            f"--complexity {options['complexity']}: only spheres and the like are finer; subdivision surfaces are"
+            " polygons"
         )
