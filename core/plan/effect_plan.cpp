@@ -64,8 +64,8 @@ void plan_clock(const std::string& name, const Clock& clock, Planner& planner) {
   planner.add(Effect::kOwnClocks, name, std::to_string(clock.pieces.size()) + " pieces of the shutter");
 }
 
-// Meshes that something shows: in the world, or in a prototype that has instances. `own_materials`: only where
-// no instance overrides their materials. In the order of the scene.
+// Meshes that something shows: in the world, or in a prototype that has instances. `own_materials`: only
+// where no instance overrides their materials. In the order of the scene.
 std::vector<const Mesh*> shown_meshes(const Scene& scene, bool own_materials) {
   std::vector<bool> shown(scene.meshes.size(), false);
   for (const std::uint32_t mesh : scene.world_meshes) shown[mesh] = true;

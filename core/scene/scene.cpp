@@ -96,8 +96,8 @@ void check_mesh(const Mesh& mesh, const Scene& scene, const std::string& part) {
   check_primvar(mesh.display_color, mesh.shape, part, "displayColor");
   check_primvar(mesh.display_opacity, mesh.shape, part, "displayOpacity");
   if (mesh.material != kNone) expect_index(mesh.material, scene.materials.size(), part, "material");
-  expect(mesh.triangle_materials.empty() || mesh.triangle_materials.size() == mesh.shape.triangles.size(), part,
-         "triangleMaterials", std::to_string(mesh.triangle_materials.size()) + " values",
+  expect(mesh.triangle_materials.empty() || mesh.triangle_materials.size() == mesh.shape.triangles.size(),
+         part, "triangleMaterials", std::to_string(mesh.triangle_materials.size()) + " values",
          "none or " + std::to_string(mesh.shape.triangles.size()));
   expect_materials(mesh.triangle_materials, scene, part, "triangleMaterials");
 }

@@ -48,8 +48,8 @@ struct Mesh {
   Primvar<Vec3f> display_color;
   Primvar<float> display_opacity;
   std::uint32_t material = kNone;  // kNone: diffuse in display_color (0.18 grey where not authored)
-  // Empty, or one a triangle in place of `material`: parts with materials of their own stay one mesh, with one
-  // tree and no edges that could leak.
+  // Empty, or one a triangle in place of `material`: parts with materials of their own stay one mesh, with
+  // one tree and no edges that could leak.
   std::vector<std::uint32_t> triangle_materials{};
 };
 

@@ -161,8 +161,8 @@ struct InstancesInput {
   PrimvarInput<Vec3f> display_color;                    // one an instance, without indices, or none
   // Empty, or one an instance in place of the prototype's own; negative: none.
   std::span<const int> materials{};
-  // Of the prims that the innermost level's maps place, one each: every prim has a track report of its own. Empty:
-  // the instances are one prim's, or many that move alike.
+  // Of the prims that the innermost level's maps place, one each: every prim has a track report of its own.
+  // Empty: the instances are one prim's, or many that move alike.
   std::vector<std::string> paths{};
   // Whether there is a report of all together as well; always, where there are no paths.
   bool report_whole = false;

@@ -133,9 +133,9 @@ bool has_fitting_sizes(const InstancesInput& input, std::size_t count, std::uint
   if (input.materials.empty()) return true;
   const int largest = *std::ranges::max_element(input.materials);
   if (input.materials.size() == count && largest < std::int64_t(material_count)) return true;
-  return log.reject("material:binding", message("found ", input.materials.size(), " materials, the largest ",
-                                                largest, "; expected ", count, " and less than ",
-                                                material_count));
+  return log.reject("material:binding",
+                    message("found ", input.materials.size(), " materials, the largest ", largest,
+                            "; expected ", count, " and less than ", material_count));
 }
 
 constexpr const char* kColor = "primvars:displayColor";
@@ -172,7 +172,8 @@ std::vector<double> times_of_size(const InstanceChain& chain) {
 TranslatedInstances translate_instances(const InstancesInput& input, const InstanceTarget& target,
                                         PrimLog& log) {
   const std::optional<InstanceChain> chain = InstanceChain::make(input.levels, log);
-  if (!chain || chain->count() == 0 || !has_fitting_sizes(input, chain->count(), target.material_count, log)) {
+  if (!chain || chain->count() == 0 ||
+      !has_fitting_sizes(input, chain->count(), target.material_count, log)) {
     return {};
   }
   const PrimvarTrack<Vec3f> colors =

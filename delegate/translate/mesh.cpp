@@ -60,10 +60,12 @@ void add_face_materials(const MeshInput& input, const Triangulation& topology, s
                             "; expected ", topology.face_count, " and less than ", material_count));
     return;
   }
-  const auto of_face = [&](std::uint32_t face) { return given[face] < 0 ? kNone : std::uint32_t(given[face]); };
+  const auto of_face = [&](std::uint32_t face) {
+    return given[face] < 0 ? kNone : std::uint32_t(given[face]);
+  };
   mesh.material = of_face(topology.faces.front());
-  const bool alike = std::ranges::all_of(
-      topology.faces, [&](std::uint32_t face) { return of_face(face) == mesh.material; });
+  const bool alike =
+      std::ranges::all_of(topology.faces, [&](std::uint32_t face) { return of_face(face) == mesh.material; });
   if (alike) return;
   mesh.triangle_materials.reserve(topology.faces.size());
   for (const std::uint32_t face : topology.faces) mesh.triangle_materials.push_back(of_face(face));

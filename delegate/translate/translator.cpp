@@ -198,11 +198,11 @@ void Translator::add_instances(const InstancesInput& input) {
   const PrototypeState& state = data_->prototypes[input.prototype];
   if (state.box.empty() || input.levels.empty()) return;  // nothing to draw; its meshes have been reported
   const Vec3d prototype_origin = state.target.origin.value_or(Vec3d{});
-  TranslatedInstances result = translate_instances(
-      input,
-      {data_->measure, data_->origin, prototype_origin, state.box, data_->fit,
-       std::uint32_t(data_->scene.materials.size())},
-      log);
+  TranslatedInstances result =
+      translate_instances(input,
+                          {data_->measure, data_->origin, prototype_origin, state.box, data_->fit,
+                           std::uint32_t(data_->scene.materials.size())},
+                          log);
   if (result.sets.empty()) return;
   for (const std::uint32_t part : state.parts) {
     for (InstanceSet& set : result.sets) {

@@ -1,5 +1,5 @@
-"""Implicit shapes in crowds: one prototype for all that are alike, tessellated by its size in pixels, and the same
-picture, messages and reports as if each stood for itself."""
+"""Implicit shapes in crowds: one prototype for all that are alike, tessellated by its size in pixels, and the
+same picture, messages and reports as if each stood for itself."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from msbvh.implicit import IMPLICIT_TYPES
 from msbvh.motion import motion_report
 from msbvh.reader import ReadResult, ReadSettings, read_frame
 from msbvh.samples import SampleLog
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
+from pxr import Gf, Sdf, UsdGeom, UsdShade
 from recording import Shot, messages
 
 KINDS = sorted(IMPLICIT_TYPES)
@@ -33,7 +33,13 @@ def crowd(shot: Shot, kind: str, count: int = 24, root: str = "/Crowd") -> list[
         shape.AddScaleOp().Set(Gf.Vec3f(0.5, 0.5, 0.5 if i % 3 else 0.9))
         if i % 2:
             shape.CreateDisplayColorAttr([(i / count, 0.5, 1.0 - i / count)])
-        for name, value in (("radius", 0.8), ("height", 1.5), ("size", 1.6), ("radiusTop", 0.6), ("width", 1.5)):
+        for name, value in (
+            ("radius", 0.8),
+            ("height", 1.5),
+            ("size", 1.6),
+            ("radiusTop", 0.6),
+            ("width", 1.5),
+        ):
             if prim.GetAttribute(name) and i % 4:
                 prim.GetAttribute(name).Set(value)
         if prim.GetAttribute("axis"):
@@ -79,7 +85,9 @@ def materials_and_opacity(shot: Shot) -> None:
             material = UsdShade.Material.Define(shot.stage, path)
             shader = UsdShade.Shader.Define(shot.stage, f"{path}/S")
             shader.CreateIdAttr("UsdPreviewSurface")
-            shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(0.8, 0.1 * (i % 8), 0))
+            shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(
+                Gf.Vec3f(0.8, 0.1 * (i % 8), 0)
+            )
             material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
             UsdShade.MaterialBindingAPI.Apply(shape.GetPrim()).Bind(material)
 
@@ -123,7 +131,9 @@ def in_a_point_instancer(shot: Shot) -> None:
     instancer.CreateProtoIndicesAttr([0, 0, 0])
     instancer.CreatePositionsAttr([Gf.Vec3f(0, 0, 0), Gf.Vec3f(1, 1, -3), Gf.Vec3f(-1, 0, -6)])
     instancer.CreateVelocitiesAttr([Gf.Vec3f(24, 0, 0)] * 3)
-    colour = UsdGeom.PrimvarsAPI(instancer).CreatePrimvar("displayColor", Sdf.ValueTypeNames.Color3fArray, "vertex")
+    colour = UsdGeom.PrimvarsAPI(instancer).CreatePrimvar(
+        "displayColor", Sdf.ValueTypeNames.Color3fArray, "vertex"
+    )
     colour.Set([(1, 0, 0), (0, 1, 0), (0, 0, 1)])
 
 
@@ -175,7 +185,9 @@ def test_the_picture_and_the_messages_are_those_of_shapes_that_stand_alone(autho
     assert difference.mean() < 3e-4
 
 
-@pytest.mark.parametrize("author", [moving, blinking_and_scaled, in_native_instances], ids=lambda author: author.__name__)
+@pytest.mark.parametrize(
+    "author", [moving, blinking_and_scaled, in_native_instances], ids=lambda author: author.__name__
+)
 def test_motion_reports_every_prim_by_its_path(author: Author, alone) -> None:
     reports = []
     for _ in range(2):
@@ -323,7 +335,8 @@ for prim in stage.GetPseudoRoot().GetChildren():
 print(seconds, size, time.process_time() - start)
 """
 IDLE_SECONDS = 0.27
-"""What USD's own calls of that loop take for 20,000 prims where nothing else runs: how busy the machine is."""
+"""What USD's own calls of that loop take for 20,000 prims where nothing else runs: how busy the machine
+is."""
 
 
 def test_twenty_thousand_spheres_take_two_seconds_and_three_hundred_megabytes(tmp_path: Path) -> None:
@@ -332,10 +345,14 @@ def test_twenty_thousand_spheres_take_two_seconds_and_three_hundred_megabytes(tm
     with Sdf.ChangeBlock():
         for i in range(20000):
             prim = Sdf.PrimSpec(layer, f"s{i}", Sdf.SpecifierDef, "Sphere")
-            Sdf.AttributeSpec(prim, "radius", Sdf.ValueTypeNames.Double).default = float(rng.uniform(0.1, 1.0))
+            Sdf.AttributeSpec(prim, "radius", Sdf.ValueTypeNames.Double).default = float(
+                rng.uniform(0.1, 1.0)
+            )
             where = Sdf.AttributeSpec(prim, "xformOp:translate", Sdf.ValueTypeNames.Double3)
             where.default = Gf.Vec3d(*rng.uniform(-50, 50, 3).tolist())
-            order = Sdf.AttributeSpec(prim, "xformOpOrder", Sdf.ValueTypeNames.TokenArray, Sdf.VariabilityUniform)
+            order = Sdf.AttributeSpec(
+                prim, "xformOpOrder", Sdf.ValueTypeNames.TokenArray, Sdf.VariabilityUniform
+            )
             order.default = ["xformOp:translate"]
             colour = Sdf.AttributeSpec(prim, "primvars:displayColor", Sdf.ValueTypeNames.Color3fArray)
             colour.default = [Gf.Vec3f(*rng.uniform(0, 1, 3).tolist())]

@@ -1,4 +1,5 @@
-"""--shutter OPEN:CLOSE: a shutter asked for on the command line, and the camera that is made up where a stage has none."""
+"""--shutter OPEN:CLOSE: a shutter asked for on the command line, and the camera that is made up where a stage
+has none."""
 
 from __future__ import annotations
 
@@ -55,7 +56,10 @@ def test_it_closes_a_shutter_too() -> None:
         ((math.nan, 0.5), "--shutter: found nan to 0.5, expected finite numbers; no motion blur"),
         ((0.0, math.inf), "--shutter: found 0 to inf, expected finite numbers; no motion blur"),
         ((-1e308, 1e308), "--shutter: found -1e+308 to 1e+308, expected finite numbers; no motion blur"),
-        ((0.0, 450.0), "--shutter: the shutter is open for 450 frames, expected about one; rendered as asked"),
+        (
+            (0.0, 450.0),
+            "--shutter: the shutter is open for 450 frames, expected about one; rendered as asked",
+        ),
     ],
 )
 def test_what_makes_no_sense_is_said_as_of_a_camera(shutter: tuple[float, float], text: str) -> None:
@@ -93,8 +97,9 @@ def test_a_made_up_camera_says_how_to_open_its_shutter_once() -> None:
 
 def test_a_closed_shutter_that_is_authored_says_so_too() -> None:
     shot = Shot((0.0, 0.0))
-    assert "/Camera.shutter:close: equals shutter:open, 0: no motion blur; --shutter -0.25:0.25 opens it" in messages(
-        shot.read(), "note"
+    assert (
+        "/Camera.shutter:close: equals shutter:open, 0: no motion blur; --shutter -0.25:0.25 opens it"
+        in messages(shot.read(), "note")
     )
 
 
@@ -112,14 +117,17 @@ SHAPES = {
 
 
 def seen(camera, corners: np.ndarray) -> np.ndarray:
-    """float64[N, 2]: where points fall in the image, 0 to 1 on either axis; none may lie outside the clipping range."""
+    """float64[N, 2]: where points fall in the image, 0 to 1 on either axis; none may lie outside the clipping
+    range."""
     projected = np.c_[corners, np.ones(len(corners))] @ camera.world_to_ndc
     distance = (np.c_[corners, np.ones(len(corners))] @ camera.world_to_camera)[:, 2]
     assert (distance >= camera.near_clip).all() and (distance <= camera.far_clip).all()
     return projected[:, :2] / projected[:, 3:]
 
 
-@pytest.mark.parametrize("conform", ["expandAperture", "cropAperture", "adjustApertureHeight", "adjustPixelAspectRatio"])
+@pytest.mark.parametrize(
+    "conform", ["expandAperture", "cropAperture", "adjustApertureHeight", "adjustPixelAspectRatio"]
+)
 @pytest.mark.parametrize("size", [(400, None), (400, 100), (100, 400), (64, 64)])
 def test_the_made_up_camera_sees_all_corners(size: tuple[int, int | None], conform: str) -> None:
     for up in ("Y", "Z"):
@@ -127,7 +135,11 @@ def test_the_made_up_camera_sees_all_corners(size: tuple[int, int | None], confo
             shot = without_camera()
             UsdGeom.SetStageUpAxis(shot.stage, up)
             half = np.array(extent if up == "Y" else (extent[0], extent[2], extent[1])) / 2
-            corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half + (3, -2, 1)
+            corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half + (
+                3,
+                -2,
+                1,
+            )
             shot.mesh("/Box", corners.tolist())
             result = shot.read(width=size[0], height=size[1], conform=conform)
             box = np.asarray(shot.stage.GetPrimAtPath("/Box").GetAttribute("points").Get(), np.float64)
@@ -156,7 +168,9 @@ def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 SMALL = ("-w", "48", "--spp", "4")
 
 
-@pytest.mark.parametrize("given", [("--shutter", "-0.25:0.25"), ("--shutter=-0.25:0.25",), ("--shutter", "-.25 : +2.5e-1")])
+@pytest.mark.parametrize(
+    "given", [("--shutter", "-0.25:0.25"), ("--shutter=-0.25:0.25",), ("--shutter", "-.25 : +2.5e-1")]
+)
 def test_record_writes_it_into_metadata_and_stats(scene: Path, given: tuple[str, ...]) -> None:
     assert main(["record", "scene.usda", "a.exr", *SMALL, "--stats", "a.json", *given]) == 0
     image = oiio.ImageInput.open("a.exr")
@@ -171,7 +185,10 @@ def test_record_writes_it_into_metadata_and_stats(scene: Path, given: tuple[str,
 def test_stats_hold_a_shutter_that_is_no_number(scene: Path) -> None:
     assert main(["record", "scene.usda", "a.exr", *SMALL, "--stats", "a.json", "--shutter", "nan:0.5"]) == 0
     stats = json.loads(Path("a.json").read_text())
-    assert stats["settings"]["read"]["shutter"] == ["nan", 0.5] and stats["frames"][0]["shutter"] == [0.0, 0.0]
+    assert stats["settings"]["read"]["shutter"] == ["nan", 0.5] and stats["frames"][0]["shutter"] == [
+        0.0,
+        0.0,
+    ]
 
 
 def test_motion_and_plan_take_it(scene: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -185,7 +202,10 @@ def test_motion_and_plan_take_it(scene: Path, capfd: pytest.CaptureFixture[str])
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ("0.25:-0.25", "found '0.25:-0.25', expected OPEN:CLOSE with CLOSE at or after OPEN, such as -0.25:0.25"),
+        (
+            "0.25:-0.25",
+            "found '0.25:-0.25', expected OPEN:CLOSE with CLOSE at or after OPEN, such as -0.25:0.25",
+        ),
         ("0.5", "found '0.5', expected OPEN:CLOSE in frames relative to the frame, such as -0.25:0.25"),
         ("", "found '', expected OPEN:CLOSE"),
         ("a:b", "found 'a:b', expected OPEN:CLOSE"),
@@ -200,7 +220,9 @@ def test_what_is_no_shutter_is_a_usage_error(
     assert message in capfd.readouterr().err and not Path("a.exr").exists()
 
 
-@pytest.mark.parametrize("command", [["record", "scene.usda", "a.exr"], ["motion", "scene.usda"], ["plan", "scene.usda"]])
+@pytest.mark.parametrize(
+    "command", [["record", "scene.usda", "a.exr"], ["motion", "scene.usda"], ["plan", "scene.usda"]]
+)
 def test_nothing_moves_at_the_default_time(
     scene: Path, capfd: pytest.CaptureFixture[str], command: list[str]
 ) -> None:
@@ -223,7 +245,9 @@ def test_one_absurd_extent_does_not_spoil_the_framing() -> None:
     shot = without_camera()
     shot.mesh("/Sound")
     for index, extent in enumerate([((3e38,) * 3, (-3e38,) * 3), ((-math.inf,) * 3, (math.inf,) * 3)]):
-        shot.mesh(f"/Absurd_{index}", [(x + 10, y, 0) for x, y in ((0, 0), (1, 0), (1, 1))]).CreateExtentAttr(extent)
+        shot.mesh(f"/Absurd_{index}", [(x + 10, y, 0) for x, y in ((0, 0), (1, 0), (1, 1))]).CreateExtentAttr(
+            extent
+        )
     result = shot.read()
     found = seen(result.camera, np.array([[0.0, 0, 0], [11, 1, 0]]))
     assert (found > 0.0).all() and (found < 1.0).all() and not messages(result, "warning")

@@ -209,7 +209,9 @@ def conform_command(
     record = {} if command or shutter is not None else read_record(folder, spp)
 
     def prepare(rule: Rule, scratch: Path) -> Rule:
-        return rule if shutter is None else with_shutter(rule, folder, shutter, scratch, renderer.knows_shutter)
+        if shutter is None:
+            return rule
+        return with_shutter(rule, folder, shutter, scratch, renderer.knows_shutter)
 
     with Progress("msbvh: conform") as progress:
         outcomes = list(conform(rules, renderer, spp, out, progress, record, prepare))
@@ -293,7 +295,9 @@ def _record_jobs(
 
 def _read_settings(options: dict[str, Any]) -> ReadSettings:
     if options["shutter"] is not None and options["default_time"]:
-        raise click.UsageError("--shutter and --defaultTime exclude each other: nothing moves at the default time")
+        raise click.UsageError(
+            "--shutter and --defaultTime exclude each other: nothing moves at the default time"
+        )
     width, height = options["resolution"] or (options["image_width"], None)
     return ReadSettings(
         camera=options["camera"],
@@ -343,8 +347,8 @@ def _check_text(scene: str, options: dict[str, Any]) -> None:
 def _warn_of_options(options: dict[str, Any], reporter: Reporter) -> None:
     if options["complexity"] != "low":
         reporter.warning(
-            f"--complexity {options['complexity']}: subdivision surfaces are polygons yet; only spheres and the like"
-            " are finer"
+            f"--complexity {options['complexity']}: only spheres and the like are finer; subdivision surfaces are"
+            " polygons"
         )
     _note_threads([options["threads"]], reporter)
 

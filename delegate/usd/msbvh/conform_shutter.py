@@ -1,4 +1,5 @@
-"""The conformance suite under another shutter: its scenes stay, its answers are made anew by its own evaluation."""
+"""The conformance suite under another shutter: its scenes stay, its answers are made anew by its own
+evaluation."""
 
 from __future__ import annotations
 
@@ -15,7 +16,14 @@ from .errors import SceneError
 SCRIPT = "make_expected.py"
 """Of a suite: `make_expected.py --shutter OPEN:CLOSE --out FOLDER RULE` writes FOLDER/RULE.png."""
 
-STAGE_METADATA = ("timeCodesPerSecond", "framesPerSecond", "startTimeCode", "endTimeCode", "upAxis", "metersPerUnit")
+STAGE_METADATA = (
+    "timeCodesPerSecond",
+    "framesPerSecond",
+    "startTimeCode",
+    "endTimeCode",
+    "upAxis",
+    "metersPerUnit",
+)
 """What a stage takes from its root layer alone."""
 
 
@@ -36,7 +44,8 @@ def check_suite(suite: Path) -> None:
 def with_shutter(
     rule: Rule, suite: Path, shutter: tuple[float, float], folder: Path, renderer_knows: bool
 ) -> Rule:
-    """A rule with the answer for a shutter. A renderer that does not know of it gets a scene whose camera has it.
+    """A rule with the answer for a shutter. A renderer that does not know of it gets a scene whose camera has
+    it.
 
     Raises SceneError where the suite's own evaluation fails.
     """

@@ -21,7 +21,8 @@ from .xform_ops import world_transform
 LARGEST_COORDINATE = 2.0**60
 """What single precision can square and multiply; see core/geometry/triangle_mesh.h."""
 TIMES_OF_THE_SHUTTER = 9
-"""At which bounds are computed where the shutter is open, its ends included: each costs as much as a still frame's."""
+"""At which bounds are computed where the shutter is open, its ends included: each costs as much as a still
+frame's."""
 MARGIN = 1.03
 """By how much more than the bounds the image shows at least, so that nothing touches its edge. A cube has 3 %
 from usdrecord's distance."""
@@ -37,10 +38,10 @@ def framing_camera(
 ) -> Gf.Camera:
     """A 50 mm camera in front of everything, as usdrecord makes it (OpenUSD, usdAppUtils/frameRecorder.cpp).
 
-    It looks along -z (y up) or +y (z up) at the stage's bounds over the shutter, from usdrecord's distance, at which
-    the diagonal of their front face fills the width. usdrecord cuts off what is tall; here the camera goes back until
-    all corners are in the image. usdrecord's clipping range is 1 to 1e6 whatever the scene's size; here it fits the
-    scene.
+    It looks along -z (y up) or +y (z up) at the stage's bounds over the shutter, from usdrecord's distance,
+    at which the diagonal of their front face fills the width. usdrecord cuts off what is tall; here the
+    camera goes back until all corners are in the image. usdrecord's clipping range is 1 to 1e6 whatever the
+    scene's size; here it fits the scene.
     """
     bounds = _bounds(stage, shutter, purposes)
     if bounds is None:
@@ -53,7 +54,9 @@ def framing_camera(
     up, depth = (size[1], size[2]) if y_up else (size[2], size[1])
 
     camera = Gf.Camera()
-    to_front = max(_distance(camera, size[0], up, image_size, conform), 1e-6)  # More than 0 for a single point.
+    to_front = max(
+        _distance(camera, size[0], up, image_size, conform), 1e-6
+    )  # More than 0 for a single point.
     distance = to_front + depth / 2
     if y_up:
         camera.transform = Gf.Matrix4d().SetTranslate(centre + Gf.Vec3d(0, 0, distance))
@@ -79,13 +82,15 @@ def _distance(
     columns, rows = image_size
     aspect = columns / (rows or image_height(columns, camera.aspectRatio))
     (left, right, bottom, top), _ = conformed(window_of(camera), aspect, conform)
-    as_usdrecord = math.hypot(width, height) / math.tan(math.radians(camera.GetFieldOfView(Gf.Camera.FOVHorizontal)) / 2)
+    as_usdrecord = math.hypot(width, height) / math.tan(
+        math.radians(camera.GetFieldOfView(Gf.Camera.FOVHorizontal)) / 2
+    )
     return max(as_usdrecord / 2, MARGIN * width / (right - left), MARGIN * height / (top - bottom))
 
 
 def _bounds(stage: Usd.Stage, shutter: Shutter, purposes: list[str]) -> Box | None:
-    """Around everything that is drawn, at a few times of the shutter; None where there is nothing, or nothing whose
-    bounds single precision holds."""
+    """Around everything that is drawn, at a few times of the shutter; None where there is nothing, or nothing
+    whose bounds single precision holds."""
     drawn = {"default", *purposes}
     cache = UsdGeom.BBoxCache(shutter.frame_code, list(drawn), useExtentsHint=True)
     skinned, absurd = SkinnedBounds(stage, drawn), list(_absurd(stage, shutter.frame_code))
@@ -141,10 +146,9 @@ def _absurd(stage: Usd.Stage, code: Usd.TimeCode) -> Iterator[Usd.Prim]:
             yield prim
 
 
-def _usable_boxes(
-    prims: list[Usd.Prim], code: Usd.TimeCode, purposes: set[str]
-) -> Iterator[Box]:
-    """Of each visible prim in the world, computed from its points where its authored extent makes no sense."""
+def _usable_boxes(prims: list[Usd.Prim], code: Usd.TimeCode, purposes: set[str]) -> Iterator[Box]:
+    """Of each visible prim in the world, computed from its points where its authored extent makes no
+    sense."""
     xforms = UsdGeom.XformCache(code)
     for prim in prims:
         imageable, boundable = UsdGeom.Imageable(prim), UsdGeom.Boundable(prim)

@@ -23,8 +23,8 @@ from .value_types import FLOAT, TOKEN
 from .values import required, value
 
 SIDE_COUNTS = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384)
-"""How many sides a shape may have around its axis; half as many from pole to pole. The last takes 147,456 triangles a
-sphere and strays by a tenth of a pixel at a radius of 1,500 pixels."""
+"""How many sides a shape may have around its axis; half as many from pole to pole. The last takes 147,456
+triangles a sphere and strays by a tenth of a pixel at a radius of 1,500 pixels."""
 SIDES = 48
 """Where nobody knows how large a shape is seen."""
 SILHOUETTES = {"low": 0.1, "medium": 0.05, "high": 0.025, "veryhigh": 0.0125}
@@ -34,8 +34,8 @@ SILHOUETTES = {"low": 0.1, "medium": 0.05, "high": 0.025, "veryhigh": 0.0125}
 def sides_for(radius_pixels: np.ndarray, silhouette_pixels: float) -> np.ndarray:
     """int[N]: the fewest sides for which shapes of float64[N] radii stray by `silhouette_pixels` at most.
 
-    A chord of a circle of radius r with n sides lies r (1 - cos(pi / n)) inside; the middle of a sphere's face twice as
-    far, since it is curved both ways.
+    A chord of a circle of radius r with n sides lies r (1 - cos(pi / n)) inside; the middle of a sphere's
+    face twice as far, since it is curved both ways.
     """
     strays = 2.0 * (1.0 - np.cos(np.pi / np.array(SIDE_COUNTS)))
     largest = silhouette_pixels / strays
@@ -64,7 +64,9 @@ def _revolved(profile: np.ndarray, sides: int) -> Surface:
     )
     low = np.arange(len(profile) - 1)[:, None] * sides
     here, there = np.arange(sides)[None], (np.arange(sides)[None] + 1) % sides
-    quads = np.stack([low + here, low + there, low + sides + there, low + sides + here], axis=-1).reshape(-1, 4)
+    quads = np.stack([low + here, low + there, low + sides + there, low + sides + here], axis=-1).reshape(
+        -1, 4
+    )
     return Surface(np.full(len(quads), 4, np.int32), quads.astype(np.int32).ravel(), points)
 
 
@@ -159,8 +161,8 @@ ChooseSides = Callable[[float, Box], int]
 def read_implicit(
     prim: Usd.Prim, context: FrameContext, choose_sides: ChooseSides = lambda _radius, _box: SIDES
 ) -> dict | None:
-    """The mesh keywords of an implicit prim: topology and points; None, with an error, for a parameter that is no
-    number.
+    """The mesh keywords of an implicit prim: topology and points; None, with an error, for a parameter that
+    is no number.
 
     Points are linear in every parameter, so the parameters' samples are the points'.
     """
@@ -186,7 +188,8 @@ def read_implicit(
     sides = choose_sides(radius, Box.around(rough))
     surface = surface_at(context.code, sides)
     poses = [
-        (context.shutter.time01(code.GetValue()), surface_at(code, sides).points.astype(np.float32)) for code in codes
+        (context.shutter.time01(code.GetValue()), surface_at(code, sides).points.astype(np.float32))
+        for code in codes
     ] or [(0.0, surface.points.astype(np.float32))]
     samples = Samples(poses[:1] if still(poses) else poses, context.held)
     return {
@@ -218,7 +221,9 @@ def _radius(kind: ImplicitType, values: Sequence[float]) -> float:
 def _are_sound(prim: Usd.Prim, kind: ImplicitType, values: Sequence[float], context: FrameContext) -> bool:
     for name, value in zip(kind.parameters, values, strict=True):
         if not abs(value) <= LARGEST:
-            message = f"found {value:g}, expected a finite number of at most 2^60 in size; the prim is not drawn"
+            message = (
+                f"found {value:g}, expected a finite number of at most 2^60 in size; the prim is not drawn"
+            )
             context.diagnostics.error(str(prim.GetPath()), name, message)
             return False
     return True

@@ -116,7 +116,10 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
     """Names what a supported light has authored beyond what is drawn."""
     path = str(prim.GetPath())
     texture = prim.GetAttribute("inputs:texture:file")
-    textures = [asset for asset in values_within(texture, context.shutter) if asset] if texture else []
+    textures = []
+    if texture and (value(texture, context.code, ASSET) or texture.ValueMightBeTimeVarying()):
+        found = values_within(texture, context.shutter)
+        textures = [asset for asset in found if isinstance(asset, Sdf.AssetPath) and asset]
     if textures:
         found = f"found @{textures[0].path}@; not supported yet, lit by the plain colour"
         context.diagnostics.warning(path, texture.GetName(), found)

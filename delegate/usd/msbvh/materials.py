@@ -163,7 +163,8 @@ class Materials:
             mean = texture_mean(file, attribute, str(self._constant(node, "sourceColorSpace", "auto")))
         if mean is not None:
             mean = mean * self._four(node, "scale", 1.0) + self._four(node, "bias", 0.0)
-            found, drawn = Input(_channel(mean, output, default), is_mean=True), "drawn as the mean of its texture"
+            found = Input(_channel(mean, output, default), is_mean=True)
+            drawn = "drawn as the mean of its texture"
         else:
             authored = self._constant(node, "fallback", None)
             found = Input(default if authored is None else self._fallback(node, default, output))
@@ -235,7 +236,8 @@ def _channel(values: np.ndarray, output: str, default: Number) -> Number:
     if output in CHANNELS:
         value = float(values[CHANNELS[output]])
         return value if isinstance(default, float) else (value, value, value)
-    return float(values[3]) if isinstance(default, float) else (float(values[0]), float(values[1]), float(values[2]))
+    red, green, blue, alpha = values.tolist()
+    return alpha if isinstance(default, float) else (red, green, blue)
 
 
 def _text(value: Number) -> str:

@@ -159,7 +159,7 @@ def held_at(prim: Usd.Prim, keywords: dict, stretch: Stretch, context: FrameCont
         holes = array(value(UsdGeom.Mesh(prim).GetHoleIndicesAttr(), stretch.code, INTS), np.int32)
         changed["hole_indices"] = holes if len(holes) else None
     if keywords["normals_indices"] is not None:
-        indices = UsdGeom.PrimvarsAPI(prim).GetPrimvar("normals").GetIndices(stretch.code)
+        indices = value(UsdGeom.PrimvarsAPI(prim).GetPrimvar("normals").GetIndicesAttr(), stretch.code, INTS)
         changed["normals_indices"] = array(indices, np.int32)
     return {**keywords, **changed}
 

@@ -124,7 +124,7 @@ def motion_report(
     with reported_to(result.diagnostics):
         warnings = result.diagnostics.by_path()
         camera, shutter = result.camera, result.camera.shutter
-    prims = [_filled(found, member, stage, shutter, log, warnings) for found, member in chosen]
+        prims = [_filled(found, member, stage, shutter, log, warnings) for found, member in chosen]
     return MotionReport(
         camera.path or "framing camera", frame, (shutter.open, shutter.close), tolerance, tuple(prims)
     )

@@ -75,7 +75,11 @@ class ShutterRange(click.ParamType):
         try:
             opening, closing = map(float, value.split(":")) if isinstance(value, str) else value
         except ValueError:
-            self.fail(f"found '{value}', expected OPEN:CLOSE in frames relative to the frame, {example}", param, ctx)
+            self.fail(
+                f"found '{value}', expected OPEN:CLOSE in frames relative to the frame, {example}", param, ctx
+            )
         if closing < opening:
-            self.fail(f"found '{value}', expected OPEN:CLOSE with CLOSE at or after OPEN, {example}", param, ctx)
+            self.fail(
+                f"found '{value}', expected OPEN:CLOSE with CLOSE at or after OPEN, {example}", param, ctx
+            )
         return opening, closing

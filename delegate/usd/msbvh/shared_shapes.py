@@ -1,4 +1,5 @@
-"""Implicit shapes in crowds: a mesh for all that are alike and as large in the picture, placed by instances."""
+"""Implicit shapes in crowds: a mesh for all that are alike and as large in the picture, placed by
+instances."""
 
 from __future__ import annotations
 
@@ -26,8 +27,8 @@ from .visibility import common_intervals, visible_intervals
 SHARED_FROM = 16
 """Shapes that are alike; fewer are meshes of their own, which rays find without a way through instances."""
 MOST_PLACES = 64
-"""Of a group whose shapes are placed one by one, in each of its places. Where it stands more often, its shapes are
-meshes: a mesh of a few hundred triangles takes less than so many instances of it."""
+"""Of a group whose shapes are placed one by one, in each of its places. Where it stands more often, its
+shapes are meshes: a mesh of a few hundred triangles takes less than so many instances of it."""
 LARGEST_COLOUR = 65504.0
 """kMaxColor of delegate/translate/primvars.h."""
 SINGULAR = 1e-6
@@ -136,7 +137,9 @@ class SharedShapes:
             colours = np.array([simple.colour for simple in members], np.float32)
         paths = [prim.GetPath().pathString for prim in prims]
         materials, root_from_unit = self._material_numbers(members), shape_from_unit @ root_from_shape
-        return Crowd(members[0].alike, parts, paths, shape_from_unit, root_from_unit, colours, materials, shutter)
+        return Crowd(
+            members[0].alike, parts, paths, shape_from_unit, root_from_unit, colours, materials, shutter
+        )
 
     def _material_numbers(self, members: list[Simple]) -> np.ndarray | None:
         bound = [index for index, simple in enumerate(members) if simple.binds]
@@ -182,13 +185,17 @@ class SharedShapes:
                 box, level = self._unit_box(sized.alike), Level(self._motion(sized, root))
                 for outer in placed:
                     visible = common_intervals(own, outer.visible)
-                    chain = Placement(outer.path, outer.key, (level, *outer.levels), visible, None, outer.place)
+                    chain = Placement(
+                        outer.path, outer.key, (level, *outer.levels), visible, None, outer.place
+                    )
                     for levels, indices in measure(chain, box):
                         inner = indices[: levels[0]["matrices"].shape[1]] % level.count
                         everywhere = _repeated(sized, inner, indices, outer)
                         # One report for what places the group: with the first thing in it.
                         whole = number == size == 0
-                        self._add(everywhere, outer.path, prototype, levels, visible, sized.some(inner).paths, whole)
+                        self._add(
+                            everywhere, outer.path, prototype, levels, visible, sized.some(inner).paths, whole
+                        )
 
     def _note(self, crowd: Crowd, root: Usd.Prim | None) -> None:
         if self._context.found is not None:
@@ -266,8 +273,8 @@ class SharedShapes:
 
 
 def _repeated(crowd: Crowd, inner: np.ndarray, indices: np.ndarray, outer: Placement) -> Crowd:
-    """The colours and materials of instances of which those of the crowd are the innermost. An instancer's colours come
-    before the shapes' own."""
+    """The colours and materials of instances of which those of the crowd are the innermost. An instancer's
+    colours come before the shapes' own."""
     everywhere = crowd.some(np.tile(inner, len(indices) // len(inner)))
     colours = everywhere.colours
     if outer.display_color is not None:
@@ -276,8 +283,8 @@ def _repeated(crowd: Crowd, inner: np.ndarray, indices: np.ndarray, outer: Place
 
 
 def _are_sound(crowd: Crowd) -> np.ndarray:
-    """bool[N]: whether instances can stand for shapes: finite, under affine matrices that are never flat, not even in
-    between, and of colours that are colours."""
+    """bool[N]: whether instances can stand for shapes: finite, under affine matrices that are never flat, not
+    even in between, and of colours that are colours."""
     matrices = crowd.root_from_unit
     finite = (np.abs(matrices) <= LARGEST).all(axis=(0, 2, 3))
     affine = (matrices[..., 3] == (0.0, 0.0, 0.0, 1.0)).all(axis=(0, 2))

@@ -1,8 +1,9 @@
 """Implicit prims as unit shapes under a scale: what many of them may have in common.
 
-A sphere is the unit sphere scaled by its radius, a cylinder the unit cylinder scaled by radius and height, and so on:
-prims that differ in nothing else can share a mesh. Only plain cases are taken, where nothing is animated but transform and
-visibility and every value is sound; the others stand for themselves, with their messages.
+A sphere is the unit sphere scaled by its radius, a cylinder the unit cylinder scaled by radius and height,
+and so on: prims that differ in nothing else can share a mesh. Only plain cases are taken, where nothing is
+animated but transform and visibility and every value is sound; the others stand for themselves, with their
+messages.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Bounds of what skeletons pose.
 
-A SkelRoot without an authored extent counts in USD as the box around its joints, which cuts off heads and hands.
+A SkelRoot without an authored extent counts in USD as the box around its joints, which cuts off heads and
+hands.
 """
 
 from __future__ import annotations
@@ -39,7 +40,9 @@ class SkinnedBounds:
             if not rest:
                 continue
             joints = _pivots(rest)
-            targets = [target for target in binding.GetSkinningTargets() if _is_seen(target.GetPrim(), purposes)]
+            targets = [
+                target for target in binding.GetSkinningTargets() if _is_seen(target.GetPrim(), purposes)
+            ]
             yield query, max((_reach(target, joints) for target in targets), default=0.0)
 
     def boxes(self, code: Usd.TimeCode) -> Iterator[Box]:
@@ -60,7 +63,8 @@ def _pivots(joints: object) -> Box:
 def _reach(target: UsdSkel.SkinningQuery, joints: Box) -> float:
     """How far a prim at rest lies outside of the box around the joints at rest.
 
-    As UsdSkelSkinningQuery::ComputeExtentsPadding has it, which knows nothing of a mesh without an authored extent.
+    As UsdSkelSkinningQuery::ComputeExtentsPadding has it, which knows nothing of a mesh without an authored
+    extent.
     """
     boundable = UsdGeom.Boundable(target.GetPrim())
     extent = UsdGeom.Boundable.ComputeExtentFromPlugins(boundable, Usd.TimeCode.EarliestTime())

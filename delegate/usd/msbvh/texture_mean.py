@@ -22,10 +22,11 @@ LARGEST = 65504.0
 
 
 def texture_mean(file: Sdf.AssetPath, attribute: Usd.Attribute, colour_space: str) -> np.ndarray | None:
-    """float64[4]: linear red, green, blue, alpha of the texture that an attribute names; None where it cannot be read.
+    """float64[4]: linear red, green, blue, alpha of the texture that an attribute names; None where it cannot
+    be read.
 
-    `colour_space` is UsdUVTexture's sourceColorSpace: raw, sRGB or auto (sRGB where there are 8 bits and three or
-    four channels). One channel is grey; alpha is 1 where there is none. Every texel counts alike.
+    `colour_space` is UsdUVTexture's sourceColorSpace: raw, sRGB or auto (sRGB where there are 8 bits and
+    three or four channels). One channel is grey; alpha is 1 where there is none. Every texel counts alike.
     """
     means = [mean for path in _paths(file, attribute) if (mean := _mean(path, colour_space)) is not None]
     return np.mean(means, axis=0) if means else None

@@ -7,6 +7,7 @@ it is left out, and everything else is drawn. tests/python/test_values.py holds 
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -27,6 +28,10 @@ _undecoded: list[str] = []
 
 asked: dict[tuple[str, str], Kind] | None = None
 """For tests: where it is a dictionary, every (prim type, attribute) that was asked for is noted there."""
+
+
+LOOP_STEP = 1e-9
+"""Time codes: far less than a ray's time can tell apart, more than rounding."""
 
 
 class Unreadable(Exception):
@@ -70,7 +75,7 @@ def required(attribute: Usd.Attribute, code: Usd.TimeCode | float, kind: Kind) -
     try:
         found = attribute.Get(code)
     except _UNREAD as error:
-        found = _unread(attribute, error)
+        found = _unread(attribute, error, code)
     if type(found) is kind.exact:
         return found
     if found is None:
@@ -96,7 +101,7 @@ def raw(attribute: Usd.Attribute, code: Usd.TimeCode | float) -> object:
         try:
             found = attribute.Get(code)
         except _UNREAD as error:
-            found = _unread(attribute, error)
+            found = _unread(attribute, error, code)
         if found is None:
             _check_decoded(attribute)
     except Unreadable as fault:
@@ -116,8 +121,15 @@ _UNREAD = (UnicodeDecodeError, Tf.ErrorException, RuntimeError)
 """Text that is no UTF-8; a damaged file."""
 
 
-def _unread(attribute: Usd.Attribute, error: Exception) -> object:
-    """Text with the bytes replaced that are no UTF-8. Raises Unreadable for anything else."""
+def _unread(attribute: Usd.Attribute, error: Exception, code: Usd.TimeCode | float) -> object:
+    """Text with the bytes replaced that are no UTF-8; next to a knot that a spline's loop repeats, where usd-core 26.11
+    raises an error, the value just before. Raises Unreadable for anything else."""
+    time = code.GetValue() if isinstance(code, Usd.TimeCode) else code
+    if isinstance(error, Tf.ErrorException) and attribute.HasSpline() and not math.isnan(time):
+        try:
+            return attribute.Get(time - LOOP_STEP)
+        except Tf.ErrorException:
+            pass
     if isinstance(error, UnicodeDecodeError):
         return error.object.decode("utf-8", "replace")
     message = f"found a value that USD cannot read ({' '.join(str(error).split())[-120:]}), expected one"
