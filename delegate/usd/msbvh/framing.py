@@ -43,7 +43,7 @@ def framing_camera(
     camera goes back until all corners are in the image. usdrecord's clipping range is 1 to 1e6 whatever the
     scene's size; here it fits the scene.
     """
-    bounds = _bounds(stage, shutter, purposes)
+    bounds = _bounds(stage, shutter, purposes, diagnostics)
     if bounds is None:
         message = "no camera and no finite bounds to frame; a camera at (0, 0, 10) looks at the origin"
         diagnostics.warning("", "", message + _closed(shutter))
@@ -88,12 +88,17 @@ def _distance(
     return max(as_usdrecord / 2, MARGIN * width / (right - left), MARGIN * height / (top - bottom))
 
 
-def _bounds(stage: Usd.Stage, shutter: Shutter, purposes: list[str]) -> Box | None:
+def _bounds(
+    stage: Usd.Stage, shutter: Shutter, purposes: list[str], diagnostics: Diagnostics
+) -> Box | None:
     """Around everything that is drawn, at a few times of the shutter; None where there is nothing, or nothing
     whose bounds single precision holds."""
     drawn = {"default", *purposes}
     cache = UsdGeom.BBoxCache(shutter.frame_code, list(drawn), useExtentsHint=True)
     skinned, absurd = SkinnedBounds(stage, drawn), list(_absurd(stage, shutter.frame_code))
+    for prim in absurd:
+        message = "found no finite box, expected the box around what the prim draws; framed by that"
+        diagnostics.warning(str(prim.GetPath()), "extent", message)
     bounds = Box.empty()
     for time01 in np.linspace(0.0, 1.0, TIMES_OF_THE_SHUTTER if shutter.moving else 1).tolist():
         code = shutter.time_code(time01)

@@ -13,7 +13,7 @@ from .errors import SceneError
 from .point_instancers import prototypes
 from .traversal import WORLD, Group, Traversal
 from .value_types import INTS
-from .values import value
+from .values import Unreadable, required
 
 _CHUNK = 2**22
 """Indices that are counted at once: an array of a billion takes no memory beside its own."""
@@ -42,7 +42,10 @@ def uses_of(group: Group, groups: Mapping[Hashable, Group], context: FrameContex
 def _uses_of_instancer(prim: Usd.Prim, groups: Mapping[Hashable, Group], context: FrameContext) -> Iterator[Use]:
     instancer = UsdGeom.PointInstancer(prim)
     roots = prototypes(instancer)
-    indices = array(value(instancer.GetProtoIndicesAttr(), context.code, INTS), np.int32)
+    try:
+        indices = array(required(instancer.GetProtoIndicesAttr(), context.code, INTS), np.int32)
+    except Unreadable:
+        return  # Whoever reads the instances says so.
     counts = np.zeros(len(roots), np.int64)
     for begin in range(0, len(indices), _CHUNK):
         some = indices[begin : begin + _CHUNK]
