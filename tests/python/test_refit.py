@@ -17,7 +17,7 @@ from msbvh.reader import ReadSettings, read_frame
 from msbvh.stage import open_stage
 from pxr import Usd
 from random_edits import EditedStage
-from shared_scenes import MOTION_GROUPS, SharedScene, here, scene_parameters
+from shared_scenes import SharedScene, here, scene_parameters
 from soak import soak_count, soak_figure
 
 POLICIES = ("auto", "always", "never")
