@@ -56,11 +56,14 @@ out/showcase.exr out/showcase.png &: $(SHOWCASE) $(STAMPS)/installed $(PYTHON_SO
 	@$(BIN)/msbvh record $(SHOWCASE) out/showcase.exr out/showcase.png $(SHOWCASE_OPTIONS)
 	@echo 'Look at out/showcase.png'
 
-# Every test runs even where an earlier one fails; pytest's summary is the last line.
-test: setup  ## every test: C++ (ctest), then Python (pytest)
+# Both suites at once, since most tests keep one core busy. Every test runs even where an earlier one fails; the C++
+# tests' output comes last.
+test: setup  ## every test: C++ (ctest) beside Python (pytest)
 	@status=0; \
-	ctest --test-dir $(BUILD) --output-on-failure --no-tests=error || status=$$?; \
+	ctest --test-dir $(BUILD) --output-on-failure --no-tests=error > build/ctest.log 2>&1 & ctest=$$!; \
 	$(BIN)/pytest || status=$$?; \
+	wait $$ctest || status=$$?; \
+	cat build/ctest.log; \
 	exit $$status
 
 # Embree comes with the extra `bench`; where its wheel is missing the page has our figures alone. Needs a clean tree.

@@ -15,7 +15,7 @@ from .instance_choice import choose_prototypes, instances_of
 from .points import optional_samples, rate_clock, rates, raw_samples
 from .primvars import held_by, read_primvar, sample_primvar
 from .stage_metadata import time_codes_per_second
-from .times import Shutter, xform_bends
+from .times import Shutter, breakpoints_of, xform_bends
 from .transforms import Motion, XformCaches
 from .turns import NO_TURNS, Turns, uniform_turns, xform_turns
 from .typed_twin import Twin, typed_twin
@@ -182,8 +182,10 @@ def _every_instance(
             return np.full((count, 4, 4), np.nan)
         return np.array(computed[0])
 
-    spin = _spin(instancer, context)
-    return Motion(context.shutter, count, still, evaluate, turns=lambda _: spin)
+    spin, shutter = _spin(instancer, context), context.shutter
+    times = set() if still else {t for each in moving_attributes(instancer) for t in breakpoints_of(each, shutter)}
+    bends01 = tuple(sorted(shutter.time01(time) for time in times))
+    return Motion(shutter, count, still, evaluate, bends01, turns=lambda _: spin)
 
 
 def _spin(instancer: UsdGeom.PointInstancer, context: FrameContext) -> Turns:
@@ -201,7 +203,7 @@ def _selected(every: Motion, selected: np.ndarray, context: FrameContext) -> Mot
     def evaluate(time01: float) -> np.ndarray:
         return every.at_time(time01)[selected]
 
-    return Motion(context.shutter, len(selected), every.still, evaluate, turns=every.turns)
+    return Motion(context.shutter, len(selected), every.still, evaluate, every.bends01, turns=every.turns)
 
 
 def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) -> Motion:
