@@ -239,3 +239,16 @@ def test_lights_in_instances_are_normalised_where_they_stand():
         prim.GetPrim().GetReferences().AddInternalReference("/Asset")
         prim.GetPrim().SetInstanceable(True)
     assert [light["radiance"][0] for light in shot.read().scene.lights] == pytest.approx([1.0, 0.25])
+
+
+@pytest.mark.xfail(strict=True, reason="the reader hands down no breakpoints with a light")
+def test_a_light_keeps_the_breakpoints_of_its_transform() -> None:
+    """Thrown to a place and back between two of the even times at which curves are caught."""
+    shot = Shot((0.0, 1.0))
+    light = UsdLux.SphereLight.Define(shot.stage, "/Light")
+    op = light.AddTranslateOp()
+    for time, x in ((10.0, 0.0), (10.5011, 0.0), (10.5039, 6.0), (10.5067, 0.0), (11.0, 0.0)):
+        op.Set(Gf.Vec3d(x, 0, 0), time)
+    (found,) = shot.read().scene.lights
+    places = np.interp(0.5039, found["times01"], found["world_from_light"][:, 3, 0])
+    assert places == pytest.approx(6.0, abs=1e-6)
