@@ -241,7 +241,6 @@ def test_lights_in_instances_are_normalised_where_they_stand():
     assert [light["radiance"][0] for light in shot.read().scene.lights] == pytest.approx([1.0, 0.25])
 
 
-@pytest.mark.xfail(strict=True, reason="the reader hands down no breakpoints with a light")
 def test_a_light_keeps_the_breakpoints_of_its_transform() -> None:
     """Thrown to a place and back between two of the even times at which curves are caught."""
     shot = Shot((0.0, 1.0))

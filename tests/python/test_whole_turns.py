@@ -18,9 +18,6 @@ WIDTH = 960
 SEED = 11
 DENSE = 61
 """Random times at which the truth is asked for."""
-FORTY_EIGHT = 48.0
-"""Turns beyond which 128 cubics are too few for a blade that does not repeat."""
-
 EVERY_QUARTER = np.arange(0.0, 100.25, 0.25)
 
 
@@ -105,14 +102,6 @@ def test_whole_turns_are_a_smear_all_around(source: Source, turns: float) -> Non
     assert (error <= 0.06 + 5.0 * noise[covered]).all()
     centroid = np.array([(alpha * x).sum(), (alpha * y).sum()]) / alpha.sum()
     assert np.abs(centroid).max() < 3.0 * turning.RADIUS * np.sqrt(expected.sum() / spp) / alpha.sum()
-
-
-def test_normals_of_a_turning_prototype_turn_with_it() -> None:
-    """A blade that stands on edge to the light would be lit as it stood at even times."""
-    stage = turning.by_native_instance(4.0)
-    result = read(stage)
-    track = next(track for track in result.tracks if track.path.endswith("blade"))
-    assert track.segments > 0 and track.error_pixels <= TOLERANCE
 
 
 def test_lights_that_turn_whole_turns_move() -> None:

@@ -114,7 +114,7 @@ class Renderer:
 
     @property
     def knows_shutter(self) -> bool:
-        """Whether it is told of that shutter, so that the scenes need not say it."""
+        """Whether its command takes that shutter, so that the scenes need not author it."""
         return any("{shutter}" in argument for argument in self.arguments)
 
     def command(self, rule: Rule, out: str) -> list[str]:

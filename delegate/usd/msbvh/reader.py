@@ -348,7 +348,7 @@ class _FrameReader:
             group = self._traversal.groups[placement.key]
             for part in group.lights:
                 shutter = self._context.shutter.scaled(part.scales.blur)
-                motion = self._caches.motion([part.prim], group.root, part.varying, shutter)
+                motion = self._caches.motion([part.prim], group.root, part.varying, shutter, part.bends)
                 motion = motion.inside(placement.motion)
                 switches = Switches(part.blinking, placement.visible)
                 with leaving_out(part.prim, self._context.code):

@@ -24,7 +24,7 @@ def time_codes_per_second(stage: Usd.Stage) -> float:
 
 
 def frames_per_second(stage: Usd.Stage, report: Diagnostics) -> float:
-    """The same of what image files are told."""
+    """The same for the frame rate in image files."""
     return _rate(stage.GetFramesPerSecond(), "framesPerSecond", report)
 
 
