@@ -3,13 +3,14 @@
 #include <utility>
 
 #include "core/bvh/key_bounds.h"
+#include "core/bvh/track_area.h"
 
 namespace msbvh {
 namespace {
 
 double area_of(const SlotTracks& slots) {
   double sum = 0.0;
-  for (std::uint32_t i = 0; i < slots.count; ++i) sum += mean_half_area(slots.slot(i), slots.form);
+  for (std::uint32_t i = 0; i < slots.count; ++i) sum += slots.area[i];
   return sum;
 }
 
@@ -21,6 +22,10 @@ BoxTrack grown_together(const SlotTracks& slots, const TrackForm& form) {
 
 }  // namespace
 
+void SlotTracks::measure() {
+  for (std::uint32_t i = 0; i < count; ++i) area[i] = mean_half_area(slot(i), form);
+}
+
 SlotTracks in_fewest_segments(SlotTracks slots) {
   if (!slots.form.moving() || slots.form.degree > 1) return slots;
   const double allowed = kCoarserArea * area_of(slots);
@@ -28,6 +33,7 @@ SlotTracks in_fewest_segments(SlotTracks slots) {
     const std::uint32_t segments = slots.form.segments / 2;
     SlotTracks coarse({segments, 1}, slots.count);
     for (std::uint32_t i = 0; i < slots.count; ++i) halve_segments(slots.slot(i), coarse.slot(i));
+    coarse.measure();
     if (!(area_of(coarse) <= allowed)) break;
     slots = std::move(coarse);
   }

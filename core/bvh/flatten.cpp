@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.h"
@@ -13,12 +13,13 @@
 #include "core/bvh/box_track.h"
 #include "core/bvh/key_bounds.h"
 #include "core/bvh/leaf_blocks.h"
+#include "core/bvh/track_area.h"
 
 namespace msbvh {
 namespace {
 
-// Subtrees of fewer bytes are written by one task, and planned by one from this depth on (8^3 tasks). Trees of fewer
-// binary nodes are planned by one, too: of many small trees each takes less time than tasks do.
+// Subtrees of fewer bytes are written by one task, and planned by one from this depth on (8^3 tasks). Trees
+// of fewer binary nodes are planned by one, too: of many small trees each takes less time than tasks do.
 constexpr std::size_t kParallelBytes = 1 << 18;
 constexpr std::uint32_t kParallelNodes = 512;
 constexpr std::uint32_t kParallelDepth = 3;
@@ -86,7 +87,7 @@ class Flattener {
     std::size_t bytes = 0;  // of the whole subtree; a multiple of 64 for inner nodes, of 16 for leaves
     TrackForm form;         // of the node itself
     FormCode first_block = FormCode::of({});  // of a leaf, as its parent tells it
-    std::unique_ptr<NodeBounds[]> bounds;     // of inner nodes
+    std::vector<Box3f> slots;                 // of inner nodes: SlotTracks::controls
   };
   // Summed over children in their order, so that the sums do not depend on threads.
   struct Tally {
@@ -143,10 +144,13 @@ class Flattener {
     SlotTracks slots(form, children.count);
     for (std::uint32_t i = 0; i < children.count; ++i)
       grow_track(slots.slot(i), form, tracks[i].controls, tracks[i].form);
+    slots.measure();
     if (settings_.fewest_keys) slots = in_fewest_segments(std::move(slots));
     keep(node, children, slots, tally);
     tally.depth = std::max(tally.depth, depth);
-    return union_of(slots, finest(tally));
+    BoxTrack all = union_of(slots, finest(tally));
+    plans_[node].slots = std::move(slots.controls);
+    return all;
   }
 
   // A node may have twice the segments of what moves in it. In the time of a slice there is but one, and
@@ -169,14 +173,12 @@ class Flattener {
   void keep(std::uint32_t node, const WideChildren& children, const SlotTracks& slots, Tally& tally) {
     Plan& p = plans_[node];
     p.form = slots.form;
-    p.bounds = bounds_of(slots);
     p.bytes = node_bytes(p.form);
     std::size_t leaves = 0;
     for (std::uint32_t i = 0; i < children.count; ++i) {
       const bool leaf = is_leaf(children.node[i]);
       (leaf ? leaves : p.bytes) += plans_[children.node[i]].bytes;
-      tally.cost += mean_half_area(slots.slot(i), slots.form) *
-                    (leaf ? settings_.block_cost * block_units(children.node[i]) : 1.0);
+      tally.cost += slots.area[i] * (leaf ? settings_.block_cost * block_units(children.node[i]) : 1.0);
     }
     p.bytes += rounded_up(leaves, AlignedBuffer::kAlignment);
     tally.segments = std::max(tally.segments, p.form.segments);
@@ -190,17 +192,6 @@ class Flattener {
   double block_units(std::uint32_t leaf) const {
     if (is_patch(leaf)) return kPatchBlocks;
     return (topology_.nodes[leaf].count + kBlockWidth - 1) / kBlockWidth;
-  }
-
-  static std::unique_ptr<NodeBounds[]> bounds_of(const SlotTracks& slots) {
-    const std::uint32_t controls = slots.form.controls();
-    std::unique_ptr<NodeBounds[]> bounds(new NodeBounds[controls]);
-    constexpr Box3f kNothing{{kAbsent, kAbsent, kAbsent}, {-kAbsent, -kAbsent, -kAbsent}};
-    for (std::uint32_t c = 0; c < controls; ++c) {
-      for (std::uint32_t i = 0; i < kWidth; ++i)
-        bounds[c].set_box(i, i < slots.count ? slots.slot(i)[c] : kNothing);
-    }
-    return bounds;
   }
 
   BoxTrack plan_leaf(std::uint32_t node, std::uint32_t depth, Tally& tally) {
@@ -236,8 +227,8 @@ class Flattener {
     NodeHeader& header = *new (out_.arena.data() + offset) NodeHeader{};
     header.form_code = code_of(p.form);
     header.child_count = static_cast<std::uint8_t>(children.count);
-    std::memcpy(header.bounds(), p.bounds.get(), p.form.controls() * sizeof(NodeBounds));
-    p.bounds.reset();
+    write_bounds(p, children.count, header.bounds());
+    p.slots = {};
     std::size_t offsets[kWidth];
     place(children, offset + node_bytes(p.form), offsets);
     for (std::uint32_t i = 0; i < children.count; ++i) {
@@ -248,6 +239,15 @@ class Flattener {
                         [&](std::size_t begin, std::size_t end) {
                           for (std::size_t i = begin; i < end; ++i) emit(children.node[i], offsets[i]);
                         });
+  }
+
+  static void write_bounds(const Plan& plan, std::uint32_t count, NodeBounds* out) {
+    constexpr Box3f kNothing{{kAbsent, kAbsent, kAbsent}, {-kAbsent, -kAbsent, -kAbsent}};
+    const std::uint32_t controls = plan.form.controls();
+    for (std::uint32_t c = 0; c < controls; ++c) {
+      for (std::uint32_t i = 0; i < kWidth; ++i)
+        out[c].set_box(i, i < count ? plan.slots[std::size_t(i) * controls + c] : kNothing);
+    }
   }
 
   // Leaves right behind the node, where the next cache line is, patches first, which are whole lines; then

@@ -104,17 +104,38 @@ void grow(Box3f& box, const Box4& by) {
   grown.store(box);
 }
 
+Box4 padded(const Box4& b, float pad) {
+  const __m128 p = _mm_set1_ps(pad);
+  return {_mm_sub_ps(b.lo, p), _mm_add_ps(b.hi, p)};
+}
+
+// As lerp() at 0.5.
+Box4 halfway(const Box4& a, const Box4& b) {
+  const __m128 half = _mm_set1_ps(0.5f);
+  const auto between = [&](__m128 x, __m128 y) {
+    return _mm_add_ps(_mm_mul_ps(half, x), _mm_mul_ps(half, y));
+  };
+  return {between(a.lo, b.lo), between(a.hi, b.hi)};
+}
+
+float largest_coordinate(const Box4& b) {
+  const __m128 sign = _mm_set1_ps(-0.0f);
+  alignas(16) float m[4];
+  _mm_store_ps(m, _mm_max_ps(_mm_andnot_ps(sign, b.lo), _mm_andnot_ps(sign, b.hi)));
+  return std::max({m[0], m[1], m[2]});
+}
+
 // How far `inner` reaches out of `outer`, side by side; never negative.
 struct Excess {
-  Vec3f lo{0, 0, 0}, hi{0, 0, 0};
+  __m128 lo = _mm_setzero_ps(), hi = _mm_setzero_ps();
 
-  void grow(const Box3f& inner, const Box3f& outer) {
-    lo = max(lo, outer.lo - inner.lo);
-    hi = max(hi, inner.hi - outer.hi);
+  void grow(const Box4& inner, const Box4& outer) {
+    lo = _mm_max_ps(lo, _mm_sub_ps(outer.lo, inner.lo));
+    hi = _mm_max_ps(hi, _mm_sub_ps(inner.hi, outer.hi));
   }
   void grow(const Excess& e) {
-    lo = max(lo, e.lo);
-    hi = max(hi, e.hi);
+    lo = _mm_max_ps(lo, e.lo);
+    hi = _mm_max_ps(hi, e.hi);
   }
 };
 
@@ -240,8 +261,10 @@ float largest_coordinate(std::span<const Box3f> boxes) {
 void grow_linear_segment(std::span<Box3f> out, std::span<const Box3f> source) {
   const auto ratio = static_cast<std::uint32_t>(out.size() - 1);
   const float pad = kRekeyPad * largest_coordinate(source);
+  grow(out[0], padded(Box4(source[0]), pad));
+  grow(out[ratio], padded(Box4(source[1]), pad));
   const Box3d begin = in_double(source[0]), end = in_double(source[1]);
-  for (std::uint32_t i = 0; i <= ratio; ++i) {
+  for (std::uint32_t i = 1; i < ratio; ++i) {
     const double w = double(i) / ratio;
     out[i].grow(padded(round_outwards(lerp(begin, end, w)), pad));
   }
@@ -257,36 +280,6 @@ void grow_segment(Box3f* out, std::uint32_t degree, const Box3f* source, std::ui
   for (std::uint32_t j = 0; j <= degree; ++j) {
     out[j].grow(padded(round_outwards(elevated_control(part, source_degree, degree, j)), pad));
   }
-}
-
-// Sums over segments of the area's mean. Linear: Simpson's rule, exact up to degree 3.
-double linear_area_sum(std::span<const Box3f> keys) {
-  double sum = 0.0;
-  Box3d begin = in_double(keys[0]);
-  double begin_area = half_area(begin);
-  for (const Box3f& key : keys.subspan(1)) {
-    const Box3d end = in_double(key);
-    const double end_area = half_area(end);
-    sum += (begin_area + 4.0 * half_area(lerp(begin, end, 0.5)) + end_area) / 6.0;
-    begin = end;
-    begin_area = end_area;
-  }
-  return sum;
-}
-
-// Gauss-Legendre with 4 points: exact up to degree 7.
-double curved_area_sum(std::span<const Box3f> controls, const TrackForm& form) {
-  constexpr double kNear = 0.33000947820757187, kFar = 0.06943184420297371;
-  constexpr double kNearWeight = 0.32607257743127307, kFarWeight = 0.17392742256872693;
-  double sum = 0.0;
-  for (std::uint32_t k = 0; k < form.segments; ++k) {
-    const Box3f* segment = controls.data() + k * form.degree;
-    const auto at = [&](double w) {
-      return half_area(bezier([&](std::uint32_t i) { return in_double(segment[i]); }, form.degree, w));
-    };
-    sum += kNearWeight * (at(kNear) + at(1.0 - kNear)) + kFarWeight * (at(kFar) + at(1.0 - kFar));
-  }
-  return sum;
 }
 
 }  // namespace
@@ -335,18 +328,24 @@ void halve_segments(std::span<const Box3f> fine, std::span<Box3f> coarse) {
     return;
   }
   Excess before;
-  float size_before = 0.0f, size = largest_coordinate(fine[0]), size_after = 0.0f;
-  for (std::size_t k = 0; k < coarse.size(); ++k, size_before = size, size = size_after) {
+  Box4 key(fine[0]);
+  float size_before = 0.0f, size = largest_coordinate(key);
+  for (std::size_t k = 0; k < coarse.size(); ++k) {
     Excess excess = before;
     before = {};
-    size_after = 0.0f;
+    Box4 next;
+    float size_after = 0.0f;
     if (k + 1 < coarse.size()) {
-      before.grow(fine[2 * k + 1], lerp(fine[2 * k], fine[2 * k + 2], 0.5f));
-      size_after = largest_coordinate(fine[2 * k + 2]);
+      next = Box4(fine[2 * k + 2]);
+      before.grow(Box4(fine[2 * k + 1]), halfway(key, next));
+      size_after = largest_coordinate(next);
     }
     excess.grow(before);
-    coarse[k] = padded({fine[2 * k].lo - excess.lo, fine[2 * k].hi + excess.hi},
-                       kRekeyPad * std::max({size_before, size, size_after}));
+    const Box4 lifted(_mm_sub_ps(key.lo, excess.lo), _mm_add_ps(key.hi, excess.hi));
+    padded(lifted, kRekeyPad * std::max({size_before, size, size_after})).store(coarse[k]);
+    key = next;
+    size_before = size;
+    size = size_after;
   }
 }
 
@@ -357,11 +356,6 @@ void grow_by_reference(std::span<Box3f> out, const TrackForm& form, const Primit
   const InstanceBounds& bounds = primitives.instances[reference.index];
   const ControlRange range(primitives.slice, bounds.form);
   grow_node(out, form, primitives, std::span(bounds.controls).subspan(range.first, range.count), bounds.form);
-}
-
-double mean_half_area(std::span<const Box3f> controls, const TrackForm& form) {
-  if (!form.moving()) return half_area(in_double(controls[0]));
-  return (form.degree == 1 ? linear_area_sum(controls) : curved_area_sum(controls, form)) / form.segments;
 }
 
 }  // namespace msbvh

@@ -40,8 +40,4 @@ void halve_segments(std::span<const Box3f> fine, std::span<Box3f> coarse);
 void grow_by_reference(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
                        const Reference& reference);
 
-// The area of the moving box, averaged over the shutter, by quadrature that is exact for it: on each segment
-// it is a polynomial of twice the track's degree. Half areas, as half_area().
-double mean_half_area(std::span<const Box3f> controls, const TrackForm& form);
-
 }  // namespace msbvh

@@ -12,6 +12,7 @@
 #include "core/bvh/build_bvh.h"
 #include "core/bvh/instance_bounds.h"
 #include "core/bvh/key_bounds.h"
+#include "core/bvh/track_area.h"
 #include "core/motion/bezier.h"
 
 namespace msbvh {
@@ -79,7 +80,7 @@ class Growth {
  public:
   Growth(const Bvh& bvh, const Instance& instance) {
     const Affine3f* controls = bvh.controls_of(instance);
-    const auto column = [&](Vec3f Affine3f::*c) {
+    const auto column = [&](Vec3f Affine3f::* c) {
       return abs(at_centre([&](std::uint32_t i) { return controls[i].*c; }, instance.form));
     };
     columns_ = {column(&Affine3f::x), column(&Affine3f::y), column(&Affine3f::z), {}};
