@@ -24,6 +24,12 @@ constexpr std::size_t kInsideRays = 1u << 17;
 constexpr double kBuildSeconds = 2.0;
 // Rays are traced again until so many seconds are spent for each contestant, at least thrice.
 constexpr double kTraceSeconds = 0.75;
+// Rays whose nodes and quarters of triangles are more than this come in a smaller number, but not below
+// kLeastRays.
+constexpr double kUsualWork = 60.0;
+constexpr std::size_t kLeastRays = 1u << 13;
+// A mode that takes so many times as long as the side's best one in the first round is not measured again.
+constexpr double kOutOfReach = 2.5;
 
 std::vector<BuilderName> chosen_builders(const std::vector<std::string>& names) {
   std::vector<BuilderName> chosen;
@@ -118,15 +124,10 @@ class SceneRun {
   }
 
   void make_all_rays() {
-    const Bvh& world = ours_[0]->trees().world();
     size_ = length(Vec3d(ours_[0]->trees().bounds().extent()));
     for (const RayKind kind : settings_.kinds) {
       settings_.tick();
-      RaySet set{kind,
-                 make_rays(kind, *scene_.scene, ours_[0]->trees().bounds(), Tracer(world), settings_.rays,
-                           settings_.seed),
-                 {},
-                 {}};
+      RaySet set{kind, rays_of(kind, affordable_rays(kind)), {}, {}};
       if (set.rays.empty()) continue;
       for (const auto& side : ours_) {
         settings_.tick();
@@ -137,6 +138,20 @@ class SceneRun {
     }
   }
 
+  std::vector<Ray> rays_of(RayKind kind, std::size_t count) const {
+    const Trees& trees = ours_[0]->trees();
+    return make_rays(kind, *scene_.scene, trees.bounds(), Tracer(trees.world()), count, settings_.seed);
+  }
+
+  // Fewer where a ray takes much work. By counts, not by the clock: the same seed traces the same rays.
+  std::size_t affordable_rays(RayKind kind) const {
+    const std::size_t most = settings_.rays, least = std::min(most, kLeastRays);
+    const TraceCounts work = count_work(ours_[0]->trees().world(), kind, rays_of(kind, least));
+    const double tests = static_cast<double>(work.nodes) + 0.25 * static_cast<double>(work.triangles);
+    const double share = kUsualWork * static_cast<double>(work.rays) / std::max(1.0, tests);
+    return std::clamp(static_cast<std::size_t>(share * static_cast<double>(most)), least, most);
+  }
+
   void measure(Arena& arena, unsigned threads, const RaySet& set) {
     const std::size_t count = contestants_.size();
     Measured found{std::vector(count, std::vector<float>(set.rays.size())), {}};
@@ -145,9 +160,12 @@ class SceneRun {
     };
     for (const auto& side : sides_) side->prepare(set.rays);
     arena.execute([&] {
-      for (std::size_t c = 0; c < count; ++c) trace(c);  // warm
-      found.seconds =
-          interleave(count, settings_.repetitions, 3, kTraceSeconds * static_cast<double>(count), trace);
+      found.seconds = interleave(count, 1, 1, 0.0, trace);  // warm
+      const std::vector<std::size_t> racing = within_reach(found.seconds);
+      const double limit = kTraceSeconds * static_cast<double>(racing.size());
+      const auto measured = interleave(racing.size(), settings_.repetitions, 3, limit,
+                                       [&](std::size_t r) { trace(racing[r]); });
+      for (std::size_t r = 0; r < racing.size(); ++r) found.seconds[racing[r]] = measured[r];
     });
     settings_.tick();
     for (std::size_t i = 0; i < ours_.size(); ++i) {
@@ -156,6 +174,17 @@ class SceneRun {
         write(threads, arena.threads(), set, i, p, found);
       }
     }
+  }
+
+  // Contestants that may be the best mode of their side; the figure of the others is that of the first round.
+  std::vector<std::size_t> within_reach(const std::vector<std::vector<double>>& first) const {
+    std::vector<std::size_t> found;
+    for (std::size_t c = 0; c < contestants_.size(); ++c) {
+      double best = first[c][0];
+      for (const std::size_t other : modes_of(contestants_[c].side)) best = std::min(best, first[other][0]);
+      if (first[c][0] <= kOutOfReach * best) found.push_back(c);
+    }
+    return found;
   }
 
   std::size_t ours_single(std::size_t i) const { return first_[i] + OurSide::kSingle; }

@@ -3,7 +3,7 @@
     python docs/make_performance.py [--allow-dirty] [bench.json]
 
 bench.json is the report of `msbvh bench --peer embree --json`. Without it the benchmark runs with the options in
-MEASURED, beside Embree where the wheel embreex is installed: some 20 minutes on two cores. Plots need matplotlib; the
+MEASURED, beside Embree where the wheel embreex is installed: some 15 minutes on two quiet cores. Plots need matplotlib; the
 extra `bench` brings both. A page is of a commit: a tree with uncommitted changes is refused, or with --allow-dirty
 marked.
 """
@@ -57,7 +57,8 @@ each. We are asked one ray at a time (*one*) and a thousand at once, as the rend
 A cell is the median of {repetitions} rounds (3 at least, where rays take long) in millions of rays a second. The
 **ratio** is ours, many at once, over the best of the peer's modes in that cell, from turns that stand side by side,
 with the lowest and the highest of the rounds in brackets: above 1 we are faster, and *slower* marks where we are not
-(*perhaps*: not in every round). The last column compares one ray at a time with one ray at a time.
+(*perhaps*: not in every round). A mode that was 2.5 times as slow as its side's best in a first round, which does not count
+for the others, has the figure of that round. The last column compares one ray at a time with one ray at a time.
 
 **What is traced.** Times of rays are random: the worst case for caches and packets. Primary rays come in tiles of 8 x 8
 pixels along a Z curve, so that a packet is a square of 4 x 4; shadow rays start where they hit and ask for any hit;
