@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import resource
+import time
+from pathlib import Path
+
 import numpy as np
 import pytest
 import turning_stages as turning
@@ -153,3 +157,39 @@ def test_turns_are_bounded_by_the_ops() -> None:
             stage = make(number)
             mesh = UsdGeom.Mesh.Get(stage, "/blade")
             assert xform_turns(mesh, shutter).total[-1] >= number * (1.0 - 1e-9)
+
+
+ABSURD = [
+    pytest.param(
+        source,
+        turns,
+        id=f"{source.name}-{turns:g}",
+        marks=[pytest.mark.xfail(strict=True)] if (source.name, turns) == ("by_angular_velocity", 1e9) else [],
+    )
+    for source in (*(s for s in SOURCES if s.name != "by_skeleton"), Source(turning.by_camera_roll, True))
+    for turns in (3e3, 1e5, 1e9, 1e30)
+]
+BUDGET = 2**30
+"""Bytes that a frame of one blade may take beside the libraries."""
+
+
+@pytest.mark.parametrize(("source", "turns"), ABSURD)
+def test_an_absurd_number_of_turns_costs_neither_time_nor_memory(source: Source, turns: float) -> None:
+    """No frame has them; a slip of a unit does. The frame is drawn, and what misses the tolerance is said."""
+    stage, diagnostics = source.stage(turns), Diagnostics()
+    limits, start = resource.getrlimit(resource.RLIMIT_AS), time.process_time()
+    resource.setrlimit(resource.RLIMIT_AS, (address_space() + BUDGET, limits[1]))
+    try:
+        result = read_frame(stage, turning.FRAME, ReadSettings(width=96), diagnostics)
+        alpha = alpha_of(result, 4)
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, limits)
+    assert np.isfinite(alpha).all()
+    assert time.process_time() - start < 20.0
+    if max(track.error_pixels for track in result.tracks) > TOLERANCE:
+        assert any("deviates" in str(found) or "turns" in str(found) for found in diagnostics)
+
+
+def address_space() -> int:
+    """Bytes that this process has mapped."""
+    return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
