@@ -62,7 +62,9 @@ std::vector<Candidate> candidates(std::span<const Bend> bends, const FitSettings
       if (segments == 0) break;
     }
   }
-  for (const double period01 : periods01) add_repeating(period01, settings, priced);
+  for (const double period01 : periods01) {
+    if (is_period(period01)) add_repeating(period01, settings, priced);
+  }
   std::ranges::stable_sort(priced, {}, [](const Priced& p) { return std::pair(p.cost, p.candidate.degree); });
   std::vector<Candidate> result;
   for (Priced& p : priced) result.push_back(std::move(p.candidate));

@@ -144,6 +144,7 @@ std::vector<double> InstanceChain::periods01() const {
     const std::vector<double> more = level->periods01();
     result.insert(result.end(), more.begin(), more.end());
   }
+  std::erase_if(result, [](double period01) { return !is_period(period01); });
   std::ranges::sort(result);
   result.erase(std::ranges::unique(result).begin(), result.end());
   return result.size() > kMostPeriods ? std::vector<double>{} : result;

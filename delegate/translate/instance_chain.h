@@ -41,7 +41,7 @@ class ChainLevel {
   // Every how many of dense_times01() are as dense for one of the level's things, which may turn slower than
   // others. A power of two.
   virtual std::size_t dense_stride(std::size_t) const { return 1; }
-  // After which the motion of some of its things may repeat.
+  // After which the motion of some of its things may repeat, whether is_period() or not.
   virtual std::vector<double> periods01() const = 0;
   // `within` is a time on the side of a jump that is meant.
   virtual std::unique_ptr<LevelInstant> at(double time01, double within) const = 0;

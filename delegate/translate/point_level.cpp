@@ -21,10 +21,8 @@ namespace {
 constexpr double kTimesPerTurn = 16.0;
 // So few turns in a shutter hide from no test.
 constexpr double kFewTurns = 0.25;
-// Beyond, no shutter is long enough to see anything but a smear: tests no longer grow in number.
-constexpr double kMostTurns = 4096.0;
-// A motion that repeats less than twice in the shutter is kept as it is.
-constexpr double kLongestPeriod01 = 0.5;
+// Beyond, tests no longer grow in number: at such a rate their places are as good as random.
+constexpr double kMostTurns = kMostRepeats;
 
 struct Quatd {
   double i, j, k, real;
@@ -139,7 +137,7 @@ class PointLevel final : public ChainLevel {
     std::vector<double> result;
     for (std::size_t i = 0; i < selected_.size() && !angular_velocities_.empty(); ++i) {
       const double period01 = 1.0 / turns(i);
-      if (period01 > kLongestPeriod01 || std::ranges::find(result, period01) != result.end()) continue;
+      if (!is_period(period01) || std::ranges::find(result, period01) != result.end()) continue;
       result.push_back(period01);
       if (result.size() > kMostPeriods) break;
     }

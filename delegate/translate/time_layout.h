@@ -42,7 +42,7 @@ class TimeLayout {
   static std::optional<TimeLayout> with_bends(std::span<const Bend> bends, std::uint32_t split,
                                               std::uint32_t max_segments);
   // One period of a motion that repeats, on 2^split segments; the time remap runs through it again and again.
-  // `period01` in (0, 1).
+  // `period01` as is_period() has it.
   static TimeLayout repeating(double period01, std::uint32_t split);
 
   std::uint32_t segments() const { return segments_; }
@@ -67,6 +67,15 @@ class TimeLayout {
   std::vector<LayoutSegment> uneven_;  // of them; empty: even
   double period01_ = 1.0;
 };
+
+// Periods that are worth a track of their own, as shares of the shutter. Longer ones repeat less than twice.
+// Shorter ones belong to slips of a unit: no frame shows the difference, and a piece for each of so many
+// repetitions takes memory and ends at times that single precision cannot tell apart.
+inline constexpr double kMostRepeats = 512.0;
+inline constexpr double kShortestPeriod01 = 1.0 / kMostRepeats, kLongestPeriod01 = 0.5;
+constexpr bool is_period(double period01) {
+  return period01 >= kShortestPeriod01 && period01 <= kLongestPeriod01;
+}
 
 // `clock`, hidden outside the intervals.
 Clock with_visibility(const Clock& clock, std::span<const VisibleInterval> visible);

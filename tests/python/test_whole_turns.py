@@ -160,16 +160,11 @@ def test_turns_are_bounded_by_the_ops() -> None:
 
 
 ABSURD = [
-    pytest.param(
-        source,
-        turns,
-        id=f"{source.name}-{turns:g}",
-        marks=[pytest.mark.xfail(strict=True)] if (source.name, turns) == ("by_angular_velocity", 1e9) else [],
-    )
+    pytest.param(source, turns, id=f"{source.name}-{turns:g}")
     for source in (*(s for s in SOURCES if s.name != "by_skeleton"), Source(turning.by_camera_roll, True))
     for turns in (3e3, 1e5, 1e9, 1e30)
 ]
-BUDGET = 2**30
+BUDGET = 2**28
 """Bytes that a frame of one blade may take beside the libraries."""
 
 

@@ -30,7 +30,7 @@ from .times import (
 )
 from .transform_faults import unusable_op
 from .transforms import LARGEST, authored_xform_times, xformables
-from .turns import NO_TURNS, Turns, total_turns, xform_turns
+from .turns import NO_TURNS, Turns, report_too_fast, total_turns, xform_turns
 from .value_types import FLOAT
 from .values import value
 
@@ -122,6 +122,7 @@ def read_camera(
     shutter = _shutter(camera, frame, asked, diagnostics)
     own = shutter.scaled(scales_at(prim, shutter, diagnostics).blur)
     course = _course(prim, own, is_held(stage))
+    report_too_fast(course.turns, str(prim.GetPath()), diagnostics)
     values_at = CameraValues(camera).at
 
     warn_of_change(camera.GetProjectionAttr(), "", own, diagnostics)

@@ -12,6 +12,7 @@ from .held_values import values_within
 from .light_values import LightSamples, Switches, radiances, sample_light
 from .times import FINEST_LEVEL
 from .transforms import Motion
+from .turns import report_too_fast
 from .value_types import ASSET, BOOL
 from .values import Unreadable, raw, value
 
@@ -61,6 +62,7 @@ def add_lights(
         message = "found a transform that shears or scales unevenly; lit as the sphere of equal volume"
         context.diagnostics.group(path, "xformOpOrder", message)
     for index in range(motion.count):
+        report_too_fast(motion.turns(index), path, context.diagnostics)
         light = _keywords(kind, samples, at_frame, motion, index, context)
         translator.add_light(name=path, kind=kind, **light, **_place(motion, index, context.held))
     return motion.count

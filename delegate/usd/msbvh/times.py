@@ -228,7 +228,7 @@ STEP01 = 4e-8
 """How long before a jump its last old value is sampled: less than a ray's time can tell apart (kTimeResolution in
 delegate/translate/time_layout.h), which makes the two a jump."""
 
-MOST_KNOTS = 2**17
+MOST_KNOTS = 2**12
 """A spline whose loops make more knots than this inside the shutter is sampled as if it had none there."""
 
 

@@ -13,12 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from .errors import Diagnostics
 from .times import Shutter, breakpoints_of, loop_length
 from .values import raw
 from .xform_ops import may_vary, ordered_ops
 
-SHORTEST_REPEAT = 2.0
-"""A motion that repeats less often in the shutter is kept as it is."""
+FEWEST_REPEATS, MOST_REPEATS = 2.0, 512.0
+"""Motion that repeats so often in the shutter is kept as one period (is_period() in delegate/translate/time_layout.h)."""
 _SPLINE_PARTS = 32
 """Into how many parts a spline is split between two knots: a cubic turns back twice at most."""
 _SAME_RATE = 1e-9
@@ -79,11 +80,22 @@ class Turns:
 NO_TURNS = Turns(np.array([0.0, 1.0]), np.zeros(2))
 
 
+MOST_FOLLOWED = 2048.0
+"""Turns of a camera or a light: as many as have eight evaluations each (MOST_EVEN_LEVEL)."""
+
+
+def report_too_fast(turns: Turns, path: str, diagnostics: Diagnostics) -> None:
+    """Says so where a camera or a light turns faster than it is evaluated."""
+    if turns.rate > MOST_FOLLOWED:
+        message = f"turns {turns.rate:g} times within the shutter, expected at most {MOST_FOLLOWED:g}; not followed exactly"
+        diagnostics.warning(path, "xformOpOrder", message)
+
+
 def uniform_turns(turns: float) -> Turns:
     """At a constant rate."""
     if not (math.isfinite(turns) and turns > 0.0):
         return NO_TURNS
-    periods01 = (1.0 / turns,) if turns >= SHORTEST_REPEAT else ()
+    periods01 = (1.0 / turns,) if FEWEST_REPEATS <= turns <= MOST_REPEATS else ()
     return Turns(np.array([0.0, 1.0]), np.array([0.0, turns]), periods01)
 
 
@@ -140,6 +152,9 @@ def _of_angles(attribute: Usd.Attribute, shutter: Shutter) -> Turns:
     """Degrees about one axis or three."""
     if not attribute.HasSpline() and not attribute.GetTimeSamplesInInterval(shutter.interval):
         return _of_two_angles(attribute, shutter)
+    loops = (shutter.close - shutter.open) / loop_length(attribute.GetSpline()) if attribute.HasSpline() else 0.0
+    if loops > MOST_REPEATS:
+        return uniform_turns(loops)  # More knots than are worth looking at; each loop may turn as far as it likes.
     times = _times(attribute, shutter)
     degrees = _values(attribute, times)
     if degrees is None:
@@ -152,7 +167,7 @@ def _of_angles(attribute: Usd.Attribute, shutter: Shutter) -> Turns:
     periods = {*_loop_periods(attribute, shutter)}
     rates = steps / np.diff(times01)[:, None]
     for rate, turned in zip(rates.T, np.abs(degrees[-1] - degrees[0]) / 360.0, strict=True):
-        if turned >= SHORTEST_REPEAT and np.ptp(rate) <= _SAME_RATE * turned:
+        if FEWEST_REPEATS <= turned <= MOST_REPEATS and np.ptp(rate) <= _SAME_RATE * turned:
             periods.add(1.0 / turned)
     return Turns(times01, total, tuple(sorted(periods)))
 
@@ -167,7 +182,7 @@ def _of_two_angles(attribute: Usd.Attribute, shutter: Shutter) -> Turns:
         return NO_TURNS
     if not 0.0 < sum(turned) < math.inf:
         return NO_TURNS
-    periods01 = sorted(1.0 / turns for turns in turned if turns >= SHORTEST_REPEAT)
+    periods01 = sorted(1.0 / turns for turns in turned if FEWEST_REPEATS <= turns <= MOST_REPEATS)
     return Turns(NO_TURNS.times01, np.array([0.0, sum(turned)]), tuple(periods01))
 
 
@@ -195,4 +210,4 @@ def _loop_periods(attribute: Usd.Attribute, shutter: Shutter) -> tuple[float, ..
     if not attribute.HasSpline():
         return ()
     period01 = loop_length(attribute.GetSpline()) / (shutter.close - shutter.open)
-    return (period01,) if 0.0 < period01 <= 1.0 / SHORTEST_REPEAT else ()
+    return (period01,) if 1.0 / MOST_REPEATS <= period01 <= 1.0 / FEWEST_REPEATS else ()
