@@ -13,7 +13,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
-#include "core/film/render_tile.h"
+#include "core/integrate/render_tile.h"
 
 namespace msbvh {
 namespace {
@@ -34,6 +34,7 @@ void check(const RenderSettings& settings) {
   expect_range("height", settings.height, 1, kMaxResolution);
   expect_range("spp", settings.spp, 1, kMaxSpp);
   expect_range("max_bounces", settings.max_bounces, 0, kMaxBounces);
+  expect_range("batch_paths", settings.batch_paths, 1, kMaxBatchPaths);
 }
 
 constexpr std::chrono::milliseconds kProgressInterval{100};
@@ -46,7 +47,7 @@ struct Renderer::Data {
   EffectPlan plan;
   RenderStatistics statistics;
   std::optional<SceneTrees> trees;
-  std::optional<FrameContext> frame;
+  std::optional<Frame> frame;
 
   void build(SceneTrees* previous);
   void render_tiles(float* rgba, std::atomic<std::size_t>& finished_tiles,
@@ -63,13 +64,15 @@ void Renderer::Data::build(SceneTrees* previous) {
 void Renderer::Data::render_tiles(float* rgba, std::atomic<std::size_t>& finished_tiles,
                                   const std::atomic<bool>& cancelled) {
   const TileGrid grid(settings.width, settings.height);
-  const TileJob job{*frame, settings.width, settings.height, settings.spp, settings.seed, cancelled};
-  const RenderTile render_tile = choose_render_tile(plan.set);
+  const TileJob job{*frame, plan.set, settings.spp, settings.batch_paths, cancelled};
+  WorkspacePool workspaces;
   std::atomic<std::uint64_t> rays = 0;
   const Stopwatch watch;
   Arena(settings.threads).execute([&] {
     parallel_for(grid.count(), [&](std::size_t i) {
-      rays += render_tile(job, grid.tile(i), rgba);
+      std::unique_ptr<TileWorkspace> workspace = workspaces.take();
+      rays += render_tile(job, grid.tile(i), *workspace, rgba);
+      workspaces.give_back(std::move(workspace));
       ++finished_tiles;
     });
   });
@@ -91,8 +94,9 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   data->plan = plan_effects(*data->scene, {.max_bounces = settings.max_bounces});
   data->build(data_ && data_->trees ? &*data_->trees : nullptr);
   const Bvh& world = data->trees->world().bvh();
-  data->frame.emplace(FrameContext{SceneIndex(*data->scene), LightSet(*data->scene), world, Tracer(world),
-                                   settings.max_bounces, settings.show_domes});
+  data->frame.emplace(Frame{SceneIndex(*data->scene), LightSet(*data->scene), world, Tracer(world),
+                            settings.width, settings.height, settings.seed, settings.max_bounces,
+                            settings.show_domes});
   data_ = std::move(data);
 }
 

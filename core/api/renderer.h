@@ -21,6 +21,9 @@ struct RenderSettings {
   std::uint32_t max_bounces = 2;  // 0: direct light only
   std::uint32_t threads = 0;      // 0: all
   bool show_domes = true;         // false: domes light the scene, but lie not behind it
+  // Paths that a thread takes forward at once, at most; a few hundred bytes each. Does not change the
+  // picture.
+  std::uint32_t batch_paths = 4096;
   BuildSettings build;
 };
 

@@ -10,10 +10,9 @@ inline const Material* material_at(const Scene& scene, std::uint32_t index) {
   return index == kNone ? nullptr : &scene.materials[index];
 }
 
-// Of a triangle, as long as no instance overrides it.
-inline const Material* material_of(const Scene& scene, const Mesh& mesh, std::uint32_t triangle) {
-  return material_at(scene,
-                     mesh.triangle_materials.empty() ? mesh.material : mesh.triangle_materials[triangle]);
+// Of a triangle, as long as no instance overrides it; kNone for none.
+inline std::uint32_t material_index(const Mesh& mesh, std::uint32_t triangle) {
+  return mesh.triangle_materials.empty() ? mesh.material : mesh.triangle_materials[triangle];
 }
 
 // Whether the mesh's displayOpacity decides under a material, which may be null. Otherwise its opacity is the

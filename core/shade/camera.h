@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/scene/scene.h"
-#include "core/shade/sampler.h"
+#include "core/shade/point2.h"
 #include "core/trace/ray.h"
 
 namespace msbvh {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/scene/scene.h"
-#include "core/shade/sampler.h"
+#include "core/shade/point2.h"
 
 namespace msbvh {
 

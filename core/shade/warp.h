@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/base/vec.h"
-#include "core/shade/sampler.h"
+#include "core/shade/point2.h"
 
 namespace msbvh {
 

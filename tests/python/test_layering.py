@@ -23,6 +23,7 @@ ROOMS = [
     "core/trace",
     "core/shade",
     "core/film",
+    "core/integrate",
     "core/api",
     "delegate/translate",
     "delegate/usd/bindings",

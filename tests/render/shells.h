@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/api/accel.h"
-#include "core/shade/surface.h"
+#include "core/shade/surface_hit.h"
 #include "tests/render/pictures.h"
 #include "tests/support/procedural.h"
 

@@ -34,7 +34,7 @@ const Shell kShells[] = {
 
 struct Tally {
   std::uint64_t rays = 0, escaped = 0, bounces = 0, ended = 0;  // ended: no place to go on from
-  std::uint64_t looked = 0;  // bounces whose neighbours were looked at
+  std::uint64_t looked = 0;                                     // bounces whose neighbours were looked at
 
   Tally& operator+=(const Tally& b) {
     rays += b.rays;
@@ -55,7 +55,7 @@ class Walker {
     if (random_.uniform() < aimed_) ray.dir = trap_.towards_edge(ray.org, ray.time, random_);
     Hit hit;
     for (int depth = 0; depth < kBounces && meets(ray, hit); ++depth) {
-      SurfacePoint surface = surface_at(trap_.scene(), trap_.index().resolve(hit), hit, ray);
+      SurfaceHit surface = surface_at(trap_.scene(), trap_.index().resolve(hit), hit, ray);
       ++tally_.bounces;
       tally_.looked += surface.origin.beside_edge;
       if (!clear_origin({trap_.index(), trap_.accel().bvh()}, ray, surface.origin)) {
@@ -80,7 +80,7 @@ class Walker {
     return false;
   }
 
-  Ray leaving(const SurfacePoint& surface, float time) {
+  Ray leaving(const SurfaceHit& surface, float time) {
     Vec3f direction = random_.direction();
     if (random_.uniform() < aimed_) direction = trap_.towards_edge(surface.position, time, random_);
     const float cosine = dot(direction, surface.geometric_normal);
@@ -152,8 +152,7 @@ Scene dark_room(const Shell& shell, std::uint64_t seed) {
 }
 
 std::size_t lit_pixels(const Scene& scene) {
-  const Image image =
-      render(scene, {.width = 32, .height = 32, .spp = 8, .max_bounces = 4, .build = {}});
+  const Image image = render(scene, {.width = 32, .height = 32, .spp = 8, .max_bounces = 4, .build = {}});
   std::size_t lit = 0;
   for (std::size_t i = 0; i < image.rgba.size(); i += 4) lit += image.rgba[i] != 0.0f;
   return lit;

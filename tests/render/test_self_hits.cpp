@@ -3,7 +3,7 @@
 #include <random>
 
 #include "core/api/accel.h"
-#include "core/shade/surface.h"
+#include "core/shade/surface_hit.h"
 #include "tests/render/pictures.h"
 
 namespace msbvh {
@@ -75,7 +75,7 @@ int self_hits(const Subject& subject, RandomVectors& random, int& spawned) {
   Hit hit;
   if (!subject.accel.intersect(ray, hit)) return 0;
   const SceneIndex index(subject.scene);
-  SurfacePoint point = surface_at(subject.scene, index.resolve(hit), hit, ray);
+  SurfaceHit point = surface_at(subject.scene, index.resolve(hit), hit, ray);
   if (!clear_origin({index, subject.accel.bvh()}, ray, point.origin)) return 0;
   int hits = 0;
   for (int i = 0; i < 40; ++i) {

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+#include "core/integrate/sampler.h"
 #include "core/shade/camera.h"
 
 namespace msbvh {
@@ -70,7 +71,8 @@ TEST_CASE("rays through a lens meet in the plane in focus and start on the disc"
   const Vec3f in_focus = pinhole.org + pinhole.dir * 4.0f;
   double sum = 0;
   for (int i = 0; i < 256; ++i) {
-    const Ray ray = lens_ray(camera, 0.25f, 0.75f, 0.0f, Sampler(0, i, 0, 0).pair(Dimension::kLens, 0));
+    const Ray ray =
+        lens_ray(camera, 0.25f, 0.75f, 0.0f, Sampler(PixelSampler(0, i, 0), 0).pair(Dimension::kLens, 0));
     CHECK(length(ray.org + ray.dir * 4.0f - in_focus) <= 1e-5f);
     const Vec3f on_lens = ray.org - pinhole.org;
     CHECK(length(on_lens) <= 0.5f + 1e-5f);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 
+#include "core/integrate/sampler.h"
 #include "core/shade/lights.h"
 #include "core/shade/warp.h"
 
@@ -20,7 +21,7 @@ Estimate irradiance(const Light& light, const Camera& camera = {}, float time = 
   double sum = 0, sum_of_squares = 0;
   for (int i = 0; i < kSamples; ++i) {
     LightSample sample;
-    const Point2 random = Sampler(0, i, 0, 0).pair(Dimension::kLight, 0);
+    const Point2 random = Sampler(PixelSampler(0, i, 0), 0).pair(Dimension::kLight, 0);
     double value = 0;
     if (sample_light(light, camera, {}, time, random, sample)) {
       CHECK(length(sample.direction) == doctest::Approx(1.0).epsilon(1e-5));
@@ -87,7 +88,8 @@ TEST_CASE("sphere: the sampled point lies on the sphere, on the near side") {
   light.radius = 2.0f;
   for (int i = 0; i < 1000; ++i) {
     LightSample sample;
-    REQUIRE(sample_light(light, {}, {}, 0.0f, Sampler(0, i, 0, 0).pair(Dimension::kLight, 0), sample));
+    REQUIRE(sample_light(light, {}, {}, 0.0f, Sampler(PixelSampler(0, i, 0), 0).pair(Dimension::kLight, 0),
+                         sample));
     const Vec3f on_sphere = sample.direction * sample.distance - Vec3f{1, 3, 4};
     CHECK(length(on_sphere) == doctest::Approx(2.0).epsilon(1e-4));
     CHECK(dot(on_sphere, sample.direction) <= 1e-3f);

@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "core/shade/sampler.h"
+#include "core/integrate/sampler.h"
 
 namespace msbvh {
 namespace {
@@ -16,6 +16,16 @@ std::uint32_t sobol_by_direction_numbers(std::uint32_t index) {
   for (; index != 0; index >>= 1) {
     if (index & 1) result ^= direction;
     direction ^= direction >> 1;
+  }
+  return result;
+}
+
+// The third one by Joe and Kuo's parameters: degree 2, a = 1, m = 1, 3.
+std::uint32_t third_by_direction_numbers(std::uint32_t index) {
+  std::uint32_t m[32] = {1, 3}, result = 0;
+  for (int k = 2; k < 32; ++k) m[k] = 2 * m[k - 1] ^ 4 * m[k - 2] ^ m[k - 2];
+  for (int k = 0; index != 0; ++k, index >>= 1) {
+    if (index & 1) result ^= m[k] << (31 - k);
   }
   return result;
 }
@@ -48,10 +58,11 @@ bool is_net(const std::vector<std::array<float, kDimensions>>& points, int m) {
   return is_net(points, m, {}, 0, m);
 }
 
-TEST_CASE("Pascal's triangle equals the direction numbers") {
+TEST_CASE("Sobol' dimensions two and three equal their direction numbers") {
   for (std::uint32_t i = 0; i < 100000; ++i) {
     const std::uint32_t index = i < 50000 ? i : hash(i);
     REQUIRE(sobol::reverse_bits(sobol::pascal(index)) == sobol_by_direction_numbers(index));
+    REQUIRE(sobol::reverse_bits(sobol::third(index)) == third_by_direction_numbers(index));
   }
 }
 
@@ -61,7 +72,7 @@ TEST_CASE("every named pair is a (0,m,2)-net in every pixel") {
     for (const Dimension dimension : {Dimension::kOpacity, Dimension::kLight, Dimension::kBounce}) {
       std::vector<std::array<float, 2>> points;
       for (std::uint32_t s = 0; s < 1u << kM; ++s) {
-        const Point2 p = Sampler(7, pixel, 3, s).pair(dimension, 1, 2);
+        const Point2 p = Sampler(PixelSampler(7, pixel, 3), s).pair(dimension, 1, 2);
         points.push_back({p.x, p.y});
       }
       CHECK(is_net(points, kM));
@@ -69,58 +80,73 @@ TEST_CASE("every named pair is a (0,m,2)-net in every pixel") {
   }
 }
 
-TEST_CASE("time and position in the pixel form a (0,m,3)-net, in the order of time") {
-  constexpr int kM = 7;
-  for (std::uint32_t pixel = 0; pixel < 8; ++pixel) {
-    std::vector<std::array<float, 3>> points;
-    for (std::uint32_t s = 0; s < 1u << kM; ++s) {
-      const Sampler sampler(1, pixel, 5, s);
-      const Point2 p = sampler.pixel_position();
-      const float time = sampler.time(1u << kM);
-      CHECK(time * (1u << kM) >= s);
-      CHECK(time * (1u << kM) < s + 1);
-      points.push_back({time, p.x, p.y});
+// Any aligned run of 2^m samples, so that blocks of samples are as good as the first ones.
+TEST_CASE("position in the pixel is a (0,m,2)-net, and time is stratified, in every aligned block") {
+  constexpr int kM = 6;
+  for (std::uint32_t pixel = 0; pixel < 64; ++pixel) {
+    const PixelSampler sampler(1, pixel, 5);
+    const std::uint32_t first = (pixel % 8) << kM;
+    std::vector<std::array<float, 2>> points;
+    std::set<int> strata;
+    for (std::uint32_t s = first; s < first + (1u << kM); ++s) {
+      const Point2 p = sampler.position(s);
+      points.push_back({p.x, p.y});
+      strata.insert(static_cast<int>(sampler.time(s) * (1 << kM)));
     }
     CHECK(is_net(points, kM));
+    CHECK(strata.size() == std::size_t(1) << kM);
   }
 }
 
-TEST_CASE("numbers lie in [0, 1), times in [0, 1]") {
+TEST_CASE("numbers and times lie in [0, 1)") {
   CHECK(sobol::to_unit_float(0xffffffffu) < 1.0f);
-  for (std::uint32_t s = 0; s < 1000; ++s) {
-    const float time = Sampler(s, 0, 0, 999).time(1000);
-    CHECK(time >= 0.999f);
-    CHECK(time <= 1.0f);
+  for (std::uint32_t s = 0; s < 100000; ++s) {
+    const float time = PixelSampler(s, 0, 0).time(999 + s);
+    CHECK(time >= 0.0f);
+    CHECK(time < 1.0f);
   }
 }
 
 // Pairs of different names, depths or lights, drawn for the same sample, must not be correlated: across
 // pixels the mean of the product of two centred uniform numbers is 0 with the standard deviation 1/12 /
 // sqrt(n). A function, not a lambda: a lambda is constexpr by default, and compilers would evaluate it.
+struct Draw {
+  PixelSampler pixel;
+  Sampler sampler;
+  std::uint32_t sample;
+};
+
 template <typename First, typename Second>
 double correlation(First first, Second second) {
   constexpr int kPixels = 1 << 18;
   double sum = 0;
   for (int i = 0; i < kPixels; ++i) {
-    const Sampler a(0, i % 512, i / 512, i % 16);
+    const PixelSampler pixel(0, i % 512, i / 512);
+    const Draw a{pixel, Sampler(pixel, i % 16), static_cast<std::uint32_t>(i % 16)};
     sum += (first(a) - 0.5) * (second(a) - 0.5);
   }
   return sum / kPixels * 12 * std::sqrt(double(kPixels));  // in standard deviations
 }
 
 TEST_CASE("names, depths, lights and pixels are independent") {
-  const auto light = [](const Sampler& s) { return s.pair(Dimension::kLight, 0).x; };
-  CHECK(std::abs(correlation(light, [](const Sampler& s) { return s.pair(Dimension::kLight, 0).y; })) < 4.5);
-  CHECK(std::abs(correlation(light, [](const Sampler& s) { return s.pair(Dimension::kBounce, 0).x; })) < 4.5);
-  CHECK(std::abs(correlation(light, [](const Sampler& s) { return s.pair(Dimension::kLight, 1).x; })) < 4.5);
-  CHECK(std::abs(correlation(light, [](const Sampler& s) { return s.pair(Dimension::kLight, 0, 1).x; })) <
+  const auto light = [](const Draw& d) { return d.sampler.pair(Dimension::kLight, 0).x; };
+  CHECK(std::abs(correlation(light, [](const Draw& d) { return d.sampler.pair(Dimension::kLight, 0).y; })) <
         4.5);
-  CHECK(std::abs(correlation(light, [](const Sampler& s) { return s.pixel_position().x; })) < 4.5);
+  CHECK(std::abs(correlation(light, [](const Draw& d) { return d.sampler.pair(Dimension::kBounce, 0).x; })) <
+        4.5);
+  CHECK(std::abs(correlation(light, [](const Draw& d) { return d.sampler.pair(Dimension::kLight, 1).x; })) <
+        4.5);
+  CHECK(std::abs(correlation(light,
+                             [](const Draw& d) { return d.sampler.pair(Dimension::kLight, 0, 1).x; })) < 4.5);
+  CHECK(std::abs(correlation(light, [](const Draw& d) { return d.pixel.position(d.sample).x; })) < 4.5);
+  CHECK(std::abs(correlation(light, [](const Draw& d) { return d.pixel.time(d.sample); })) < 4.5);
+  const auto x = [](const Draw& d) { return d.pixel.position(d.sample).x; };
+  CHECK(std::abs(correlation(x, [](const Draw& d) { return d.pixel.time(d.sample); })) < 4.5);
 }
 
 TEST_CASE("seeds and pixels change the numbers, and nothing else does") {
   const auto draw = [](std::uint32_t seed, std::uint32_t x, std::uint32_t y) {
-    return Sampler(seed, x, y, 3).pair(Dimension::kBounce, 2).x;
+    return Sampler(PixelSampler(seed, x, y), 3).pair(Dimension::kBounce, 2).x;
   };
   CHECK(draw(1, 2, 3) == draw(1, 2, 3));
   CHECK(draw(1, 2, 3) != draw(2, 2, 3));

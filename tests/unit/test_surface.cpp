@@ -3,7 +3,7 @@
 #include <random>
 
 #include "core/motion/affine_track.h"
-#include "core/shade/surface.h"
+#include "core/shade/surface_hit.h"
 
 namespace msbvh {
 namespace {
@@ -29,7 +29,7 @@ Scene instanced_scene(std::uint32_t segments, std::vector<Affine3f> world_from_p
   return scene;
 }
 
-SurfacePoint surface(const Scene& scene, const Hit& hit, const Ray& ray) {
+SurfaceHit surface(const Scene& scene, const Hit& hit, const Ray& ray) {
   return surface_at(scene, SceneIndex(scene).resolve(hit), hit, ray);
 }
 
@@ -39,7 +39,7 @@ const Hit kHit{.u = 0.25f, .v = 0.5f, .triangle = 0};
 
 TEST_CASE("position and geometric normal, on the ray's side") {
   const Scene scene = triangle_scene();
-  const SurfacePoint from_above = surface(scene, kHit, kDown);
+  const SurfaceHit from_above = surface(scene, kHit, kDown);
   CHECK(from_above.position == Vec3f{0.25f, 0.5f, 0});
   CHECK(from_above.geometric_normal == Vec3f{0, 0, 1});
   CHECK(from_above.shading_normal == Vec3f{0, 0, 1});
@@ -69,12 +69,12 @@ TEST_CASE("through an instance at the ray's time: position, normals and colour")
   ray.time = 0.5f;
   Hit hit = kHit;
   hit.instance = 0;
-  const SurfacePoint first = surface(scene, hit, ray);
+  const SurfaceHit first = surface(scene, hit, ray);
   CHECK(first.position == Vec3f{0.25f, 0.5f, 4.0f});
   CHECK(first.albedo == Vec3f{1, 0, 0});
 
   hit.instance = 1;
-  const SurfacePoint second = surface(scene, hit, ray);
+  const SurfaceHit second = surface(scene, hit, ray);
   CHECK(second.position == Vec3f{5.5f, 0.5f, 0.0f});
   CHECK(second.albedo == Vec3f{0, 1, 0});
   CHECK(second.geometric_normal == Vec3f{0, 0, 1});
@@ -216,7 +216,7 @@ TEST_CASE("spawned rays start beyond the surface, at coordinates of 1e4") {
     ray.time = time;
     const Hit hit{.u = u, .v = v, .triangle = 0, .instance = instanced ? 0 : kNoInstance};
     ray.org = surface(scene, hit, ray).position - ray.dir * 3.0f;
-    const SurfacePoint point = surface(scene, hit, ray);
+    const SurfaceHit point = surface(scene, hit, ray);
     if (point.origin.beside_edge) continue;
 
     const double w = time;

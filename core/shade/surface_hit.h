@@ -7,7 +7,7 @@
 
 namespace msbvh {
 
-struct SurfacePoint {
+struct SurfaceHit {
   Vec3f position;          // in the world
   Vec3f geometric_normal;  // unit; on the side that the ray came from, as is the shading normal
   Vec3f shading_normal;    // unit
@@ -17,11 +17,11 @@ struct SurfacePoint {
 };
 
 // The hit of `ray`, through the instance's transform at the ray's time.
-SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray);
+SurfaceHit surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray);
 
 // A ray from the surface in `direction`, on either side of it; clear_origin() comes first. To the far side
 // it starts clear of the triangle that was hit, and no more is proved. Hits count from tnear = 0 on.
-inline Ray leave(const SurfacePoint& surface, const Vec3f& direction, float time) {
+inline Ray leave(const SurfaceHit& surface, const Vec3f& direction, float time) {
   Ray ray;
   const Vec3f& n = surface.geometric_normal;
   // Twice, for the roundings of the position and of this.
@@ -31,6 +31,9 @@ inline Ray leave(const SurfacePoint& surface, const Vec3f& direction, float time
   ray.time = time;
   return ray;
 }
+
+// In Scene::materials, or kNone: the instance's, else the triangle's.
+std::uint32_t material_index(const HitSource& source, const Hit& hit);
 
 // In [0, 1].
 float opacity_at(const Scene& scene, const HitSource& source, const Hit& hit, float time);

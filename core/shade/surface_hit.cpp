@@ -1,4 +1,4 @@
-#include "core/shade/surface.h"
+#include "core/shade/surface_hit.h"
 
 #include "core/scene/opacity.h"
 #include "core/shade/primvar.h"
@@ -25,16 +25,12 @@ Vec3f display_color(const HitSource& source, const Hit& hit, float time, Vec3f f
   return interpolate(mesh.display_color, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time);
 }
 
-// The instance's, else the triangle's.
 const Material* material_of(const Scene& scene, const HitSource& source, const Hit& hit) {
-  if (source.instances && !source.instances->materials.empty()) {
-    return material_at(scene, source.instances->materials[source.instance]);
-  }
-  return material_of(scene, *source.mesh, hit.triangle);
+  return material_at(scene, material_index(source, hit));
 }
 
 void set_colors(const Material* material, const HitSource& source, const Hit& hit, float time,
-                SurfacePoint& surface) {
+                SurfaceHit& surface) {
   static const Material standard{.diffuse_from_display_color = true};
   const Material& m = material ? *material : standard;
   const auto color = [&](Vec3f constant, bool from_display_color) {
@@ -61,8 +57,7 @@ Vec3f shading_normal(const HitSource& source, const Hit& hit, float mesh_time,
   if (!mesh.normals.authored()) return ng;
   const Vec3f authored =
       interpolate(mesh.normals, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), mesh_time);
-  const Vec3d in_world =
-      pose ? transform_normal(pose->world_from_object, Vec3d(authored)) : Vec3d(authored);
+  const Vec3d in_world = pose ? transform_normal(pose->world_from_object, Vec3d(authored)) : Vec3d(authored);
   const Vec3f ns(normalize(in_world));
   if (ns == Vec3f{}) return ng;
   return dot(ns, ng) < 0.0f ? -ns : ns;
@@ -70,7 +65,7 @@ Vec3f shading_normal(const HitSource& source, const Hit& hit, float mesh_time,
 
 }  // namespace
 
-SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray) {
+SurfaceHit surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray) {
   const std::optional<InstancePose> pose = instance_pose(source, ray.time);
   const WorldTriangle triangle = world_triangle(source, pose, hit.triangle, ray.time);
   const Vec3d &a = triangle.vertex[0], ab = triangle.vertex[1] - a, ac = triangle.vertex[2] - a;
@@ -81,7 +76,7 @@ SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& 
   const double doubled_area = length(across);
   Vec3d normal = doubled_area > 0.0 ? across * (1.0 / doubled_area) : line_normal(triangle, d);
   if (dot(normal, d) > 0.0) normal = -normal;
-  SurfacePoint surface;
+  SurfaceHit surface;
   surface.position = Vec3f(position);
   surface.geometric_normal = Vec3f(normal);
   surface.shading_normal =
@@ -89,6 +84,12 @@ SurfacePoint surface_at(const Scene& scene, const HitSource& source, const Hit& 
   surface.origin = origin_at(triangle, hit, ray, position, normal, doubled_area);
   set_colors(material_of(scene, source, hit), source, hit, ray.time, surface);
   return surface;
+}
+
+std::uint32_t material_index(const HitSource& source, const Hit& hit) {
+  if (source.instances && !source.instances->materials.empty())
+    return source.instances->materials[source.instance];
+  return material_index(*source.mesh, hit.triangle);
 }
 
 float opacity_at(const Scene& scene, const HitSource& source, const Hit& hit, float time) {

@@ -1,20 +1,21 @@
-// Pixels, and the tiles that they are rendered in.
+// The tiles that an image is rendered in.
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
-
-#include "core/shade/integrator.h"
 
 namespace msbvh {
 
 // A half-open rectangle of pixels; y runs down from the top row.
 struct Tile {
   std::uint32_t x0, y0, x1, y1;
+
+  std::uint32_t width() const { return x1 - x0; }
+  std::uint32_t pixels() const { return (x1 - x0) * (y1 - y0); }
 };
 
-// Pixels along a tile's edge: a tile's rays of one sample share a time stratum (core/shade/sampler.h), its
-// sums stay in the first-level cache.
+// Pixels along a tile's edge: its rays look the same way, its sums stay in the second-level cache.
 inline constexpr std::uint32_t kTileSize = 16;
 
 // The tiles of an image, row by row.
@@ -34,27 +35,6 @@ class TileGrid {
   static std::uint32_t ceil_divide(std::uint32_t pixels) { return (pixels + kTileSize - 1) / kTileSize; }
 
   std::uint32_t width_, height_, columns_, rows_;
-};
-
-// The sum of a pixel's samples. Double: the sum of a million floats would have lost its last digits.
-class PixelSum {
- public:
-  void add(const PathResult& sample) {
-    radiance_ += Vec3d(sample.radiance);
-    alpha_ += sample.alpha;
-  }
-  // The mean of `count` samples, four floats: box filter over the pixel, premultiplied.
-  void resolve(std::uint32_t count, float* rgba) const {
-    const Vec3d mean = radiance_ * (1.0 / count);
-    rgba[0] = static_cast<float>(mean.x);
-    rgba[1] = static_cast<float>(mean.y);
-    rgba[2] = static_cast<float>(mean.z);
-    rgba[3] = static_cast<float>(alpha_ / count);
-  }
-
- private:
-  Vec3d radiance_;
-  double alpha_ = 0.0;
 };
 
 }  // namespace msbvh

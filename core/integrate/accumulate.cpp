@@ -1,0 +1,18 @@
+#include "core/integrate/accumulate.h"
+
+namespace msbvh {
+
+void accumulate(PathBatch& batch, std::uint32_t pixels, SumTrees<FilmSum>& sums) {
+  std::vector<PathIndex>& path_at = batch.path_at_slot;
+  path_at.resize(batch.slot.size());
+  for (PathIndex path = 0; path < batch.slot.size(); ++path) path_at[batch.slot[path]] = path;
+  for (std::size_t slot = 0; slot < path_at.size();) {
+    for (std::uint32_t pixel = 0; pixel < pixels; ++pixel, ++slot) {
+      const PathIndex path = path_at[slot];
+      sums.open(pixel) += FilmSample{batch.radiance[path], batch.alpha[path]};
+    }
+    sums.end_sample();
+  }
+}
+
+}  // namespace msbvh

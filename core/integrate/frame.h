@@ -1,0 +1,28 @@
+// What paths read; the same for a whole frame.
+#pragma once
+
+#include <cstdint>
+
+#include "core/shade/clearance.h"
+#include "core/shade/lights.h"
+#include "core/shade/scene_index.h"
+#include "core/trace/tracer.h"
+
+namespace msbvh {
+
+// Thread-safe.
+struct Frame {
+  SceneIndex index;
+  LightSet lights;
+  const Bvh& world;  // that the tracer traces
+  Tracer tracer;
+  std::uint32_t width, height;  // of the image, pixels
+  std::uint32_t seed;
+  std::uint32_t max_bounces;  // 0: direct light only
+  bool show_domes;            // camera rays that meet nothing see the dome
+
+  const Scene& scene() const { return index.scene(); }
+  Surroundings surroundings() const { return {index, world}; }
+};
+
+}  // namespace msbvh

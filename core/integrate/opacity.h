@@ -1,0 +1,15 @@
+// Stage 3, where something is not opaque: by chance a surface is seen or seen through.
+#pragma once
+
+#include "core/integrate/frame.h"
+#include "core/integrate/path_batch.h"
+
+namespace msbvh {
+
+// Rays that see through what they hit are traced on from there, until all have met what they see, or nothing.
+void see_through(const Frame& frame, PathBatch& batch);
+
+// The same ray cannot find the same triangle at the same distance again.
+void step_past(const Hit& hit, Ray& ray);
+
+}  // namespace msbvh

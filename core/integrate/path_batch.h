@@ -1,0 +1,74 @@
+// The state of many paths that go forward together, an array a quantity.
+//
+// A stage (one a file) takes the whole batch a step further, so that all of its rays are traced at once and
+// all of its code and tables are in cache. A. Afra, C. Benthin, I. Wald, J. Munkberg, "Local Shading
+// Coherence Extraction for SIMD-Efficient Path Tracing on CPUs", HPG 2016; M. Lee, B. Green, F. Xie, E.
+// Tabellion, "Vectorized Production Path Tracing", HPG 2017.
+//
+// Paths are numbered in the order in which they were generated: by time stratum, then by squares of pixels.
+// That is the order of every queue too: rays that are traced together share a segment of the motion and look
+// the same way. No path's numbers depend on another's, so a batch's size and order do not change the picture.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/film/film_sample.h"
+#include "core/integrate/sampler.h"
+#include "core/shade/surface_hit.h"
+#include "core/trace/ray.h"
+
+namespace msbvh {
+
+using PathIndex = std::uint32_t;
+
+// Some bytes a path hold the stages' arrays: docs/design/path_tracing.md has the figure.
+inline constexpr std::size_t kMaxBatchPaths = 4096;
+
+// Shadow rays on their way, and what each brings its path if nothing is in its way.
+struct ShadowQueue {
+  std::vector<Ray> rays;
+  std::vector<PathIndex> path;
+  std::vector<Vec3f> contribution;
+
+  void add(const Ray& ray, PathIndex p, const Vec3f& light);
+  void set(std::size_t i, const Ray& ray, PathIndex p, const Vec3f& light);
+  void resize(std::size_t count);
+  std::size_t size() const { return rays.size(); }
+};
+
+struct PathBatch {
+  // By path.
+  std::vector<Sampler> sampler;
+  std::vector<std::uint32_t> slot;  // [sample of the batch][pixel of the tile]
+  std::vector<Vec3f> throughput;
+  std::vector<Vec3f> radiance;
+  std::vector<float> alpha;
+
+  // Paths under way, and by their places in this queue: their ray, its hit, and what was hit.
+  std::uint32_t depth = 0;  // vertices behind them
+  std::vector<PathIndex> active;
+  std::vector<Ray> rays;
+  std::vector<Hit> hits;
+  std::vector<SurfaceHit> surfaces;
+  // Places in the queue of those that are on a surface, in the order of the queue.
+  std::vector<std::uint32_t> shaded;
+
+  ShadowQueue shadows;
+  std::uint64_t rays_traced = 0;
+
+  // Of stages, between their own steps.
+  std::vector<std::uint64_t> by_material;  // places in the queue, their materials in the upper half
+  std::vector<PathIndex> path_at_slot;
+  std::vector<std::uint32_t> retraced;
+  std::vector<Ray> retraced_rays;
+  std::vector<Hit> retraced_hits;
+  std::unique_ptr<bool[]> occluded = std::make_unique<bool[]>(kMaxBatchPaths);
+
+  // Room for some paths, none of them under way. Memory is kept from batch to batch.
+  void reset(std::size_t paths);
+};
+
+}  // namespace msbvh

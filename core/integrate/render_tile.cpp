@@ -1,0 +1,68 @@
+#include "core/integrate/render_tile.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/integrate/accumulate.h"
+#include "core/integrate/closest.h"
+#include "core/integrate/direct.h"
+#include "core/integrate/generate.h"
+#include "core/integrate/opacity.h"
+#include "core/integrate/scatter.h"
+#include "core/integrate/surface.h"
+
+namespace msbvh {
+namespace {
+
+void trace_paths(const Frame& frame, EffectSet effects, PathBatch& batch) {
+  while (!batch.active.empty()) {
+    find_closest(frame, batch);
+    if (effects.has(Effect::kOpacity)) see_through(frame, batch);
+    find_surfaces(frame, batch);
+    add_direct_light(frame, effects, batch);
+    scatter(frame, effects, batch);
+  }
+}
+
+void resolve(const Tile& tile, const SumTrees<FilmSum>& sums, std::uint32_t image_width, float* rgba) {
+  std::size_t pixel = 0;
+  for (std::uint32_t y = tile.y0; y < tile.y1; ++y) {
+    for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
+      sums.total(pixel++).resolve(sums.count(), rgba + 4 * (std::size_t(y) * image_width + x));
+    }
+  }
+}
+
+}  // namespace
+
+std::uint64_t render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, float* rgba) {
+  const Generate generate = choose_generate(job.effects);
+  const std::uint32_t pixels = tile.pixels(), most = std::max(1u, job.batch_paths / pixels);
+  std::uint64_t rays = 0;
+  workspace.sums.reset(pixels);
+  for (SampleRange samples{0, 0}; samples.first < job.spp; samples.first += samples.count) {
+    if (job.cancelled.load(std::memory_order_relaxed)) return rays;
+    samples.count = std::min(most, job.spp - samples.first);
+    generate(job.frame, tile, samples, workspace.batch);
+    trace_paths(job.frame, job.effects, workspace.batch);
+    accumulate(workspace.batch, pixels, workspace.sums);
+    rays += workspace.batch.rays_traced;
+  }
+  resolve(tile, workspace.sums, job.frame.width, rgba);
+  return rays;
+}
+
+std::unique_ptr<TileWorkspace> WorkspacePool::take() {
+  const std::scoped_lock lock(mutex_);
+  if (idle_.empty()) return std::make_unique<TileWorkspace>();
+  std::unique_ptr<TileWorkspace> workspace = std::move(idle_.back());
+  idle_.pop_back();
+  return workspace;
+}
+
+void WorkspacePool::give_back(std::unique_ptr<TileWorkspace> workspace) {
+  const std::scoped_lock lock(mutex_);
+  idle_.push_back(std::move(workspace));
+}
+
+}  // namespace msbvh

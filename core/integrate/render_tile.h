@@ -1,0 +1,48 @@
+// All samples of all pixels of a tile, by the stages of this folder.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "core/film/sum_tree.h"
+#include "core/film/tile.h"
+#include "core/integrate/frame.h"
+#include "core/integrate/path_batch.h"
+#include "core/plan/effect_plan.h"
+
+namespace msbvh {
+
+struct TileJob {
+  const Frame& frame;
+  EffectSet effects;
+  std::uint32_t spp;
+  std::uint32_t batch_paths;           // at most; 1 to kMaxBatchPaths. The picture does not depend on it
+  const std::atomic<bool>& cancelled;  // asked before every batch
+};
+
+// What a thread needs to render a tile.
+struct TileWorkspace {
+  PathBatch batch;
+  SumTrees<FilmSum> sums;
+};
+
+// Adds the tile's pixels to `rgba`, the whole image, [height][width][4]; returns the number of rays traced.
+// Depends on nothing but its arguments, so that the image does not depend on who renders which tile. Leaves
+// the pixels alone when cancelled.
+std::uint64_t render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, float* rgba);
+
+// Workspaces for as many threads as there turn out to be.
+class WorkspacePool {
+ public:
+  std::unique_ptr<TileWorkspace> take();
+  void give_back(std::unique_ptr<TileWorkspace> workspace);
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<TileWorkspace>> idle_;
+};
+
+}  // namespace msbvh

@@ -1,0 +1,134 @@
+// The batched renderer against the scalar path tracer: the same bits, whatever the scene calls for and
+// however the work is cut up.
+#include <atomic>
+#include <random>
+
+#include "core/api/scene_trees.h"
+#include "core/integrate/render_tile.h"
+#include "tests/render/pictures.h"
+#include "tests/support/scalar_path_tracer.h"
+
+namespace msbvh {
+namespace {
+using namespace pictures;
+
+constexpr std::uint32_t kSize = 37;  // neither a multiple of the tile nor of a square of pixels
+
+// What a scene may call for, in any combination.
+struct Calls {
+  bool instances, moving, opacity, lens, dome, materials;
+};
+
+Mesh shards(std::mt19937& random, std::uint32_t segments) {
+  std::uniform_real_distribution<float> place(0.0f, kSize), offset(-9.0f, 9.0f);
+  std::vector<Vec3f> corners;
+  Mesh mesh;
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    const Vec3f a{place(random), place(random), place(random)};
+    for (int c = 0; c < 3; ++c) corners.push_back(a + Vec3f{offset(random), offset(random), offset(random)});
+    mesh.shape.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  mesh.shape.name = "/shards";
+  mesh.shape.segments = segments;
+  mesh.shape.vertex_count = static_cast<std::uint32_t>(corners.size());
+  for (std::uint32_t key = 0; key < key_count(segments); ++key) {
+    for (const Vec3f& p : corners)
+      mesh.shape.positions.push_back(p + Vec3f{3.0f * float(key), float(key), 0});
+  }
+  mesh.display_color.values = {{0.7f, 0.6f, 0.5f}};
+  return mesh;
+}
+
+void add_lights(Scene& scene, bool with_dome) {
+  Light sun;
+  sun.name = "/sun";
+  sun.world_from_light = {Affine3f{}};
+  sun.angle_degrees = 20.0f;
+  Light panel;
+  panel.name = "/panel";
+  panel.kind = LightKind::kRect;
+  panel.width = panel.height = 20.0f;
+  panel.radiance = {9, 8, 7};
+  panel.world_from_light = {translation({kSize / 2.0f, kSize / 2.0f, 60})};
+  scene.lights = {sun, panel};
+  if (with_dome) scene.lights.push_back(dome({0.3f, 0.4f, 0.5f}));
+}
+
+void add_materials(Scene& scene) {
+  scene.materials = {{.name = "/red", .diffuse_color = {0.8f, 0.1f, 0.1f}},
+                     {.name = "/lamp", .emissive_color = {2, 1, 0}},
+                     {.name = "/black", .diffuse_color = {}}};
+  for (Mesh& mesh : scene.meshes) {
+    for (std::size_t i = 0; i < mesh.shape.triangles.size(); ++i)
+      mesh.triangle_materials.push_back(i % 4 == 3 ? kNone : static_cast<std::uint32_t>(i % 4));
+  }
+}
+
+Scene called(const Calls& calls, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  Scene scene;
+  scene.camera = pixel_camera(kSize, kSize);
+  add(scene, shards(random, calls.moving ? 4 : 0));
+  if (calls.instances)
+    add_instance(
+        scene, shards(random, 0),
+        calls.moving ? std::vector{translation({}), translation({5, 0, 0})} : std::vector{translation({})});
+  if (calls.opacity) scene.meshes[0].display_opacity.values = {0.5f};
+  if (calls.lens) {
+    scene.camera.projection = Projection::kPerspective;
+    scene.camera.world_from_camera = {translation({kSize / 2.0f, kSize / 2.0f, 100})};
+    scene.camera.window = {{-0.25f, 0.25f, -0.25f, 0.25f}};
+    scene.camera.near_clip = 1.0f;
+    scene.camera.lens = {{2.0f, 80.0f}};
+  }
+  if (calls.materials) add_materials(scene);
+  add_lights(scene, calls.dome);
+  return scene;
+}
+
+Calls calls_of(std::uint32_t bits) {
+  const auto bit = [&](int i) { return (bits >> i & 1) != 0; };
+  return {bit(0), bit(1), bit(2), bit(3), bit(4), bit(5)};
+}
+
+Image oracle_picture(const std::shared_ptr<const Scene>& scene, const RenderSettings& settings) {
+  const SceneTrees trees(scene, settings.build, nullptr);
+  const Bvh& world = trees.world().bvh();
+  const Frame frame{SceneIndex(*scene), LightSet(*scene),     world,
+                    Tracer(world),      settings.width,       settings.height,
+                    settings.seed,      settings.max_bounces, settings.show_domes};
+  return scalar_picture(frame, settings.spp);
+}
+
+TEST_CASE("the picture is the scalar path tracer's to the bit, whatever the scene calls for") {
+  for (std::uint32_t bits = 0; bits < 64; ++bits) {
+    CAPTURE(bits);
+    const auto scene = std::make_shared<const Scene>(called(calls_of(bits), bits));
+    const RenderSettings settings{.width = kSize,
+                                  .height = kSize,
+                                  .spp = 5,
+                                  .seed = bits,
+                                  .max_bounces = bits % 4,
+                                  .show_domes = bits % 3 != 0,
+                                  .build = {}};
+    CHECK(render(*scene, settings).rgba == oracle_picture(scene, settings).rgba);
+  }
+}
+
+TEST_CASE("neither the batch's size nor the number of threads changes a bit") {
+  const Scene scene = called({true, true, true, false, true, true}, 7);
+  RenderSettings settings{.width = kSize, .height = kSize, .spp = 40, .max_bounces = 2, .build = {}};
+  const std::vector<float> once = render(scene, settings).rgba;
+  for (const std::uint32_t paths : {1u, 300u, 777u, 2048u}) {
+    for (const std::uint32_t threads : {1u, 3u}) {
+      settings.batch_paths = paths;
+      settings.threads = threads;
+      CAPTURE(paths);
+      CAPTURE(threads);
+      CHECK(render(scene, settings).rgba == once);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace msbvh

@@ -1,0 +1,140 @@
+// The path tracer one ray at a time: the oracle of core/integrate, which must draw the same picture to the
+// bit.
+//
+// The estimator in the order in which a textbook has it, with no queue, no packet and no batch. It shares the
+// surfaces, lights and samples with the renderer (they have tests of their own) and none of its stages.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "core/api/renderer.h"
+#include "core/film/sum_tree.h"
+#include "core/integrate/frame.h"
+#include "core/integrate/sampler.h"
+#include "core/shade/camera.h"
+#include "core/shade/surface_hit.h"
+#include "core/shade/warp.h"
+
+namespace msbvh {
+
+class ScalarPathTracer {
+ public:
+  explicit ScalarPathTracer(const Frame& frame) : frame_(frame) {}
+
+  FilmSample trace(const Sampler& sampler, Ray ray) const {
+    FilmSample result;
+    Vec3f throughput{1.0f, 1.0f, 1.0f};
+    for (std::uint32_t depth = 0;; ++depth) {
+      SurfaceHit surface;
+      if (!find_surface(sampler, ray, depth, surface)) {
+        if (depth > 0 || frame_.show_domes)
+          result.radiance += throughput * frame_.lights.dome_radiance(ray.time);
+        return result;
+      }
+      if (depth == 0) result.alpha = 1.0f;
+      result.radiance += throughput * surface.emission;
+      throughput = throughput * surface.albedo;
+      if (throughput == Vec3f{} || !clear_origin(frame_.surroundings(), ray, surface.origin)) return result;
+      add_direct_light(sampler, surface, throughput, ray.time, depth, result);
+      if (!bounce(sampler, surface, depth, ray)) return result;
+      if (depth == frame_.max_bounces) {
+        if (frame_.lights.has_dome)
+          result.radiance += dimmed(ray, throughput * frame_.lights.dome_radiance(ray.time));
+        return result;
+      }
+    }
+  }
+
+ private:
+  static void step_past(const Hit& hit, Ray& ray) {
+    ray.tnear = std::nextafter(hit.t, std::numeric_limits<float>::infinity());
+  }
+
+  bool find_surface(const Sampler& sampler, Ray ray, std::uint32_t depth, SurfaceHit& surface) const {
+    Hit hit;
+    for (std::uint32_t layer = 0; frame_.tracer.intersect(ray, hit); ++layer) {
+      const HitSource source = frame_.index.resolve(hit);
+      const float opacity = opacity_at(frame_.scene(), source, hit, ray.time);
+      if (opacity < 1.0f && sampler.pair(Dimension::kOpacity, depth, layer).x >= opacity) {
+        step_past(hit, ray);
+        continue;
+      }
+      surface = surface_at(frame_.scene(), source, hit, ray);
+      return true;
+    }
+    return false;
+  }
+
+  // What is left of `light` after all that the ray passes.
+  Vec3f dimmed(Ray ray, Vec3f light) const {
+    Hit hit;
+    while (light != Vec3f{} && frame_.tracer.intersect(ray, hit)) {
+      light = light * (1.0f - opacity_at(frame_.scene(), frame_.index.resolve(hit), hit, ray.time));
+      step_past(hit, ray);
+    }
+    return light;
+  }
+
+  void add_direct_light(const Sampler& sampler, const SurfaceHit& surface, const Vec3f& throughput,
+                        float time, std::uint32_t depth, FilmSample& result) const {
+    for (std::uint32_t i = 0; i < frame_.lights.sampled.size(); ++i) {
+      const Point2 random = sampler.pair(Dimension::kLight, depth, i);
+      LightSample light;
+      if (!sample_light(*frame_.lights.sampled[i], frame_.scene().camera, surface.position, time, random,
+                        light))
+        continue;
+      const float cosine = dot(light.direction, surface.shading_normal);
+      if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) continue;
+      const Vec3f reflected = throughput * light.irradiance * (cosine * (1.0f / kPi));
+      Ray shadow = leave(surface, light.direction, time);
+      shadow.tfar = light.distance;
+      result.radiance += light.casts_shadow ? dimmed(shadow, reflected) : reflected;
+    }
+  }
+
+  static bool bounce(const Sampler& sampler, const SurfaceHit& surface, std::uint32_t depth, Ray& ray) {
+    const Point2 random = sampler.pair(Dimension::kBounce, depth);
+    const Vec3f direction = Basis(surface.shading_normal)(sample_cosine_hemisphere(random));
+    if (dot(direction, surface.geometric_normal) <= 0.0f) return false;
+    ray = leave(surface, direction, ray.time);
+    return true;
+  }
+
+  const Frame& frame_;
+};
+
+inline Ray camera_sample_ray(const Frame& frame, const PixelSampler& pixel, std::uint32_t x, std::uint32_t y,
+                             std::uint32_t sample) {
+  const Camera& camera = frame.scene().camera;
+  const Point2 in_pixel = pixel.position(sample);
+  const float screen_x = (static_cast<float>(x) + in_pixel.x) / static_cast<float>(frame.width);
+  const float screen_y = (static_cast<float>(y) + in_pixel.y) / static_cast<float>(frame.height);
+  const bool lens =
+      !camera.lens.empty() && std::ranges::any_of(camera.lens, [](const Lens& l) { return l.radius > 0.0f; });
+  if (!lens) return camera_ray(camera, screen_x, screen_y, pixel.time(sample));
+  return lens_ray(camera, screen_x, screen_y, pixel.time(sample),
+                  Sampler(pixel, sample).pair(Dimension::kLens, 0));
+}
+
+// The picture that a Renderer with the same scene and settings must draw.
+inline Image scalar_picture(const Frame& frame, std::uint32_t spp) {
+  Image image{frame.width, frame.height, std::vector<float>(std::size_t(4) * frame.width * frame.height)};
+  const ScalarPathTracer tracer(frame);
+  SumTrees<FilmSum> sums;
+  for (std::uint32_t y = 0; y < frame.height; ++y) {
+    for (std::uint32_t x = 0; x < frame.width; ++x) {
+      const PixelSampler pixel(frame.seed, x, y);
+      sums.reset(1);
+      for (std::uint32_t s = 0; s < spp; ++s) {
+        sums.open(0) += tracer.trace(Sampler(pixel, s), camera_sample_ray(frame, pixel, x, y, s));
+        sums.end_sample();
+      }
+      sums.total(0).resolve(spp, &image.rgba[4 * (std::size_t(y) * frame.width + x)]);
+    }
+  }
+  return image;
+}
+
+}  // namespace msbvh
