@@ -23,6 +23,13 @@ constexpr std::uint32_t kMaxResolution = 1u << 16;
 constexpr std::uint32_t kMaxSpp = 1u << 20;
 constexpr std::uint32_t kMaxBounces = 1024;
 
+// At the keys of the shutter, between which it does not reach further.
+Box3f bounds_of(const Bvh& world) {
+  Box3f bounds;
+  for (const Box3f& b : world.root_bounds) bounds.grow(b);
+  return bounds;
+}
+
 void expect_range(const char* setting, std::uint32_t found, std::uint32_t least, std::uint32_t most) {
   if (found >= least && found <= most) return;
   throw Error(std::string("render settings: ") + setting + ": found " + std::to_string(found) +
@@ -94,9 +101,9 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   data->plan = plan_effects(*data->scene, {.max_bounces = settings.max_bounces});
   data->build(data_ && data_->trees ? &*data_->trees : nullptr);
   const Bvh& world = data->trees->world().bvh();
-  data->frame.emplace(Frame{SceneIndex(*data->scene), LightSet(*data->scene), world, Tracer(world),
-                            settings.width, settings.height, settings.seed, settings.max_bounces,
-                            settings.show_domes});
+  data->frame.emplace(Frame{SceneIndex(*data->scene), LightSampler(*data->scene, bounds_of(world)), world,
+                            Tracer(world), settings.width, settings.height, settings.seed,
+                            settings.max_bounces, settings.show_domes});
   data_ = std::move(data);
 }
 

@@ -1,40 +1,77 @@
 #include "core/integrate/direct.h"
 
+#include "core/integrate/mis.h"
 #include "core/integrate/shadow.h"
+#include "core/shade/light/light.h"
 #include "core/shade/warp.h"
 
 namespace msbvh {
 namespace {
 
-// What a light sends to a white surface and on along the path: irradiance over pi, times the path's
-// throughput.
-void light_surface(const Frame& frame, std::uint32_t light, std::uint32_t place, PathBatch& batch) {
-  const SurfaceHit& surface = batch.surfaces[place];
-  const PathIndex path = batch.active[place];
-  const float time = batch.rays[place].time;
-  const Point2 random = batch.sampler[path].pair(Dimension::kLight, batch.depth, light);
-  LightSample sample;
-  if (!sample_light(*frame.lights.sampled[light], frame.scene().camera, surface.position, time, random,
-                    sample)) {
-    return;
+// One pick of every surface.
+class DirectLight {
+ public:
+  DirectLight(const Frame& frame, PathBatch& batch, std::uint32_t which)
+      : frame_(frame), batch_(batch), which_(which) {}
+
+  // By a sample of the light: irradiance over pi, times the path's throughput.
+  void sample(std::uint32_t place) const {
+    const SurfaceHit& surface = batch_.surfaces[place];
+    const PathIndex path = batch_.active[place];
+    const float time = batch_.rays[place].time;
+    const LightPick pick = picked(path);
+    const Point2 random = batch_.sampler[path].pair(Dimension::kLight, batch_.depth, which_);
+    LightSample light;
+    if (!sample_light(*pick.light, frame_.scene().camera, surface.position, time, random, light)) return;
+    const float cosine = dot(light.direction, surface.shading_normal);
+    if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) return;
+    float weight = cosine * (1.0f / kPi);
+    if (light.pdf > 0.0f) weight *= power_heuristic(pick.expected * light.pdf, cosine * (1.0f / kPi));
+    const Vec3f contribution = batch_.throughput[path] * light.irradiance * (weight / pick.expected);
+    if (!light.casts_shadow) {
+      batch_.radiance[path] += contribution;
+      return;
+    }
+    Ray shadow = leave(surface, light.direction, time);
+    shadow.tfar = light.distance;
+    batch_.shadows.add(shadow, path, contribution);
   }
-  const float cosine = dot(sample.direction, surface.shading_normal);
-  if (cosine <= 0.0f || dot(sample.direction, surface.geometric_normal) <= 0.0f) return;
-  const Vec3f contribution = batch.throughput[path] * sample.irradiance * (cosine * (1.0f / kPi));
-  if (!sample.casts_shadow) {
-    batch.radiance[path] += contribution;
-    return;
+
+  // By the scattered ray, where it meets the light.
+  void find(std::uint32_t place) const {
+    const float pdf = batch_.scatter_pdf[place];
+    const PathIndex path = batch_.active[place];
+    const LightPick pick = picked(path);
+    if (!(pdf > 0.0f) || !pick.extended) return;
+    Ray shadow = batch_.scattered[place];
+    LightAlong along;
+    if (!find_light(*pick.light, batch_.surfaces[place].position, shadow.dir, shadow.time, along)) return;
+    const float weight = power_heuristic(pdf, pick.expected * along.pdf) / pick.expected;
+    shadow.tfar = along.distance;
+    batch_.shadows.add(shadow, path, batch_.throughput[path] * along.radiance * weight);
   }
-  Ray shadow = leave(surface, sample.direction, time);
-  shadow.tfar = sample.distance;
-  batch.shadows.add(shadow, path, contribution);
-}
+
+ private:
+  LightPick picked(PathIndex path) const {
+    const LightSampler& lights = frame_.lights;
+    if (!lights.by_chance()) return lights.pick(which_, 0.0f);
+    return lights.pick(which_, batch_.sampler[path].pair(Dimension::kLightPick, batch_.depth).x);
+  }
+
+  const Frame& frame_;
+  PathBatch& batch_;
+  const std::uint32_t which_;
+};
 
 }  // namespace
 
 void add_direct_light(const Frame& frame, EffectSet effects, PathBatch& batch) {
-  for (std::uint32_t light = 0; light < frame.lights.sampled.size(); ++light) {
-    for (const std::uint32_t place : batch.shaded) light_surface(frame, light, place, batch);
+  for (std::uint32_t which = 0; which < frame.lights.picks(); ++which) {
+    const DirectLight light(frame, batch, which);
+    for (const std::uint32_t place : batch.shaded) light.sample(place);
+    trace_shadows(frame, effects, batch);
+    if (!effects.has(Effect::kAreaLights)) continue;
+    for (const std::uint32_t place : batch.shaded) light.find(place);
     trace_shadows(frame, effects, batch);
   }
 }

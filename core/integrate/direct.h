@@ -1,4 +1,4 @@
-// Stage 5: light that comes straight from the lights that have a place or a direction.
+// Stage 6: light that comes straight from the lights that have a place or a direction.
 #pragma once
 
 #include "core/integrate/frame.h"
@@ -7,7 +7,8 @@
 
 namespace msbvh {
 
-// A shadow ray from each surface to each light, a light at a time.
+// From each surface a shadow ray to each light that it picks; where the scattered ray meets that light,
+// another one. The two share the light by multiple importance sampling.
 void add_direct_light(const Frame& frame, EffectSet effects, PathBatch& batch);
 
 }  // namespace msbvh

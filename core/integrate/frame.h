@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "core/shade/clearance.h"
-#include "core/shade/lights.h"
+#include "core/shade/light/light_sampler.h"
 #include "core/shade/scene_index.h"
 #include "core/trace/tracer.h"
 
@@ -13,7 +13,7 @@ namespace msbvh {
 // Thread-safe.
 struct Frame {
   SceneIndex index;
-  LightSet lights;
+  LightSampler lights;
   const Bvh& world;  // that the tracer traces
   Tracer tracer;
   std::uint32_t width, height;  // of the image, pixels

@@ -32,6 +32,8 @@ void PathBatch::reset(std::size_t paths) {
   hits.resize(paths);
   surfaces.resize(paths);
   shaded.clear();
+  scattered.resize(paths);
+  scatter_pdf.resize(paths);
   shadows.resize(0);
   rays_traced = 0;
 }

@@ -55,6 +55,10 @@ struct PathBatch {
   std::vector<SurfaceHit> surfaces;
   // Places in the queue of those that are on a surface, in the order of the queue.
   std::vector<std::uint32_t> shaded;
+  // By places in the queue: the ray that goes on from the surface, and the density of its direction per
+  // steradian; 0 where none does.
+  std::vector<Ray> scattered;
+  std::vector<float> scatter_pdf;
 
   ShadowQueue shadows;
   std::uint64_t rays_traced = 0;

@@ -14,13 +14,20 @@
 namespace msbvh {
 namespace {
 
+// Whether anything reads where the paths go on to.
+bool scatters(const Frame& frame, EffectSet effects, const PathBatch& batch) {
+  return !is_last_vertex(frame, effects, batch) || frame.lights.has_dome() ||
+         effects.has(Effect::kAreaLights);
+}
+
 void trace_paths(const Frame& frame, EffectSet effects, PathBatch& batch) {
   while (!batch.active.empty()) {
     find_closest(frame, batch);
     if (effects.has(Effect::kOpacity)) see_through(frame, batch);
     find_surfaces(frame, batch);
+    if (scatters(frame, effects, batch)) scatter(batch);
     add_direct_light(frame, effects, batch);
-    scatter(frame, effects, batch);
+    go_on(frame, effects, batch);
   }
 }
 

@@ -21,11 +21,12 @@
 namespace msbvh {
 
 enum class Dimension : std::uint32_t {
-  kCamera,   // place in the pixel, and time
-  kOpacity,  // whether a surface is seen or seen through
-  kLight,    // point on a light
-  kBounce,   // direction of the next ray
-  kLens      // point on the lens
+  kCamera,     // place in the pixel, and time
+  kOpacity,    // whether a surface is seen or seen through
+  kLightPick,  // which of many lights
+  kLight,      // point on a light
+  kBounce,     // direction of the next ray
+  kLens        // point on the lens
 };
 
 namespace sobol {

@@ -6,34 +6,12 @@
 namespace msbvh {
 namespace {
 
-// The cosine and its density cancel. False where the shading normal leads the ray below the surface.
-bool bounce(const SurfaceHit& surface, const Sampler& sampler, std::uint32_t depth, Ray& ray) {
-  const Point2 random = sampler.pair(Dimension::kBounce, depth);
-  const Vec3f direction = Basis(surface.shading_normal)(sample_cosine_hemisphere(random));
-  if (dot(direction, surface.geometric_normal) <= 0.0f) return false;
-  ray = leave(surface, direction, ray.time);
-  return true;
-}
-
-void bounce_all(PathBatch& batch) {
-  std::size_t count = 0;
-  for (const std::uint32_t place : batch.shaded) {
-    const PathIndex path = batch.active[place];
-    Ray ray = batch.rays[place];
-    if (!bounce(batch.surfaces[place], batch.sampler[path], batch.depth, ray)) continue;
-    batch.active[count] = path;  // a place that has been read: the queue only moves up
-    batch.rays[count] = ray;
-    ++count;
-  }
-  batch.active.resize(count);
-  batch.rays.resize(count);
-}
-
-// What the last bounce gathers.
+// What the last vertex gathers.
 void add_dome(const Frame& frame, EffectSet effects, PathBatch& batch) {
-  for (std::size_t place = 0; place < batch.active.size(); ++place) {
+  for (const std::uint32_t place : batch.shaded) {
+    if (!(batch.scatter_pdf[place] > 0.0f)) continue;
     const PathIndex path = batch.active[place];
-    const Ray& ray = batch.rays[place];
+    const Ray& ray = batch.scattered[place];
     batch.shadows.add(ray, path, batch.throughput[path] * frame.lights.dome_radiance(ray.time));
   }
   trace_shadows(frame, effects, batch);
@@ -41,17 +19,38 @@ void add_dome(const Frame& frame, EffectSet effects, PathBatch& batch) {
 
 }  // namespace
 
-void scatter(const Frame& frame, EffectSet effects, PathBatch& batch) {
-  const bool last = !effects.has(Effect::kIndirectLight) || batch.depth == frame.max_bounces;
-  if (last && !frame.lights.has_dome) {
-    batch.active.clear();
-    return;
+bool is_last_vertex(const Frame& frame, EffectSet effects, const PathBatch& batch) {
+  return !effects.has(Effect::kIndirectLight) || batch.depth == frame.max_bounces;
+}
+
+void scatter(PathBatch& batch) {
+  for (const std::uint32_t place : batch.shaded) {
+    const SurfaceHit& surface = batch.surfaces[place];
+    const Point2 random = batch.sampler[batch.active[place]].pair(Dimension::kBounce, batch.depth);
+    const Vec3f local = sample_cosine_hemisphere(random);
+    const Vec3f direction = Basis(surface.shading_normal)(local);
+    // A shading normal may lead it below the surface.
+    const bool above = dot(direction, surface.geometric_normal) > 0.0f;
+    batch.scatter_pdf[place] = above ? local.z * (1.0f / kPi) : 0.0f;
+    batch.scattered[place] = leave(surface, direction, batch.rays[place].time);
   }
-  bounce_all(batch);
-  ++batch.depth;
-  if (!last) return;
-  add_dome(frame, effects, batch);
-  batch.active.clear();
+}
+
+void go_on(const Frame& frame, EffectSet effects, PathBatch& batch) {
+  std::size_t count = 0;
+  if (!is_last_vertex(frame, effects, batch)) {
+    for (const std::uint32_t place : batch.shaded) {
+      if (!(batch.scatter_pdf[place] > 0.0f)) continue;
+      batch.active[count] = batch.active[place];  // a place that has been read: the queue only moves up
+      batch.rays[count] = batch.scattered[place];
+      ++count;
+    }
+    ++batch.depth;
+  } else if (frame.lights.has_dome()) {
+    add_dome(frame, effects, batch);
+  }
+  batch.active.resize(count);
+  batch.rays.resize(count);
 }
 
 }  // namespace msbvh

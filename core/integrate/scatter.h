@@ -1,4 +1,4 @@
-// Stage 6: the next ray of every path.
+// Stage 5: the directions in which paths go on; and stage 7: to go there.
 #pragma once
 
 #include "core/integrate/frame.h"
@@ -7,8 +7,14 @@
 
 namespace msbvh {
 
-// Leaves the paths under way that go on. After the last bounce none does: their rays only ask whether the
-// dome is seen.
-void scatter(const Frame& frame, EffectSet effects, PathBatch& batch);
+// Whether this vertex is the last one of its path.
+bool is_last_vertex(const Frame& frame, EffectSet effects, const PathBatch& batch);
+
+// Draws a direction for each path that is on a surface.
+void scatter(PathBatch& batch);
+
+// Leaves under way the paths that go on, on their new rays. After the last vertex none does: the rays only
+// ask whether the dome is seen.
+void go_on(const Frame& frame, EffectSet effects, PathBatch& batch);
 
 }  // namespace msbvh

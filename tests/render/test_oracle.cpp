@@ -16,7 +16,7 @@ constexpr std::uint32_t kSize = 37;  // neither a multiple of the tile nor of a 
 
 // What a scene may call for, in any combination.
 struct Calls {
-  bool instances, moving, opacity, lens, dome, materials;
+  bool instances, moving, opacity, lens, dome, materials, many_lights;
 };
 
 Mesh shards(std::mt19937& random, std::uint32_t segments) {
@@ -39,7 +39,7 @@ Mesh shards(std::mt19937& random, std::uint32_t segments) {
   return mesh;
 }
 
-void add_lights(Scene& scene, bool with_dome) {
+void add_lights(Scene& scene, bool with_dome, bool with_many) {
   Light sun;
   sun.name = "/sun";
   sun.world_from_light = {Affine3f{}};
@@ -51,6 +51,15 @@ void add_lights(Scene& scene, bool with_dome) {
   panel.radiance = {9, 8, 7};
   panel.world_from_light = {translation({kSize / 2.0f, kSize / 2.0f, 60})};
   scene.lights = {sun, panel};
+  for (int i = 0; with_many && i < 7; ++i) {
+    Light lamp;
+    lamp.name = "/lamp";
+    lamp.kind = LightKind::kSphere;
+    lamp.radius = i == 0 ? 0.0f : float(i);
+    lamp.radiance = {5, 5, float(i)};
+    lamp.world_from_light = {translation({6.0f * float(i), 20, 45})};
+    scene.lights.push_back(lamp);
+  }
   if (with_dome) scene.lights.push_back(dome({0.3f, 0.4f, 0.5f}));
 }
 
@@ -82,26 +91,34 @@ Scene called(const Calls& calls, std::uint32_t seed) {
     scene.camera.lens = {{2.0f, 80.0f}};
   }
   if (calls.materials) add_materials(scene);
-  add_lights(scene, calls.dome);
+  add_lights(scene, calls.dome, calls.many_lights);
   return scene;
 }
 
 Calls calls_of(std::uint32_t bits) {
   const auto bit = [&](int i) { return (bits >> i & 1) != 0; };
-  return {bit(0), bit(1), bit(2), bit(3), bit(4), bit(5)};
+  return {bit(0), bit(1), bit(2), bit(3), bit(4), bit(5), bit(6)};
 }
 
 Image oracle_picture(const std::shared_ptr<const Scene>& scene, const RenderSettings& settings) {
   const SceneTrees trees(scene, settings.build, nullptr);
   const Bvh& world = trees.world().bvh();
-  const Frame frame{SceneIndex(*scene), LightSet(*scene),     world,
-                    Tracer(world),      settings.width,       settings.height,
-                    settings.seed,      settings.max_bounces, settings.show_domes};
+  Box3f bounds;
+  for (const Box3f& b : world.root_bounds) bounds.grow(b);
+  const Frame frame{SceneIndex(*scene),
+                    LightSampler(*scene, bounds),
+                    world,
+                    Tracer(world),
+                    settings.width,
+                    settings.height,
+                    settings.seed,
+                    settings.max_bounces,
+                    settings.show_domes};
   return scalar_picture(frame, settings.spp);
 }
 
 TEST_CASE("the picture is the scalar path tracer's to the bit, whatever the scene calls for") {
-  for (std::uint32_t bits = 0; bits < 64; ++bits) {
+  for (std::uint32_t bits = 0; bits < 128; ++bits) {
     CAPTURE(bits);
     const auto scene = std::make_shared<const Scene>(called(calls_of(bits), bits));
     const RenderSettings settings{.width = kSize,
@@ -116,7 +133,7 @@ TEST_CASE("the picture is the scalar path tracer's to the bit, whatever the scen
 }
 
 TEST_CASE("neither the batch's size nor the number of threads changes a bit") {
-  const Scene scene = called({true, true, true, false, true, true}, 7);
+  const Scene scene = called({true, true, true, false, true, true, true}, 7);
   RenderSettings settings{.width = kSize, .height = kSize, .spp = 40, .max_bounces = 2, .build = {}};
   const std::vector<float> once = render(scene, settings).rgba;
   for (const std::uint32_t paths : {1u, 300u, 777u, 2048u}) {

@@ -12,8 +12,10 @@
 #include "core/api/renderer.h"
 #include "core/film/sum_tree.h"
 #include "core/integrate/frame.h"
+#include "core/integrate/mis.h"
 #include "core/integrate/sampler.h"
 #include "core/shade/camera.h"
+#include "core/shade/light/light.h"
 #include "core/shade/surface_hit.h"
 #include "core/shade/warp.h"
 
@@ -38,9 +40,10 @@ class ScalarPathTracer {
       throughput = throughput * surface.albedo;
       if (throughput == Vec3f{} || !clear_origin(frame_.surroundings(), ray, surface.origin)) return result;
       add_direct_light(sampler, surface, throughput, ray.time, depth, result);
-      if (!bounce(sampler, surface, depth, ray)) return result;
+      float pdf;
+      if (!bounce(sampler, surface, depth, ray, pdf) || !(pdf > 0.0f)) return result;
       if (depth == frame_.max_bounces) {
-        if (frame_.lights.has_dome)
+        if (frame_.lights.has_dome())
           result.radiance += dimmed(ray, throughput * frame_.lights.dome_radiance(ray.time));
         return result;
       }
@@ -79,24 +82,46 @@ class ScalarPathTracer {
 
   void add_direct_light(const Sampler& sampler, const SurfaceHit& surface, const Vec3f& throughput,
                         float time, std::uint32_t depth, FilmSample& result) const {
-    for (std::uint32_t i = 0; i < frame_.lights.sampled.size(); ++i) {
-      const Point2 random = sampler.pair(Dimension::kLight, depth, i);
-      LightSample light;
-      if (!sample_light(*frame_.lights.sampled[i], frame_.scene().camera, surface.position, time, random,
-                        light))
-        continue;
-      const float cosine = dot(light.direction, surface.shading_normal);
-      if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) continue;
-      const Vec3f reflected = throughput * light.irradiance * (cosine * (1.0f / kPi));
-      Ray shadow = leave(surface, light.direction, time);
-      shadow.tfar = light.distance;
-      result.radiance += light.casts_shadow ? dimmed(shadow, reflected) : reflected;
+    const float random = sampler.pair(Dimension::kLightPick, depth).x;
+    for (std::uint32_t i = 0; i < frame_.lights.picks(); ++i) {
+      const LightPick pick = frame_.lights.pick(i, random);
+      result.radiance +=
+          sampled_light(sampler.pair(Dimension::kLight, depth, i), surface, throughput, time, pick);
+      if (pick.extended) result.radiance += met_light(sampler, surface, throughput, time, depth, pick);
     }
   }
 
-  static bool bounce(const Sampler& sampler, const SurfaceHit& surface, std::uint32_t depth, Ray& ray) {
-    const Point2 random = sampler.pair(Dimension::kBounce, depth);
-    const Vec3f direction = Basis(surface.shading_normal)(sample_cosine_hemisphere(random));
+  Vec3f sampled_light(Point2 random, const SurfaceHit& surface, const Vec3f& throughput, float time,
+                      const LightPick& pick) const {
+    LightSample light;
+    if (!sample_light(*pick.light, frame_.scene().camera, surface.position, time, random, light)) return {};
+    const float cosine = dot(light.direction, surface.shading_normal), pdf = cosine * (1.0f / kPi);
+    if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) return {};
+    const float share = light.pdf > 0.0f ? power_heuristic(pick.expected * light.pdf, pdf) : 1.0f;
+    const Vec3f reflected = throughput * light.irradiance * (pdf * share / pick.expected);
+    Ray shadow = leave(surface, light.direction, time);
+    shadow.tfar = light.distance;
+    return light.casts_shadow ? dimmed(shadow, reflected) : reflected;
+  }
+
+  Vec3f met_light(const Sampler& sampler, const SurfaceHit& surface, const Vec3f& throughput, float time,
+                  std::uint32_t depth, const LightPick& pick) const {
+    Ray ray;
+    ray.time = time;
+    float pdf;
+    LightAlong along;
+    if (!bounce(sampler, surface, depth, ray, pdf) || !(pdf > 0.0f)) return {};
+    if (!find_light(*pick.light, surface.position, ray.dir, time, along)) return {};
+    ray.tfar = along.distance;
+    const float share = power_heuristic(pdf, pick.expected * along.pdf) / pick.expected;
+    return dimmed(ray, throughput * along.radiance * share);
+  }
+
+  static bool bounce(const Sampler& sampler, const SurfaceHit& surface, std::uint32_t depth, Ray& ray,
+                     float& pdf) {
+    const Vec3f local = sample_cosine_hemisphere(sampler.pair(Dimension::kBounce, depth));
+    const Vec3f direction = Basis(surface.shading_normal)(local);
+    pdf = local.z * (1.0f / kPi);
     if (dot(direction, surface.geometric_normal) <= 0.0f) return false;
     ray = leave(surface, direction, ray.time);
     return true;

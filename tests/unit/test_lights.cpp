@@ -2,9 +2,11 @@
 // faces +z.
 #include <cmath>
 #include <doctest/doctest.h>
+#include <map>
 
 #include "core/integrate/sampler.h"
-#include "core/shade/lights.h"
+#include "core/shade/light/light.h"
+#include "core/shade/light/light_sampler.h"
 #include "core/shade/warp.h"
 
 namespace msbvh {
@@ -188,26 +190,93 @@ TEST_CASE("a light that is off at a time is not sampled then") {
   CHECK(sample_light(light, {}, {}, 0.1f, {0.5f, 0.5f}, sample));
 }
 
+constexpr Box3f kUnit{{0, 0, 0}, {1, 1, 1}};
+
 TEST_CASE("domes that fade are summed with still ones at the time") {
   Scene scene;
   Light still = light_at(LightKind::kDome, {});
   LightValues off = still;
   off.radiance = {};
   scene.lights = {still, with_keys(still, off, still)};
-  const LightSet lights(scene);
+  const LightSampler lights(scene, kUnit);
   CHECK(lights.dome_radiance(0.0f) == Vec3f{3, 1, 1});
   CHECK(lights.dome_radiance(0.5f) == Vec3f{4.5f, 1.5f, 1.5f});
   CHECK(lights.dome_radiance(1.0f) == Vec3f{6, 2, 2});
 }
 
-TEST_CASE("domes are summed, the rest is sampled") {
+TEST_CASE("domes are summed, the rest is picked, each where there are few, none that does not shine") {
   Scene scene;
   scene.lights = {light_at(LightKind::kDome, {}), light_at(LightKind::kRect, {}),
-                  light_at(LightKind::kDome, {})};
-  const LightSet lights(scene);
-  CHECK(lights.has_dome);
+                  light_at(LightKind::kDome, {}), light_at(LightKind::kDistant, {})};
+  scene.lights[3].radiance = {};
+  const LightSampler lights(scene, kUnit);
+  CHECK(lights.has_dome());
   CHECK(lights.dome_radiance(0.5f) == Vec3f{6, 2, 2});
-  CHECK(lights.sampled.size() == 1);
+  REQUIRE(lights.picks() == 1);
+  CHECK(lights.pick(0, 0.5f).light == &scene.lights[1]);
+  CHECK(lights.pick(0, 0.5f).expected == 1.0f);
+}
+
+TEST_CASE(
+    "of many lights each is picked as often as it says, and at least half as often as if all were alike") {
+  Scene scene;
+  for (int i = 0; i < 50; ++i) {
+    scene.lights.push_back(light_at(i % 2 ? LightKind::kSphere : LightKind::kRect, {float(i), 0, 0}));
+    scene.lights.back().radiance = Vec3f{1, 1, 1} * std::pow(1.5f, float(i % 23));
+  }
+  const LightSampler lights(scene, kUnit);
+  REQUIRE(lights.picks() == kLightPicks);
+  std::map<const Light*, double> found, expected;
+  constexpr int kDraws = 1 << 18;
+  for (int i = 0; i < kDraws; ++i) {
+    for (std::uint32_t which = 0; which < kLightPicks; ++which) {
+      const LightPick pick = lights.pick(which, (float(i) + 0.5f) / kDraws);
+      found[pick.light] += 1.0 / kDraws;
+      expected[pick.light] = pick.expected;
+    }
+  }
+  REQUIRE(found.size() == scene.lights.size());
+  for (const auto& [light, share] : found) {
+    CHECK(share == doctest::Approx(expected[light]).epsilon(1e-3));
+    CHECK(share >= 0.499 * kLightPicks / 50);
+  }
+}
+
+// By chance a ray meets a light as often as the density says: the estimate by directions that are uniform on
+// the sphere is that by samples of the light.
+TEST_CASE("a light that a ray finds has the radiance and density of its samples") {
+  Light rect = light_at(LightKind::kRect, {0.5f, 0, 2});
+  rect.width = 3.0f;
+  rect.world_from_light[0].x = {-1, 0.2f, 0};
+  Light sphere = light_at(LightKind::kSphere, {0, 3, 4});
+  sphere.radius = 2.0f;
+  Light sun = light_at(LightKind::kDistant, {});
+  sun.angle_degrees = 40.0f;
+  for (const Light& light : {rect, sphere, sun}) {
+    double solid_angle = 0, by_density = 0;
+    for (int i = 0; i < kSamples; ++i) {
+      const Point2 random = Sampler(PixelSampler(1, 0, 0), i).pair(Dimension::kLight, 0);
+      LightAlong along;
+      if (find_light(light, {}, sample_cone(random, 2.0f), 0.0f, along)) {
+        CHECK(along.radiance == light.radiance);
+        solid_angle += 4 * kPi / kSamples;
+        by_density += along.pdf * 4 * kPi / kSamples;
+      }
+      LightSample sample;
+      REQUIRE(sample_light(light, {}, {}, 0.0f, random, sample));
+      REQUIRE(sample.pdf > 0.0f);
+      CHECK(sample.irradiance.x == doctest::Approx(light.radiance.x / sample.pdf).epsilon(1e-4));
+      // Inwards a little, since rounding decides at the rim.
+      const Vec3f axis = light.kind == LightKind::kDistant ? Vec3f{0, 0, 1} : light.world_from_light[0].t;
+      const Vec3f inwards = normalize(sample.direction + normalize(axis) * 1e-3f);
+      REQUIRE(find_light(light, {}, inwards, 0.0f, along));
+      CHECK(along.pdf == doctest::Approx(sample.pdf).epsilon(0.02));
+      if (light.kind != LightKind::kDistant)
+        CHECK(along.distance == doctest::Approx(sample.distance).epsilon(0.05));
+    }
+    CHECK(solid_angle > 0.1);
+    CHECK(by_density == doctest::Approx(1.0).epsilon(0.02));
+  }
 }
 
 }  // namespace

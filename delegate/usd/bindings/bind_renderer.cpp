@@ -157,7 +157,14 @@ nb::dict statistics(const Renderer& renderer) {
 void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width, std::uint32_t height,
                   std::uint32_t spp, std::uint32_t seed, std::uint32_t max_bounces, std::uint32_t threads,
                   bool show_domes, const std::string& builder, const std::string& refit, bool keep_topology) {
-  RenderSettings settings{width, height, spp, seed, max_bounces, threads, show_domes, {}};
+  RenderSettings settings{.width = width,
+                          .height = height,
+                          .spp = spp,
+                          .seed = seed,
+                          .max_bounces = max_bounces,
+                          .threads = threads,
+                          .show_domes = show_domes,
+                          .build = {}};
   settings.build.builder = builder_from(builder);
   settings.build.refit = refit_from(refit);
   settings.build.keep_topology = keep_topology;

@@ -1,0 +1,41 @@
+// Light that a light sends to a point: from a direction of the light's own choice, or from one that something
+// else has chosen. All lights but the dome, which lies behind everything.
+#pragma once
+
+#include "core/scene/scene.h"
+#include "core/shade/point2.h"
+
+namespace msbvh {
+
+// A direction to a light from a point. The expectation of `irradiance` * cos(theta), over the samples, is the
+// irradiance of a surface whose normal is at the angle theta to `direction`.
+struct LightSample {
+  Vec3f direction;   // unit, in the world
+  float distance;    // to the light along it; infinite for a distant light
+  Vec3f irradiance;  // at normal incidence: radiance over the density of the direction
+  float pdf = 0.0f;  // of the direction, per steradian; 0: the light has no extent, no other ray meets it
+  bool casts_shadow = true;
+};
+
+// The light where a ray from a point meets it.
+struct LightAlong {
+  Vec3f radiance;
+  float distance;
+  float pdf;  // that sample_light() takes the ray's direction, per steradian
+};
+
+// False where the light does not shine on `point` from the sampled direction.
+bool sample_light(const Light& light, const Camera& camera, const Vec3f& point, float time, Point2 random,
+                  LightSample& sample);
+
+// False where a ray from `point` in the unit `direction` does not meet the light, or its dark side.
+bool find_light(const Light& light, const Vec3f& point, const Vec3f& direction, float time,
+                LightAlong& along);
+
+// Whether a ray can meet the light at some time.
+bool has_extent(const Light& light);
+
+// At a time of the shutter.
+LightValues values_at(const Light& light, float time);
+
+}  // namespace msbvh

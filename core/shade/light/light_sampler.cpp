@@ -1,0 +1,102 @@
+#include "core/shade/light/light_sampler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/shade/light/shapes.h"
+#include "core/shade/warp.h"
+
+namespace msbvh {
+namespace {
+
+// Its irradiance at normal incidence, about, at such a distance squared where the light has a place.
+float irradiance(const Light& light, const LightValues& values, float distance_squared) {
+  const PlacedLight placed{values, light.world_from_light.front()};
+  const float radiance = std::max({values.radiance.x, values.radiance.y, values.radiance.z, 0.0f});
+  switch (light.kind) {
+    case LightKind::kDistant: {
+      const float sine = std::sin(values.angle_degrees * (kPi / 360.0f));
+      return radiance * (values.angle_degrees > 0.0f ? kPi * sine * sine : 1.0f);
+    }
+    case LightKind::kSphere: {
+      const float radius = world_radius(placed);
+      return radiance * (values.radius > 0.0f ? kPi * radius * radius : 1.0f) / distance_squared;
+    }
+    case LightKind::kRect:
+      return radiance * length(dark_area(placed)) / distance_squared;
+    case LightKind::kCamera:
+    case LightKind::kDome:
+      break;
+  }
+  return radiance * kPi;
+}
+
+bool shines(const Light& light) {
+  const auto bright = [](const LightValues& values) { return !(values.radiance == Vec3f{}); };
+  return light.moving_values.empty() ? bright(light) : std::ranges::any_of(light.moving_values, bright);
+}
+
+float most_irradiance(const Light& light, float distance_squared) {
+  if (light.moving_values.empty()) return irradiance(light, light, distance_squared);
+  float most = 0.0f;
+  for (const LightValues& values : light.moving_values)
+    most = std::max(most, irradiance(light, values, distance_squared));
+  return most;
+}
+
+}  // namespace
+
+LightSampler::LightSampler(const Scene& scene, const Box3f& bounds) {
+  for (const Light& light : scene.lights) {
+    if (!shines(light)) continue;
+    if (light.kind != LightKind::kDome) {
+      lights_.push_back({&light, 1.0f, has_extent(light)});
+      any_extended_ |= lights_.back().extended;
+      continue;
+    }
+    has_dome_ = true;
+    if (light.moving_values.empty()) {
+      still_dome_radiance_ += light.radiance;
+    } else {
+      moving_domes_.push_back(&light);
+    }
+  }
+  picks_ = static_cast<std::uint32_t>(std::min<std::size_t>(kLightPicks, lights_.size()));
+  if (lights_.size() > kLightPicks) weigh(bounds);
+}
+
+void LightSampler::weigh(const Box3f& bounds) {
+  const Vec3f half = (bounds.hi - bounds.lo) * 0.5f;
+  const float distance_squared = dot(half, half);
+  std::vector<float> given;
+  double sum = 0.0;
+  for (const LightPick& pick : lights_) {
+    const float e = distance_squared > 0.0f ? most_irradiance(*pick.light, distance_squared) : 0.0f;
+    given.push_back(e < std::numeric_limits<float>::infinity() ? e : 0.0f);  // NaN too
+    sum += given.back();
+  }
+  const double alike = 1.0 / static_cast<double>(lights_.size());
+  double total = 0.0;
+  for (std::size_t i = 0; i < lights_.size(); ++i) {
+    const double chance = sum > 0.0 ? 0.5 * alike + 0.5 * given[i] / sum : alike;
+    lights_[i].expected = static_cast<float>(chance * picks_);
+    cumulative_.push_back(static_cast<float>(total += chance));
+  }
+}
+
+LightPick LightSampler::pick(std::uint32_t which, float random) const {
+  if (!by_chance()) return lights_[which];
+  const float place = (static_cast<float>(which) + random) / static_cast<float>(picks_);
+  const auto after = std::ranges::upper_bound(cumulative_, place);
+  const auto last = static_cast<std::ptrdiff_t>(lights_.size()) - 1;
+  return lights_[static_cast<std::size_t>(std::min(after - cumulative_.begin(), last))];
+}
+
+Vec3f LightSampler::moving_dome_radiance(float time) const {
+  Vec3f sum = still_dome_radiance_;
+  for (const Light* dome : moving_domes_) sum += values_at(*dome, time).radiance;
+  return sum;
+}
+
+}  // namespace msbvh
