@@ -44,6 +44,12 @@ void check(const RenderSettings& settings) {
   expect_range("batch_paths", settings.batch_paths, 1, kMaxBatchPaths);
 }
 
+std::string names_of(const std::vector<Aov>& aovs) {
+  std::string names;
+  for (const Aov aov : aovs) names.append(names.empty() ? "" : ", ").append(form_of(aov).name);
+  return names;
+}
+
 constexpr std::chrono::milliseconds kProgressInterval{100};
 
 }  // namespace
@@ -57,7 +63,7 @@ struct Renderer::Data {
   std::optional<Frame> frame;
 
   void build(SceneTrees* previous);
-  void render_tiles(float* rgba, std::atomic<std::size_t>& finished_tiles,
+  void render_tiles(Image& image, std::atomic<std::size_t>& finished_tiles,
                     const std::atomic<bool>& cancelled);
 };
 
@@ -68,7 +74,7 @@ void Renderer::Data::build(SceneTrees* previous) {
   trees->add_to(statistics.accel, statistics.trees);
 }
 
-void Renderer::Data::render_tiles(float* rgba, std::atomic<std::size_t>& finished_tiles,
+void Renderer::Data::render_tiles(Image& image, std::atomic<std::size_t>& finished_tiles,
                                   const std::atomic<bool>& cancelled) {
   const TileGrid grid(settings.width, settings.height);
   const TileJob job{*frame, plan.set, settings.spp, settings.batch_paths, cancelled};
@@ -78,7 +84,7 @@ void Renderer::Data::render_tiles(float* rgba, std::atomic<std::size_t>& finishe
   Arena(settings.threads).execute([&] {
     parallel_for(grid.count(), [&](std::size_t i) {
       std::unique_ptr<TileWorkspace> workspace = workspaces.take();
-      rays += render_tile(job, grid.tile(i), *workspace, rgba);
+      rays += render_tile(job, grid.tile(i), *workspace, image);
       workspaces.give_back(std::move(workspace));
       ++finished_tiles;
     });
@@ -98,7 +104,8 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   auto data = std::make_unique<Data>();
   data->scene = std::move(scene);
   data->settings = settings;
-  data->plan = plan_effects(*data->scene, {.max_bounces = settings.max_bounces});
+  data->plan =
+      plan_effects(*data->scene, {.max_bounces = settings.max_bounces, .aovs = names_of(settings.aovs)});
   data->build(data_ && data_->trees ? &*data_->trees : nullptr);
   const Bvh& world = data->trees->world().bvh();
   data->frame.emplace(Frame{SceneIndex(*data->scene), LightSampler(*data->scene, bounds_of(world)), world,
@@ -110,13 +117,15 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
 Image Renderer::render(const ProgressFunction& progress) {
   Data& data = committed();
   const RenderSettings& settings = data.settings;
-  Image image{settings.width, settings.height, {}};
-  image.rgba.resize(std::size_t(4) * settings.width * settings.height);
+  Image image{settings.width, settings.height, {}, {}};
+  const std::size_t pixels = std::size_t(settings.width) * settings.height;
+  image.rgba.resize(4 * pixels);
+  for (const Aov aov : settings.aovs) image.aovs.emplace_back(aov, pixels);
   const double tiles = static_cast<double>(TileGrid(settings.width, settings.height).count());
   std::atomic<std::size_t> finished_tiles = 0;
   std::atomic<bool> cancelled = false;
 
-  Background work([&] { data.render_tiles(image.rgba.data(), finished_tiles, cancelled); });
+  Background work([&] { data.render_tiles(image, finished_tiles, cancelled); });
   try {
     while (!work.finished_within(kProgressInterval)) {
       if (progress && !progress(static_cast<double>(finished_tiles) / tiles)) throw Cancelled();

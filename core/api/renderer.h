@@ -8,6 +8,7 @@
 
 #include "core/build/settings.h"
 #include "core/bvh/statistics.h"
+#include "core/film/image.h"
 #include "core/plan/effect_plan.h"
 #include "core/scene/scene.h"
 
@@ -24,12 +25,8 @@ struct RenderSettings {
   // Paths that a thread takes forward at once, at most; a few hundred bytes each. Does not change the
   // picture.
   std::uint32_t batch_paths = 4096;
+  std::vector<Aov> aovs{};  // beside colour and alpha
   BuildSettings build;
-};
-
-struct Image {
-  std::uint32_t width = 0, height = 0;
-  std::vector<float> rgba;  // [height][width][4], top row first, linear, premultiplied; alpha is coverage
 };
 
 struct RenderStatistics {

@@ -15,4 +15,14 @@ void accumulate(PathBatch& batch, std::uint32_t pixels, SumTrees<FilmSum>& sums)
   }
 }
 
+void accumulate_aovs(const PathBatch& batch, std::uint32_t pixels, std::uint32_t first,
+                     SumTrees<AovSum>& sums) {
+  const std::vector<PathIndex>& path_at = batch.path_at_slot;
+  for (std::size_t slot = 0; slot < path_at.size(); ++first) {
+    for (std::uint32_t pixel = 0; pixel < pixels; ++pixel, ++slot)
+      sums.open(pixel).add(batch.aovs[path_at[slot]], first);
+    sums.end_sample();
+  }
+}
+
 }  // namespace msbvh

@@ -11,5 +11,8 @@ namespace msbvh {
 // The batch's samples of each of a tile's pixels, in the order of their numbers whatever order they were
 // traced in.
 void accumulate(PathBatch& batch, std::uint32_t pixels, SumTrees<FilmSum>& sums);
+// Likewise of AOVs, after it. `first`: number of the batch's first sample.
+void accumulate_aovs(const PathBatch& batch, std::uint32_t pixels, std::uint32_t first,
+                     SumTrees<AovSum>& sums);
 
 }  // namespace msbvh

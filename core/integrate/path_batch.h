@@ -15,6 +15,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/film/aov.h"
 #include "core/film/film_sample.h"
 #include "core/integrate/sampler.h"
 #include "core/shade/surface_hit.h"
@@ -46,6 +47,7 @@ struct PathBatch {
   std::vector<Vec3f> throughput;
   std::vector<Vec3f> radiance;
   std::vector<float> alpha;
+  std::vector<AovSample> aovs;  // where they are asked for
 
   // Paths under way, and by their places in this queue: their ray, its hit, and what was hit.
   std::uint32_t depth = 0;  // vertices behind them

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/integrate/accumulate.h"
+#include "core/integrate/aovs.h"
 #include "core/integrate/closest.h"
 #include "core/integrate/direct.h"
 #include "core/integrate/generate.h"
@@ -25,37 +26,52 @@ void trace_paths(const Frame& frame, EffectSet effects, PathBatch& batch) {
     find_closest(frame, batch);
     if (effects.has(Effect::kOpacity)) see_through(frame, batch);
     find_surfaces(frame, batch);
+    if (batch.depth == 0 && effects.has(Effect::kAovs)) record_aovs(frame, batch);
     if (scatters(frame, effects, batch)) scatter(batch);
     add_direct_light(frame, effects, batch);
     go_on(frame, effects, batch);
   }
 }
 
-void resolve(const Tile& tile, const SumTrees<FilmSum>& sums, std::uint32_t image_width, float* rgba) {
-  std::size_t pixel = 0;
+template <typename Body>
+void for_pixels(const Tile& tile, const Image& image, const Body& body) {
+  std::size_t in_tile = 0;
   for (std::uint32_t y = tile.y0; y < tile.y1; ++y) {
-    for (std::uint32_t x = tile.x0; x < tile.x1; ++x) {
-      sums.total(pixel++).resolve(sums.count(), rgba + 4 * (std::size_t(y) * image_width + x));
-    }
+    for (std::uint32_t x = tile.x0; x < tile.x1; ++x) body(in_tile++, std::size_t(y) * image.width + x);
   }
+}
+
+void resolve(const Tile& tile, const TileWorkspace& workspace, Image& image) {
+  const SumTrees<FilmSum>& sums = workspace.sums;
+  for_pixels(tile, image, [&](std::size_t in_tile, std::size_t pixel) {
+    sums.total(in_tile).resolve(sums.count(), &image.rgba[4 * pixel]);
+  });
+  if (image.aovs.empty()) return;
+  for_pixels(tile, image, [&](std::size_t in_tile, std::size_t pixel) {
+    const AovSum sum = workspace.aov_sums.total(in_tile);
+    for (AovImage& aov : image.aovs) aov.set(pixel, sum, workspace.aov_sums.count());
+  });
 }
 
 }  // namespace
 
-std::uint64_t render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, float* rgba) {
+std::uint64_t render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image) {
   const Generate generate = choose_generate(job.effects);
+  const bool aovs = job.effects.has(Effect::kAovs);
   const std::uint32_t pixels = tile.pixels(), most = std::max(1u, job.batch_paths / pixels);
   std::uint64_t rays = 0;
   workspace.sums.reset(pixels);
+  if (aovs) workspace.aov_sums.reset(pixels);
   for (SampleRange samples{0, 0}; samples.first < job.spp; samples.first += samples.count) {
     if (job.cancelled.load(std::memory_order_relaxed)) return rays;
     samples.count = std::min(most, job.spp - samples.first);
     generate(job.frame, tile, samples, workspace.batch);
     trace_paths(job.frame, job.effects, workspace.batch);
     accumulate(workspace.batch, pixels, workspace.sums);
+    if (aovs) accumulate_aovs(workspace.batch, pixels, samples.first, workspace.aov_sums);
     rays += workspace.batch.rays_traced;
   }
-  resolve(tile, workspace.sums, job.frame.width, rgba);
+  resolve(tile, workspace, image);
   return rays;
 }
 

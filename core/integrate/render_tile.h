@@ -7,6 +7,7 @@
 #include <mutex>
 #include <vector>
 
+#include "core/film/image.h"
 #include "core/film/sum_tree.h"
 #include "core/film/tile.h"
 #include "core/integrate/frame.h"
@@ -27,12 +28,13 @@ struct TileJob {
 struct TileWorkspace {
   PathBatch batch;
   SumTrees<FilmSum> sums;
+  SumTrees<AovSum> aov_sums;
 };
 
-// Adds the tile's pixels to `rgba`, the whole image, [height][width][4]; returns the number of rays traced.
+// Writes the tile's pixels into the whole image; returns the number of rays traced.
 // Depends on nothing but its arguments, so that the image does not depend on who renders which tile. Leaves
 // the pixels alone when cancelled.
-std::uint64_t render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, float* rgba);
+std::uint64_t render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image);
 
 // Workspaces for as many threads as there turn out to be.
 class WorkspacePool {

@@ -10,7 +10,7 @@
 namespace msbvh {
 namespace {
 
-constexpr std::array<std::pair<Effect, const char*>, 12> kNames{{
+constexpr std::array<std::pair<Effect, const char*>, 13> kNames{{
     {Effect::kDeformingKeys, "deforming keys"},
     {Effect::kInstances, "instances"},
     {Effect::kMovingInstances, "moving instances"},
@@ -23,6 +23,7 @@ constexpr std::array<std::pair<Effect, const char*>, 12> kNames{{
     {Effect::kLens, "lens"},
     {Effect::kPolynomialMotion, "polynomial motion"},
     {Effect::kOwnClocks, "own clocks"},
+    {Effect::kAovs, "AOVs"},
 }};
 
 // Collects the first reason of each effect.
@@ -188,6 +189,7 @@ EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings) {
                 "up to " + std::to_string(settings.max_bounces) +
                     (settings.max_bounces == 1 ? " bounce" : " bounces"));
   }
+  if (!settings.aovs.empty()) planner.add(Effect::kAovs, "", settings.aovs);
   return planner.finish();
 }
 

@@ -23,7 +23,8 @@ enum class Effect : std::uint32_t {
   kIndirectLight = 1u << 8,
   kLens = 1u << 9,               // depth of field
   kPolynomialMotion = 1u << 10,  // a mesh or an instance moves on curves of degree 2 or 3
-  kOwnClocks = 1u << 11          // motion that bends, jumps or shows at times between even keys
+  kOwnClocks = 1u << 11,         // motion that bends, jumps or shows at times between even keys
+  kAovs = 1u << 12               // more than colour and alpha is asked for
 };
 
 // A set of effects; usable as a template argument.
@@ -48,6 +49,7 @@ struct EffectPlan {
 
 struct PlanSettings {
   std::uint32_t max_bounces = 1;  // 0: direct light only
+  std::string aovs{};             // names of those that are asked for
 };
 
 const char* effect_name(Effect effect);  // "deforming keys", "moving instances", ...

@@ -51,6 +51,10 @@ struct Mesh {
   // Empty, or one a triangle in place of `material`: parts with materials of their own stay one mesh, with
   // one tree and no edges that could leak.
   std::vector<std::uint32_t> triangle_materials{};
+  // For AOVs: the prim's id, kNone for the mesh's index, and the face that each triangle is of; empty: each
+  // is one.
+  std::uint32_t prim_id = kNone;
+  std::vector<std::uint32_t> triangle_faces{};
 };
 
 // The constants of a UsdPreviewSurface that the diffuse model uses.
@@ -167,7 +171,7 @@ struct Camera {
   float near_clip = 1.0f;  // distances along -z; what lies outside is not seen by camera rays
   float far_clip = 1.0e6f;
   std::uint32_t degree = 1;
-  Clock clock{};  // of the tracks; hides nothing
+  Clock clock{};                  // of the tracks; hides nothing
   std::vector<ClipRange> clip{};  // empty: near_clip to far_clip throughout; else form().controls()
 
   TrackForm form() const { return {segments, degree}; }

@@ -64,6 +64,14 @@ Ray lens_ray(const Camera& camera, float screen_x, float screen_y, float time, P
   return ray;
 }
 
+ClipRange clip_range(const Camera& camera, float time) { return CameraTime(camera, time).clip(); }
+
+// By the transpose, since normals move by the inverse transpose and the camera's space is where to.
+Vec3f normal_in_camera(const Camera& camera, float time, const Vec3f& normal) {
+  const Affine3f m = CameraTime(camera, time).world_from_camera();
+  return normalize(Vec3f{dot(m.x, normal), dot(m.y, normal), dot(m.z, normal)});
+}
+
 Vec3f camera_position(const Camera& camera, float time) {
   return CameraTime(camera, time).world_from_camera().t;
 }

@@ -16,6 +16,11 @@ Ray camera_ray(const Camera& camera, float screen_x, float screen_y, float time)
 // image meet in the plane in focus. t still counts along -z, from the lens. The camera must have a lens.
 Ray lens_ray(const Camera& camera, float screen_x, float screen_y, float time, Point2 random);
 
+ClipRange clip_range(const Camera& camera, float time);
+
+// A unit normal of the world in the camera's space, unit.
+Vec3f normal_in_camera(const Camera& camera, float time, const Vec3f& normal);
+
 // The eye's position in the world.
 Vec3f camera_position(const Camera& camera, float time);
 

@@ -145,7 +145,7 @@ inline Ray camera_sample_ray(const Frame& frame, const PixelSampler& pixel, std:
 
 // The picture that a Renderer with the same scene and settings must draw.
 inline Image scalar_picture(const Frame& frame, std::uint32_t spp) {
-  Image image{frame.width, frame.height, std::vector<float>(std::size_t(4) * frame.width * frame.height)};
+  Image image{frame.width, frame.height, std::vector<float>(std::size_t(4) * frame.width * frame.height), {}};
   const ScalarPathTracer tracer(frame);
   SumTrees<FilmSum> sums;
   for (std::uint32_t y = 0; y < frame.height; ++y) {
