@@ -12,17 +12,16 @@ namespace {
 class DirectLight {
  public:
   DirectLight(const Frame& frame, PathBatch& batch, std::uint32_t which)
-      : frame_(frame), batch_(batch), which_(which) {}
+      : frame_(frame), batch_(batch), which_(which), which_light_(Dimension::kLightPick, batch.depth) {}
 
   // By a sample of the light: irradiance over pi, times the path's throughput.
-  void sample(std::uint32_t place) const {
+  void sample(std::uint32_t place, Point2 random) const {
     const SurfaceHit& surface = batch_.surfaces[place];
     const PathIndex path = batch_.active[place];
     const float time = batch_.rays[place].time;
     const LightPick pick = picked(path);
-    const Point2 random = batch_.sampler[path].pair(Dimension::kLight, batch_.depth, which_);
     LightSample light;
-    if (!sample_light(*pick.light, frame_.scene().camera, surface.position, time, random, light)) return;
+    if (!sample_picked(pick, surface.position, time, random, light)) return;
     const float cosine = dot(light.direction, surface.shading_normal);
     if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) return;
     float weight = cosine * (1.0f / kPi);
@@ -45,7 +44,7 @@ class DirectLight {
     if (!(pdf > 0.0f) || !pick.extended) return;
     Ray shadow = batch_.scattered[place];
     LightAlong along;
-    if (!find_light(*pick.light, batch_.surfaces[place].position, shadow.dir, shadow.time, along)) return;
+    if (!find_picked(pick, batch_.surfaces[place].position, shadow, along)) return;
     const float weight = power_heuristic(pdf, pick.expected * along.pdf) / pick.expected;
     shadow.tfar = along.distance;
     batch_.shadows.add(shadow, path, batch_.throughput[path] * along.radiance * weight);
@@ -55,12 +54,24 @@ class DirectLight {
   LightPick picked(PathIndex path) const {
     const LightSampler& lights = frame_.lights;
     if (!lights.by_chance()) return lights.pick(which_, 0.0f);
-    return lights.pick(which_, batch_.sampler[path].pair(Dimension::kLightPick, batch_.depth).x);
+    return lights.pick(which_, batch_.sampler[path].pair(which_light_).x);
+  }
+
+  bool sample_picked(const LightPick& pick, const Vec3f& point, float time, Point2 random,
+                     LightSample& light) const {
+    const Camera& camera = frame_.scene().camera;
+    return pick.still ? sample_light(*pick.still, camera, point, time, random, light)
+                      : sample_light(*pick.light, camera, point, time, random, light);
+  }
+  static bool find_picked(const LightPick& pick, const Vec3f& point, const Ray& ray, LightAlong& along) {
+    return pick.still ? find_light(*pick.still, point, ray.dir, along)
+                      : find_light(*pick.light, point, ray.dir, ray.time, along);
   }
 
   const Frame& frame_;
   PathBatch& batch_;
   const std::uint32_t which_;
+  const Draw which_light_;
 };
 
 }  // namespace
@@ -68,7 +79,8 @@ class DirectLight {
 void add_direct_light(const Frame& frame, EffectSet effects, PathBatch& batch) {
   for (std::uint32_t which = 0; which < frame.lights.picks(); ++which) {
     const DirectLight light(frame, batch, which);
-    for (const std::uint32_t place : batch.shaded) light.sample(place);
+    batch.drawn.draw(batch.sampler, batch.shaded_paths, Draw(Dimension::kLight, batch.depth, which));
+    for (std::size_t i = 0; i < batch.shaded.size(); ++i) light.sample(batch.shaded[i], batch.drawn[i]);
     trace_shadows(frame, effects, batch);
     if (!effects.has(Effect::kAreaLights)) continue;
     for (const std::uint32_t place : batch.shaded) light.find(place);

@@ -58,37 +58,49 @@ class TimeStrata {
   std::array<PathIndex, kMaxBatchPaths + 1> begin_{};
 };
 
-template <bool kLens>
-Ray sample_ray(const Frame& frame, const Sampler& sampler, float screen_x, float screen_y, float time) {
-  const Camera& camera = frame.scene().camera;
-  if constexpr (kLens) return lens_ray(camera, screen_x, screen_y, time, sampler.pair(Dimension::kLens, 0));
-  return camera_ray(camera, screen_x, screen_y, time);
+// Sets batch.times, sample by sample of each pixel in turn.
+TimeStrata draw_times(const Frame& frame, const Tile& tile, const PixelOrder& pixels, SampleRange samples,
+                      PathBatch& batch) {
+  TimeStrata strata(samples.count);
+  float* time = batch.times.data();
+  for (const Pixel& p : pixels) {
+    const PixelSampler sampler(frame.seed, tile.x0 + p.x, tile.y0 + p.y);
+    for (std::uint32_t s = 0; s < samples.count; ++s, ++time) {
+      *time = sampler.time(samples.first + s);
+      strata.count(*time);
+    }
+  }
+  strata.sum_up();
+  return strata;
 }
 
 template <bool kLens>
 void generate(const Frame& frame, const Tile& tile, SampleRange samples, PathBatch& batch) {
-  batch.reset(std::size_t(samples.count) * tile.pixels());
+  const std::uint32_t pixels_in_tile = tile.pixels();
+  batch.reset(std::size_t(samples.count) * pixels_in_tile);
   const PixelOrder pixels(tile);
-  const auto for_all = [&](const auto& body) {
-    for (const Pixel& p : pixels) {
-      const PixelSampler sampler(frame.seed, tile.x0 + p.x, tile.y0 + p.y);
-      for (std::uint32_t s = 0; s < samples.count; ++s) body(p, sampler, s, sampler.time(samples.first + s));
-    }
-  };
-  TimeStrata strata(samples.count);
-  for_all([&](const Pixel&, const PixelSampler&, std::uint32_t, float time) { strata.count(time); });
-  strata.sum_up();
+  TimeStrata strata = draw_times(frame, tile, pixels, samples, batch);
+  const Camera& camera = frame.scene().camera;
+  const CameraRays rays(camera);
   const auto width = static_cast<float>(frame.width), height = static_cast<float>(frame.height);
-  for_all([&](const Pixel& p, const PixelSampler& pixel, std::uint32_t s, float time) {
-    const PathIndex path = strata.take(time);
-    const Point2 in_pixel = pixel.position(samples.first + s);
-    batch.sampler[path] = Sampler(pixel, samples.first + s);
-    batch.slot[path] = s * tile.pixels() + p.y * tile.width() + p.x;
-    batch.active[path] = path;
-    batch.rays[path] = sample_ray<kLens>(frame, batch.sampler[path],
-                                         (static_cast<float>(tile.x0 + p.x) + in_pixel.x) / width,
-                                         (static_cast<float>(tile.y0 + p.y) + in_pixel.y) / height, time);
-  });
+  const Draw on_lens(Dimension::kLens, 0);
+  const float* time = batch.times.data();
+  for (const Pixel& p : pixels) {
+    const PixelSampler pixel(frame.seed, tile.x0 + p.x, tile.y0 + p.y);
+    const auto x = static_cast<float>(tile.x0 + p.x), y = static_cast<float>(tile.y0 + p.y);
+    std::uint32_t slot = p.y * tile.width() + p.x;
+    for (std::uint32_t s = 0; s < samples.count; ++s, ++time, slot += pixels_in_tile) {
+      const PathIndex path = strata.take(*time);
+      const Sampler sampler(pixel, samples.first + s);
+      const Point2 in_pixel = pixel.position(samples.first + s);
+      const float screen_x = (x + in_pixel.x) / width, screen_y = (y + in_pixel.y) / height;
+      batch.sampler[path] = sampler;
+      batch.slot[path] = slot;
+      batch.active[path] = path;
+      batch.rays[path] = kLens ? lens_ray(camera, screen_x, screen_y, *time, sampler.pair(on_lens))
+                               : rays.ray(screen_x, screen_y, *time);
+    }
+  }
 }
 
 }  // namespace

@@ -2,27 +2,17 @@
 
 namespace msbvh {
 
-void ShadowQueue::add(const Ray& ray, PathIndex p, const Vec3f& light) {
-  rays.push_back(ray);
-  path.push_back(p);
-  contribution.push_back(light);
-}
-
-void ShadowQueue::set(std::size_t i, const Ray& ray, PathIndex p, const Vec3f& light) {
-  rays[i] = ray;
-  path[i] = p;
-  contribution[i] = light;
-}
-
-void ShadowQueue::resize(std::size_t count) {
-  rays.resize(count);
-  path.resize(count);
-  contribution.resize(count);
+void ShadowQueue::reserve(std::size_t most) {
+  if (most <= rays_.size()) return;
+  rays_.resize(most);
+  path_.resize(most);
+  contribution_.resize(most);
 }
 
 void PathBatch::reset(std::size_t paths) {
   sampler.resize(paths);
   slot.resize(paths);
+  times.resize(paths);
   throughput.assign(paths, {1.0f, 1.0f, 1.0f});
   radiance.assign(paths, {});
   alpha.assign(paths, 0.0f);
@@ -32,9 +22,11 @@ void PathBatch::reset(std::size_t paths) {
   hits.resize(paths);
   surfaces.resize(paths);
   shaded.clear();
+  shaded_paths.clear();
   scattered.resize(paths);
   scatter_pdf.resize(paths);
-  shadows.resize(0);
+  shadows.clear();
+  shadows.reserve(paths);
   rays_traced = 0;
 }
 

@@ -13,10 +13,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/film/aov.h"
 #include "core/film/film_sample.h"
+#include "core/integrate/draw_pairs.h"
 #include "core/integrate/sampler.h"
 #include "core/shade/surface_hit.h"
 #include "core/trace/ray.h"
@@ -29,15 +31,31 @@ using PathIndex = std::uint32_t;
 inline constexpr std::size_t kMaxBatchPaths = 4096;
 
 // Shadow rays on their way, and what each brings its path if nothing is in its way.
-struct ShadowQueue {
-  std::vector<Ray> rays;
-  std::vector<PathIndex> path;
-  std::vector<Vec3f> contribution;
+class ShadowQueue {
+ public:
+  std::size_t size() const { return size_; }
+  void clear() { size_ = 0; }
+  void resize(std::size_t size) { size_ = size; }  // to no more than there are
+  void reserve(std::size_t most);                  // before add()
 
-  void add(const Ray& ray, PathIndex p, const Vec3f& light);
-  void set(std::size_t i, const Ray& ray, PathIndex p, const Vec3f& light);
-  void resize(std::size_t count);
-  std::size_t size() const { return rays.size(); }
+  void add(const Ray& ray, PathIndex path, const Vec3f& contribution) {
+    set(size_++, ray, path, contribution);
+  }
+  void set(std::size_t i, const Ray& ray, PathIndex path, const Vec3f& contribution) {
+    rays_[i] = ray;
+    path_[i] = path;
+    contribution_[i] = contribution;
+  }
+
+  std::span<const Ray> rays() const { return {rays_.data(), size_}; }
+  PathIndex path(std::size_t i) const { return path_[i]; }
+  const Vec3f& contribution(std::size_t i) const { return contribution_[i]; }
+
+ private:
+  std::size_t size_ = 0;
+  std::vector<Ray> rays_;
+  std::vector<PathIndex> path_;
+  std::vector<Vec3f> contribution_;
 };
 
 struct PathBatch {
@@ -57,6 +75,7 @@ struct PathBatch {
   std::vector<SurfaceHit> surfaces;
   // Places in the queue of those that are on a surface, in the order of the queue.
   std::vector<std::uint32_t> shaded;
+  std::vector<PathIndex> shaded_paths;  // theirs
   // By places in the queue: the ray that goes on from the surface, and the density of its direction per
   // steradian; 0 where none does.
   std::vector<Ray> scattered;
@@ -68,6 +87,8 @@ struct PathBatch {
   // Of stages, between their own steps.
   std::vector<std::uint64_t> by_material;  // places in the queue, their materials in the upper half
   std::vector<PathIndex> path_at_slot;
+  std::vector<float> times;  // by slot
+  DrawnPairs drawn;          // by the order of `shaded`
   std::vector<std::uint32_t> retraced;
   std::vector<Ray> retraced_rays;
   std::vector<Hit> retraced_hits;

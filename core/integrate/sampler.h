@@ -70,11 +70,12 @@ constexpr std::array<std::array<std::uint32_t, 16>, 8> third_sums() {
   return sums;
 }
 
+inline constexpr std::array<std::array<std::uint32_t, 16>, 8> kThirdSums = third_sums();
+
 // The third Sobol' dimension with its bits reversed.
 constexpr std::uint32_t third(std::uint32_t index) {
-  constexpr std::array<std::array<std::uint32_t, 16>, 8> kSums = third_sums();
   std::uint32_t result = 0;
-  for (std::size_t four = 0; index != 0; ++four, index >>= 4) result ^= kSums[four][index & 15];
+  for (std::size_t four = 0; index != 0; ++four, index >>= 4) result ^= kThirdSums[four][index & 15];
   return result;
 }
 
@@ -139,16 +140,34 @@ class PixelSampler {
   std::uint32_t pixel_, x_, y_, time_;
 };
 
+// What a pair is drawn for: the same for all paths of a batch, so made once for them. `depth` counts the
+// vertices of the path, `which` the lights or layers at one of them.
+class Draw {
+ public:
+  constexpr Draw(Dimension dimension, std::uint32_t depth, std::uint32_t which = 0)
+      : key_(hash(hash(hash(static_cast<std::uint32_t>(dimension)), depth), which)) {}
+  constexpr std::uint32_t key() const { return key_; }
+
+ private:
+  std::uint32_t key_;
+};
+
 // One sample of one pixel. Cheap to make.
 class Sampler {
  public:
   constexpr Sampler() = default;
-  constexpr Sampler(const PixelSampler& pixel, std::uint32_t sample) : pixel_(pixel.key()), sample_(sample) {}
+  constexpr Sampler(const PixelSampler& pixel, std::uint32_t sample) : Sampler(pixel.key(), sample) {}
+  constexpr Sampler(std::uint32_t pixel_key, std::uint32_t sample) : pixel_(pixel_key), sample_(sample) {}
 
-  // `depth` counts the vertices of the path, `which` the lights or layers at one of them.
-  constexpr Point2 pair(Dimension dimension, std::uint32_t depth, std::uint32_t which = 0) const {
-    const std::uint32_t key = hash(hash(hash(pixel_, static_cast<std::uint32_t>(dimension)), depth), which);
+  constexpr std::uint32_t pixel() const { return pixel_; }  // PixelSampler::key()
+  constexpr std::uint32_t sample() const { return sample_; }
+
+  constexpr Point2 pair(const Draw& draw) const {
+    const std::uint32_t key = hash(pixel_ ^ draw.key());
     return sobol::point(sobol::shuffle(sample_, key), hash(key, 0), hash(key, 1));
+  }
+  constexpr Point2 pair(Dimension dimension, std::uint32_t depth, std::uint32_t which = 0) const {
+    return pair(Draw(dimension, depth, which));
   }
 
  private:

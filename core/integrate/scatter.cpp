@@ -24,10 +24,11 @@ bool is_last_vertex(const Frame& frame, EffectSet effects, const PathBatch& batc
 }
 
 void scatter(PathBatch& batch) {
-  for (const std::uint32_t place : batch.shaded) {
+  batch.drawn.draw(batch.sampler, batch.shaded_paths, Draw(Dimension::kBounce, batch.depth));
+  for (std::size_t i = 0; i < batch.shaded.size(); ++i) {
+    const std::uint32_t place = batch.shaded[i];
     const SurfaceHit& surface = batch.surfaces[place];
-    const Point2 random = batch.sampler[batch.active[place]].pair(Dimension::kBounce, batch.depth);
-    const Vec3f local = sample_cosine_hemisphere(random);
+    const Vec3f local = sample_cosine_hemisphere(batch.drawn[i]);
     const Vec3f direction = Basis(surface.shading_normal)(local);
     // A shading normal may lead it below the surface.
     const bool above = dot(direction, surface.geometric_normal) > 0.0f;

@@ -7,10 +7,10 @@ namespace {
 
 void trace_opaque(const Frame& frame, PathBatch& batch) {
   const ShadowQueue& queue = batch.shadows;
-  frame.tracer.occluded(queue.rays, batch.occluded.get());
+  frame.tracer.occluded(queue.rays(), batch.occluded.get());
   batch.rays_traced += queue.size();
   for (std::size_t i = 0; i < queue.size(); ++i) {
-    if (!batch.occluded[i]) batch.radiance[queue.path[i]] += queue.contribution[i];
+    if (!batch.occluded[i]) batch.radiance[queue.path(i)] += queue.contribution(i);
   }
 }
 
@@ -20,21 +20,21 @@ void trace_dimmed(const Frame& frame, PathBatch& batch) {
   std::vector<Hit>& hits = batch.retraced_hits;
   while (queue.size() > 0) {
     hits.resize(queue.size());
-    frame.tracer.intersect(queue.rays, hits.data());
+    frame.tracer.intersect(queue.rays(), hits.data());
     batch.rays_traced += queue.size();
     std::size_t left = 0;
     for (std::size_t i = 0; i < hits.size(); ++i) {
       if (!hits[i].found()) {
-        batch.radiance[queue.path[i]] += queue.contribution[i];
+        batch.radiance[queue.path(i)] += queue.contribution(i);
         continue;
       }
-      Ray ray = queue.rays[i];
+      Ray ray = queue.rays()[i];
       const HitSource source = frame.index.resolve(hits[i]);
       const Vec3f light =
-          queue.contribution[i] * (1.0f - opacity_at(frame.scene(), source, hits[i], ray.time));
+          queue.contribution(i) * (1.0f - opacity_at(frame.scene(), source, hits[i], ray.time));
       if (light == Vec3f{}) continue;
       step_past(hits[i], ray);
-      queue.set(left++, ray, queue.path[i], light);
+      queue.set(left++, ray, queue.path(i), light);
     }
     queue.resize(left);
   }
@@ -45,7 +45,7 @@ void trace_dimmed(const Frame& frame, PathBatch& batch) {
 void trace_shadows(const Frame& frame, EffectSet effects, PathBatch& batch) {
   if (batch.shadows.size() > 0)
     effects.has(Effect::kOpacity) ? trace_dimmed(frame, batch) : trace_opaque(frame, batch);
-  batch.shadows.resize(0);
+  batch.shadows.clear();
 }
 
 }  // namespace msbvh

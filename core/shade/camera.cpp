@@ -30,26 +30,39 @@ class CameraTime {
   float time_;
 };
 
-}  // namespace
-
-Ray camera_ray(const Camera& camera, float screen_x, float screen_y, float time) {
-  const CameraTime at(camera, time);
-  const ScreenWindow window = at.window();
+Ray ray_through(const Camera& camera, const Affine3f& world_from_camera, const ScreenWindow& window,
+                const ClipRange& clip, float screen_x, float screen_y, float time) {
   const float x = lerp(window.left, window.right, screen_x);
   const float y = lerp(window.top, window.bottom, screen_y);
   const bool perspective = camera.projection == Projection::kPerspective;
   const Vec3f origin = perspective ? Vec3f{} : Vec3f{x, y, 0.0f};
   const Vec3f direction = perspective ? Vec3f{x, y, -1.0f} : Vec3f{0.0f, 0.0f, -1.0f};
-
-  const Affine3f world_from_camera = at.world_from_camera();
   Ray ray;
   ray.org = world_from_camera.point(origin);
   ray.dir = world_from_camera.vector(direction);
-  const ClipRange clip = at.clip();
   ray.tnear = clip.near_clip;
   ray.tfar = clip.far_clip;
   ray.time = time;
   return ray;
+}
+
+}  // namespace
+
+Ray camera_ray(const Camera& camera, float screen_x, float screen_y, float time) {
+  const CameraTime at(camera, time);
+  return ray_through(camera, at.world_from_camera(), at.window(), at.clip(), screen_x, screen_y, time);
+}
+
+CameraRays::CameraRays(const Camera& camera) : camera_(camera) {
+  const CameraTime at(camera, 0.0f);
+  world_from_camera_ = at.world_from_camera();
+  window_ = at.window();
+  clip_ = at.clip();
+}
+
+Ray CameraRays::ray(float screen_x, float screen_y, float time) const {
+  if (camera_.segments != 0) return camera_ray(camera_, screen_x, screen_y, time);
+  return ray_through(camera_, world_from_camera_, window_, clip_, screen_x, screen_y, time);
 }
 
 Ray lens_ray(const Camera& camera, float screen_x, float screen_y, float time, Point2 random) {

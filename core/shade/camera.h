@@ -16,6 +16,19 @@ Ray camera_ray(const Camera& camera, float screen_x, float screen_y, float time)
 // image meet in the plane in focus. t still counts along -z, from the lens. The camera must have a lens.
 Ray lens_ray(const Camera& camera, float screen_x, float screen_y, float time, Point2 random);
 
+// The rays of a frame, what does not move evaluated once. The same rays as the functions above to the bit.
+class CameraRays {
+ public:
+  explicit CameraRays(const Camera& camera);
+  Ray ray(float screen_x, float screen_y, float time) const;
+
+ private:
+  const Camera& camera_;
+  Affine3f world_from_camera_;
+  ScreenWindow window_;
+  ClipRange clip_;
+};
+
 ClipRange clip_range(const Camera& camera, float time);
 
 // A unit normal of the world in the camera's space, unit.

@@ -37,6 +37,12 @@ struct TrianglePose {
   float size;  // the largest coordinate at the controls around the time
 
   TrianglePose(const TriangleMesh& shape, std::uint32_t triangle, float time) {
+    if (shape.segments == 0) {
+      const Triangle& t = shape.triangles[triangle];
+      for (int corner = 0; corner < 3; ++corner) vertex[corner] = shape.positions[t[corner]];
+      size = largest(max(max(abs(vertex[0]), abs(vertex[1])), abs(vertex[2])));
+      return;
+    }
     const SegmentTime at = locate(time, shape.segments);
     const Triangle& t = shape.triangles[triangle];
     const Vec3f* first = shape.control_positions(at.key * shape.degree);

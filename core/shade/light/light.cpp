@@ -15,22 +15,32 @@ LightValues between(const LightValues& a, const LightValues& b, float w) {
           lerp(a.radius, b.radius, w), lerp(a.width, b.width, w), lerp(a.height, b.height, w)};
 }
 
-PlacedLight place(const Light& light, const LightValues& values, float time) {
-  return {values, evaluate(light.world_from_light, light.segments, time)};
-}
-
 }  // namespace
 
-bool sample_camera_light(const LightValues& light, const Camera& camera, const Vec3f& point, float time,
+PlacedLight::PlacedLight(const Light& light, float time) : kind(light.kind), values(values_at(light, time)) {
+  if (kind == LightKind::kCamera || kind == LightKind::kDome) return;
+  world_from_light = evaluate(light.world_from_light, light.segments, time);
+  if (kind == LightKind::kDistant) {
+    axis = normalize(world_from_light.z);
+    opening = distant_opening(values.angle_degrees);
+  }
+  if (kind == LightKind::kSphere) radius = world_radius(values.radius, world_from_light);
+  if (kind == LightKind::kRect) dark_area = msbvh::dark_area(values, world_from_light);
+}
+
+bool sample_camera_light(const PlacedLight& light, const Camera& camera, const Vec3f& point, float time,
                          LightSample& sample) {
   const Vec3f to_camera = camera_position(camera, time) - point;
   sample.distance = length(to_camera);
   if (sample.distance == 0.0f) return false;
   sample.direction = to_camera * (1.0f / sample.distance);
-  sample.irradiance = light.radiance * kPi;
+  sample.irradiance = light.values.radiance * kPi;
+  sample.pdf = 0.0f;
   sample.casts_shadow = false;
   return true;
 }
+
+bool is_still(const Light& light) { return light.segments == 0 && light.moving_values.empty(); }
 
 LightValues values_at(const Light& light, float time) {
   if (light.moving_values.empty()) return light;
@@ -39,19 +49,40 @@ LightValues values_at(const Light& light, float time) {
   return light.segments == 0 ? first : between(first, light.moving_values[at.key + 1], at.w);
 }
 
-bool sample_light(const Light& light, const Camera& camera, const Vec3f& point, float time, Point2 random,
-                  LightSample& sample) {
-  const LightValues values = values_at(light, time);
-  if (values.radiance == Vec3f{}) return false;  // switched off, which needs no shadow ray
+bool sample_light(const PlacedLight& light, const Camera& camera, const Vec3f& point, float time,
+                  Point2 random, LightSample& sample) {
+  if (light.values.radiance == Vec3f{}) return false;  // switched off, which needs no shadow ray
+  sample.casts_shadow = true;
   switch (light.kind) {
     case LightKind::kDistant:
-      return sample_distant(place(light, values, time), random, sample);
+      return sample_distant(light, random, sample);
     case LightKind::kSphere:
-      return sample_sphere(place(light, values, time), point, random, sample);
+      return sample_sphere(light, point, random, sample);
     case LightKind::kRect:
-      return sample_rect(place(light, values, time), point, random, sample);
+      return sample_rect(light, point, random, sample);
     case LightKind::kCamera:
-      return sample_camera_light(values, camera, point, time, sample);
+      return sample_camera_light(light, camera, point, time, sample);
+    case LightKind::kDome:
+      break;
+  }
+  return false;
+}
+
+bool sample_light(const Light& light, const Camera& camera, const Vec3f& point, float time, Point2 random,
+                  LightSample& sample) {
+  return sample_light(PlacedLight(light, time), camera, point, time, random, sample);
+}
+
+bool find_light(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along) {
+  if (light.values.radiance == Vec3f{}) return false;
+  switch (light.kind) {
+    case LightKind::kDistant:
+      return find_distant(light, direction, along);
+    case LightKind::kSphere:
+      return find_sphere(light, point, direction, along);
+    case LightKind::kRect:
+      return find_rect(light, point, direction, along);
+    case LightKind::kCamera:
     case LightKind::kDome:
       break;
   }
@@ -60,20 +91,7 @@ bool sample_light(const Light& light, const Camera& camera, const Vec3f& point, 
 
 bool find_light(const Light& light, const Vec3f& point, const Vec3f& direction, float time,
                 LightAlong& along) {
-  const LightValues values = values_at(light, time);
-  if (values.radiance == Vec3f{}) return false;
-  switch (light.kind) {
-    case LightKind::kDistant:
-      return find_distant(place(light, values, time), direction, along);
-    case LightKind::kSphere:
-      return find_sphere(place(light, values, time), point, direction, along);
-    case LightKind::kRect:
-      return find_rect(place(light, values, time), point, direction, along);
-    case LightKind::kCamera:
-    case LightKind::kDome:
-      break;
-  }
-  return false;
+  return find_light(PlacedLight(light, time), point, direction, along);
 }
 
 bool has_extent(const Light& light) {

@@ -24,16 +24,36 @@ struct LightAlong {
   float pdf;  // that sample_light() takes the ray's direction, per steradian
 };
 
+// A light where it is and as it shines at one time.
+struct PlacedLight {
+  LightKind kind;
+  LightValues values;
+  Affine3f world_from_light;
+  // Of the kind that each is for.
+  Vec3f axis;            // distant: unit, towards the light; zero for none
+  float opening = 0.0f;  // distant: 1 - cos of the half angle
+  float radius = 0.0f;   // sphere: in the world
+  Vec3f dark_area;       // rect: normal on the side of +z, where it does not shine, as long as its area
+
+  PlacedLight(const Light& light, float time);
+};
+
 // False where the light does not shine on `point` from the sampled direction.
+bool sample_light(const PlacedLight& light, const Camera& camera, const Vec3f& point, float time,
+                  Point2 random, LightSample& sample);
 bool sample_light(const Light& light, const Camera& camera, const Vec3f& point, float time, Point2 random,
                   LightSample& sample);
 
 // False where a ray from `point` in the unit `direction` does not meet the light, or its dark side.
+bool find_light(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along);
 bool find_light(const Light& light, const Vec3f& point, const Vec3f& direction, float time,
                 LightAlong& along);
 
 // Whether a ray can meet the light at some time.
 bool has_extent(const Light& light);
+
+// Whether it is the same, in the same place, throughout the shutter.
+bool is_still(const Light& light);
 
 // At a time of the shutter.
 LightValues values_at(const Light& light, float time);

@@ -12,7 +12,6 @@ namespace {
 
 // Its irradiance at normal incidence, about, at such a distance squared where the light has a place.
 float irradiance(const Light& light, const LightValues& values, float distance_squared) {
-  const PlacedLight placed{values, light.world_from_light.front()};
   const float radiance = std::max({values.radiance.x, values.radiance.y, values.radiance.z, 0.0f});
   switch (light.kind) {
     case LightKind::kDistant: {
@@ -20,11 +19,11 @@ float irradiance(const Light& light, const LightValues& values, float distance_s
       return radiance * (values.angle_degrees > 0.0f ? kPi * sine * sine : 1.0f);
     }
     case LightKind::kSphere: {
-      const float radius = world_radius(placed);
+      const float radius = world_radius(values.radius, light.world_from_light.front());
       return radiance * (values.radius > 0.0f ? kPi * radius * radius : 1.0f) / distance_squared;
     }
     case LightKind::kRect:
-      return radiance * length(dark_area(placed)) / distance_squared;
+      return radiance * length(dark_area(values, light.world_from_light.front())) / distance_squared;
     case LightKind::kCamera:
     case LightKind::kDome:
       break;
@@ -48,10 +47,12 @@ float most_irradiance(const Light& light, float distance_squared) {
 }  // namespace
 
 LightSampler::LightSampler(const Scene& scene, const Box3f& bounds) {
+  placed_.reserve(scene.lights.size());  // picks point into it
   for (const Light& light : scene.lights) {
     if (!shines(light)) continue;
     if (light.kind != LightKind::kDome) {
-      lights_.push_back({&light, 1.0f, has_extent(light)});
+      const PlacedLight* still = is_still(light) ? &placed_.emplace_back(light, 0.0f) : nullptr;
+      lights_.push_back({&light, still, 1.0f, has_extent(light)});
       any_extended_ |= lights_.back().extended;
       continue;
     }

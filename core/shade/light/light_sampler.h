@@ -10,6 +10,7 @@
 
 #include "core/base/box.h"
 #include "core/scene/scene.h"
+#include "core/shade/light/light.h"
 
 namespace msbvh {
 
@@ -18,8 +19,9 @@ inline constexpr std::uint32_t kLightPicks = 4;
 
 struct LightPick {
   const Light* light;
-  float expected;  // how many of a vertex's picks are this light, in the mean
-  bool extended;   // has_extent()
+  const PlacedLight* still;  // null for one that moves or changes
+  float expected;            // how many of a vertex's picks are this light, in the mean
+  bool extended;             // has_extent()
 };
 
 // The scene's lights as an integrator wants them. Keeps pointers into the scene.
@@ -27,6 +29,7 @@ class LightSampler {
  public:
   // `bounds`: the world's, which says how far from lights surfaces are.
   LightSampler(const Scene& scene, const Box3f& bounds);
+  LightSampler(LightSampler&&) = default;
 
   // At each vertex.
   std::uint32_t picks() const { return picks_; }
@@ -47,6 +50,7 @@ class LightSampler {
   Vec3f moving_dome_radiance(float time) const;
 
   std::vector<LightPick> lights_;  // all but domes
+  std::vector<PlacedLight> placed_;
   std::vector<float> cumulative_;  // of their chances; empty where each is picked
   std::uint32_t picks_ = 0;
   bool has_dome_ = false, any_extended_ = false;

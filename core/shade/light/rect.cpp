@@ -4,9 +4,8 @@
 
 namespace msbvh {
 
-Vec3f dark_area(const PlacedLight& light) {
-  const Affine3f& m = light.world_from_light;
-  const Vec3f area = cross(m.x * light.values.width, m.y * light.values.height);
+Vec3f dark_area(const LightValues& values, const Affine3f& m) {
+  const Vec3f area = cross(m.x * values.width, m.y * values.height);
   return dot(area, m.z) < 0.0f ? -area : area;  // a mirroring transform
 }
 
@@ -16,7 +15,7 @@ bool sample_rect(const PlacedLight& light, const Vec3f& point, Point2 random, Li
       {(random.x - 0.5f) * values.width, (random.y - 0.5f) * values.height, 0.0f});
   const Vec3f to_light = on_light - point;
   const float distance_squared = dot(to_light, to_light);
-  const float projected_area_times_distance = dot(to_light, dark_area(light));
+  const float projected_area_times_distance = dot(to_light, light.dark_area);
   if (!(projected_area_times_distance > 0.0f)) return false;
   sample.distance = std::sqrt(distance_squared);
   sample.direction = to_light * (1.0f / sample.distance);
@@ -28,7 +27,7 @@ bool sample_rect(const PlacedLight& light, const Vec3f& point, Point2 random, Li
 
 bool find_rect(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along) {
   const Affine3f& m = light.world_from_light;
-  const Vec3f area = dark_area(light);
+  const Vec3f& area = light.dark_area;
   const float facing = dot(direction, area);
   if (!(facing > 0.0f)) return false;
   const float distance = dot(m.t - point, area) / facing;

@@ -5,31 +5,27 @@
 
 namespace msbvh {
 
-struct PlacedLight {
-  LightValues values;
-  Affine3f world_from_light;
-};
-
 // A disc of directions about the light's +z axis. Without an extent, radiance stands for irradiance, since
 // UsdLux's normalisation divides by nothing there.
 bool sample_distant(const PlacedLight& light, Point2 random, LightSample& sample);
 bool find_distant(const PlacedLight& light, const Vec3f& direction, LightAlong& along);
+// 1 - cos of the half angle.
+float distant_opening(float angle_degrees);
 
 // Uniform in the cone that the sphere subtends (pbrt-v4, section 6.2.4), to the near side of the sphere.
 bool sample_sphere(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample);
 bool find_sphere(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along);
 // UsdLux has no ellipsoids: a sphere under a transform that is not a similarity takes the radius of equal
 // volume.
-float world_radius(const PlacedLight& light);
+float world_radius(float radius, const Affine3f& world_from_light);
 
 // Uniform by area on the parallelogram that the transform makes of the rectangle.
 bool sample_rect(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample);
 bool find_rect(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along);
-// The parallelogram's normal, on the side of +z, where it does not shine, as long as its area.
-Vec3f dark_area(const PlacedLight& light);
+Vec3f dark_area(const LightValues& values, const Affine3f& world_from_light);
 
 // usdrecord's light: a white diffuse surface that faces the camera has the light's colour, at any distance.
-bool sample_camera_light(const LightValues& light, const Camera& camera, const Vec3f& point, float time,
+bool sample_camera_light(const PlacedLight& light, const Camera& camera, const Vec3f& point, float time,
                          LightSample& sample);
 
 }  // namespace msbvh

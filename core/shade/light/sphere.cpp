@@ -15,14 +15,14 @@ float one_minus_cos(float radius, float distance) {
 
 }  // namespace
 
-float world_radius(const PlacedLight& light) {
-  return light.values.radius * std::cbrt(std::abs(light.world_from_light.determinant()));
+float world_radius(float radius, const Affine3f& world_from_light) {
+  return radius * std::cbrt(std::abs(world_from_light.determinant()));
 }
 
 bool sample_sphere(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample) {
   const Vec3f to_center = light.world_from_light.t - point;
   const float distance_squared = dot(to_center, to_center), distance = std::sqrt(distance_squared);
-  const float radius = world_radius(light);
+  const float radius = light.radius;
   if (distance <= radius) return false;  // inside: a sphere light shines outwards
   if (light.values.radius == 0.0f) {
     sample.direction = to_center * (1.0f / distance);
@@ -44,7 +44,7 @@ bool sample_sphere(const PlacedLight& light, const Vec3f& point, Point2 random, 
 bool find_sphere(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along) {
   const Vec3f to_center = light.world_from_light.t - point;
   const float distance_squared = dot(to_center, to_center), nearest = dot(to_center, direction);
-  const float radius = world_radius(light);
+  const float radius = light.radius;
   const Vec3f across = to_center - direction * nearest;
   const float half_chord_squared = radius * radius - dot(across, across);
   if (!(nearest > 0.0f && half_chord_squared >= 0.0f && distance_squared > radius * radius)) return false;
