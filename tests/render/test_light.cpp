@@ -201,7 +201,7 @@ double mean_red(const Image& image) {
 }
 
 TEST_CASE("a light that ramps from 0 to 1 within the shutter gives half its light") {
-  RenderSettings settings{.width = 8, .height = 8, .spp = 64, .max_bounces = 0, .build = {}};
+  RenderSettings settings{.width = 8, .height = 8, .spp = 256, .max_bounces = 0, .build = {}};
   double full = 1.0;
   Light light;
   SUBCASE("distant, without an extent") {
