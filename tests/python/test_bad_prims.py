@@ -24,6 +24,19 @@ FAULTS = {
         " point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]\n}",
         "/Bad.faceVertexIndices: found int64[]",
     ),
+    "prototypes_as_attribute": (
+        'def PointInstancer "Bad" { int[] prototypes = [0]\n int[] protoIndices = [0]\n'
+        " point3f[] positions = [(0, 0, 0)]\n}",
+        "/Bad.prototypes: found an attribute, expected a relationship",
+    ),
+    "light_focus_type": (
+        'def SphereLight "Bad" (prepend apiSchemas = ["ShapingAPI"]) { bool inputs:shaping:focus = 0\n}',
+        "/Bad.inputs:shaping:focus: not supported yet",
+    ),
+    "light_ies_type": (
+        'def SphereLight "Bad" (prepend apiSchemas = ["ShapingAPI"]) { string inputs:shaping:ies:file = ""\n}',
+        "/Bad.inputs:shaping:ies:file: not supported yet",
+    ),
     "visibility_type": ('def Cube "Bad" { int visibility = 3\n}', "/Bad.visibility: found int, expected token"),
     "purpose_type": ('def Cube "Bad" { int[] purpose = [3]\n}', "/Bad.purpose: found int[], expected token"),
     "axis_token": ('def Cone "Bad" { uniform token axis = "W"\n}', "/Bad.axis: found 'W', expected X, Y or Z"),

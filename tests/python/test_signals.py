@@ -22,6 +22,17 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 LONG = ("--spp", 1_000_000)
 
 
+@pytest.fixture(autouse=True)
+def heeded_by_children() -> Iterator[None]:
+    """What the tests are started under (nohup, a background job) may ignore signals, and children inherit that."""
+    ignored = [number for number in SIGNALS if signal.getsignal(number) == signal.SIG_IGN]
+    for number in ignored:
+        signal.signal(number, signal.SIG_DFL)
+    yield
+    for number in ignored:
+        signal.signal(number, signal.SIG_IGN)
+
+
 @contextmanager
 def started(
     folder: Path, *arguments: object, before: Callable[[], None] | None = None

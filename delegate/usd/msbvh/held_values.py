@@ -82,6 +82,17 @@ def values_within(attribute: Usd.Attribute, shutter: Shutter) -> list[Any]:
     return [raw(attribute, code) for code in codes]
 
 
+def any_but(neutral: Any, attribute: Usd.Attribute, shutter: Shutter) -> bool:
+    """Whether an attribute has another value than the neutral one anywhere in the shutter, or one of a type that is
+    never neutral: False is no 0.0, and an empty string names no asset."""
+    found = values_within(attribute, shutter)
+    alike = (int, float) if isinstance(neutral, float) else type(neutral)
+    return any(
+        value != neutral or not isinstance(value, alike) or isinstance(value, bool) is not isinstance(neutral, bool)
+        for value in found
+    )
+
+
 def changes_within(attribute: Usd.Attribute, shutter: Shutter) -> bool:
     """Whether an attribute of any type has more than one value over the open shutter."""
     first, *others = values_within(attribute, shutter)

@@ -13,7 +13,7 @@ from .held_values import Stretch, stretches
 from .instance_mask import instance_mask
 from .times import Shutter
 from .value_types import INTS, LONGS
-from .values import required, value
+from .values import required, targets, value
 from .visibility import common_intervals, steps
 
 _NOT_DRAWN = -1
@@ -116,9 +116,9 @@ def _checked(
 
 def _missing(instancer: UsdGeom.PointInstancer, indices: np.ndarray) -> str:
     """Those prototypes of which there is nothing to draw, each with the reason; the first few."""
-    targets = instancer.GetPrototypesRel().GetForwardedTargets()
+    roots = targets(instancer.GetPrim(), "prototypes")
     found = []
-    for path in (targets[index] for index in indices[:8].tolist()):
+    for path in (roots[index] for index in indices[:8].tolist()):
         prim = instancer.GetPrim().GetStage().GetPrimAtPath(path)
         why = "" if not prim else " (inactive)" if not prim.IsActive() else " (not loaded)"
         found.append(f"{path}{why}")

@@ -41,8 +41,8 @@ def uses_of(group: Group, groups: Mapping[Hashable, Group], context: FrameContex
 
 def _uses_of_instancer(prim: Usd.Prim, groups: Mapping[Hashable, Group], context: FrameContext) -> Iterator[Use]:
     instancer = UsdGeom.PointInstancer(prim)
-    roots = prototypes(instancer)
     try:
+        roots = prototypes(instancer)
         indices = array(required(instancer.GetProtoIndicesAttr(), context.code, INTS), np.int32)
     except Unreadable:
         return  # Whoever reads the instances says so.

@@ -8,7 +8,7 @@ import numpy as np
 from pxr import Sdf, Usd, UsdLux
 
 from .context import FrameContext
-from .held_values import values_within
+from .held_values import any_but, values_within
 from .light_values import LightSamples, Switches, radiances, sample_light
 from .times import FINEST_LEVEL
 from .transforms import Motion
@@ -135,7 +135,7 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
         attribute = prim.GetAttribute(name)
         if not attribute or not attribute.HasAuthoredValue():
             continue
-        if any(value != neutral for value in values_within(attribute, context.shutter)):
+        if any_but(neutral, attribute, context.shutter):
             context.diagnostics.group(path, name, "not supported yet; lit without it")
     for name in ("lightLink", "shadowLink"):
         if _is_restricted(Usd.CollectionAPI(prim, name)):

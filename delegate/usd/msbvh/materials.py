@@ -9,7 +9,7 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdShade
 
 from .context import FrameContext
-from .held_values import values_within, warn_of_change
+from .held_values import any_but, warn_of_change
 from .stage import tf_reason
 from .texture_mean import texture_mean
 from .value_types import TOKEN
@@ -108,12 +108,8 @@ class Materials:
         for name, neutral in (("normal", Gf.Vec3f(0, 0, 1)), ("displacement", 0.0)):
             unsupported = shader.GetInput(name)
             sources = unsupported.GetValueProducingAttributes() if unsupported else ()
-            if sources and (_is_output(sources[0]) or self._has_any_but(neutral, sources[0])):
+            if sources and (_is_output(sources[0]) or any_but(neutral, sources[0], self._context.shutter)):
                 diagnostics.group(path, unsupported.GetFullName(), "not supported yet; drawn without it")
-
-    def _has_any_but(self, neutral: object, source: Usd.Attribute) -> bool:
-        """Whether it has another value anywhere in the shutter."""
-        return any(value != neutral for value in values_within(source, self._context.shutter))
 
     def _input(self, shader: UsdShade.Shader, name: str, default: Number) -> Input:
         """An input's constant at the frame, followed through node graphs and material interfaces."""
@@ -138,7 +134,7 @@ class Materials:
         identifier = _shader_id(node) or "node of no known type"
         if identifier == TEXTURE:
             return self._textured(shader_input, node, source.GetName().split(":")[-1], default)
-        fallback = self._fallback(node, default)
+        fallback = self._fallback(node, default, None)
         if identifier.startswith("UsdPrimvarReader"):
             primvar = self._name(node, "varname")
             if (shader_input.GetBaseName(), primvar) in (
@@ -185,17 +181,18 @@ class Materials:
             values = np.zeros(0)
         return values if values.shape == (4,) and np.isfinite(values).all() else np.full(4, default)
 
-    def _fallback(self, node: UsdShade.Shader, default: Number, output: str = "") -> Number:
-        """What a node says is drawn in its place. Those of textures have four channels."""
+    def _fallback(self, node: UsdShade.Shader, default: Number, output: str | None) -> Number:
+        """What a node says is drawn in its place. Those of textures have four channels; None for what is no
+        texture."""
         value = self._constant(node, "fallback", default)
-        if isinstance(value, Gf.Vec4f):
+        if isinstance(value, Gf.Vec4f) and output is not None:
             value = _channel(np.array(value, np.float64), output, default)
         return self._number(value, default, node.GetPrim().GetAttribute("inputs:fallback"))
 
     def _number(self, value: Any, default: Number, source: Usd.Attribute) -> Number:
         """A value as the kind of number that `default` is; `default`, with a warning, where it is none."""
         try:
-            number = float(value) if isinstance(default, float) else tuple(map(float, value))
+            number = () if isinstance(value, bool) else self._converted(value, default)
         except (TypeError, ValueError):
             number = ()
         if isinstance(number, float) or len(number) == 3:
@@ -204,6 +201,10 @@ class Materials:
         message = f"found {value!r}, expected {expected}; drawn as {_text(default)}"
         self._context.diagnostics.warning(str(source.GetPrimPath()), source.GetName(), message)
         return default
+
+    @staticmethod
+    def _converted(value: Any, default: Number) -> Number:
+        return float(value) if isinstance(default, float) else tuple(map(float, value))
 
     def _name(self, node: UsdShade.Shader, name: str) -> str:
         node_input = node.GetInput(name)

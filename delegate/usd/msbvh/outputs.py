@@ -8,8 +8,9 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import TypeVar
 
 from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
@@ -24,6 +25,8 @@ _WITHOUT_TEXTURES = frozenset(
     " SkelRoot Skeleton SkelAnimation BlendShape".split()
 )
 """Types that most prims have: looking at their attributes would take as long as opening the stage."""
+
+_T = TypeVar("_T")
 
 Identity = tuple[int, int]
 """Device and inode."""
@@ -106,17 +109,29 @@ def _textures_of(stage: Usd.Stage) -> Iterator[str]:
     """The files that asset attributes name, at any time, in each layer that has an opinion."""
     for root in (stage.GetPseudoRoot(), *stage.GetPrototypes()):
         for prim in Usd.PrimRange(root, Usd.PrimAllPrimsPredicate):
-            if prim.GetTypeName() not in _WITHOUT_TEXTURES:
-                for attribute in prim.GetAuthoredAttributes():
-                    if attribute.GetTypeName() in _ASSETS:
-                        for spec in attribute.GetPropertyStack():
-                            yield from _assets_in(spec)
+            if prim.GetTypeName() in _WITHOUT_TEXTURES:
+                continue
+            for attribute in _known(prim.GetAuthoredAttributes):
+                if attribute.GetTypeName() in _ASSETS:
+                    for spec in _known(attribute.GetPropertyStack):
+                        yield from _assets_in(spec)
+
+
+def _known(ask: Callable[[], list[_T]]) -> list[_T]:
+    """Nothing where a damaged file does not say: the reader reports what it needs of it."""
+    try:
+        return ask()
+    except (Tf.ErrorException, UnicodeDecodeError):
+        return []
 
 
 def _assets_in(spec: Sdf.AttributeSpec) -> Iterator[str]:
     layer, path = spec.layer, spec.path
     times = layer.ListTimeSamplesForPath(path)
-    for value in (spec.default, *(layer.QueryTimeSample(path, time) for time in times)):
+    found = _known(lambda: [spec.default])
+    for time in times:
+        found += _known(lambda time=time: [layer.QueryTimeSample(path, time)])
+    for value in found:
         if isinstance(value, Sdf.AssetPath):
             yield from _resolved(layer, value.path)
         elif isinstance(value, Sdf.AssetPathArray):

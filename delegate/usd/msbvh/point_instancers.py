@@ -20,7 +20,7 @@ from .transforms import Motion, XformCaches
 from .turns import NO_TURNS, Turns, uniform_turns, xform_turns
 from .typed_twin import Twin, typed_twin
 from .value_types import FLOAT3S, QUATERNIONS
-from .values import required, value
+from .values import required, targets, value
 from .visibility import common_intervals
 from .xform_ops import check_order, local_transform, may_vary
 
@@ -58,7 +58,7 @@ def prototypes(instancer: UsdGeom.PointInstancer) -> list[Usd.Prim]:
     """The prototypes' root prims by index; an invalid prim where a target does not exist, is inactive or not
     loaded."""
     stage = instancer.GetPrim().GetStage()
-    prims = [stage.GetPrimAtPath(path) for path in instancer.GetPrototypesRel().GetForwardedTargets()]
+    prims = [stage.GetPrimAtPath(path) for path in targets(instancer.GetPrim(), "prototypes")]
     return [prim if prim and prim.IsActive() and prim.IsLoaded() else Usd.Prim() for prim in prims]
 
 
@@ -250,6 +250,7 @@ def _warn_of_opacity(instancer: UsdGeom.PointInstancer, context: FrameContext) -
     if primvar is None or primvar[0] == "constant":
         return
     attribute = UsdGeom.PrimvarsAPI(instancer).FindPrimvarWithInheritance("displayOpacity").GetAttr()
-    if any((array(value, np.float32) != 1.0).any() for value in values_within(attribute, context.shutter)):
+    found = [value for value in values_within(attribute, context.shutter) if value is not None]
+    if any((np.asarray(value, float) != 1.0).any() for value in found):
         message = "an opacity for each instance is not supported yet; the prototypes' own is drawn"
         context.diagnostics.group(str(instancer.GetPath()), "primvars:displayOpacity", message)

@@ -10,7 +10,7 @@ from pxr import Usd
 
 from .stage_metadata import time_codes_per_second
 from .value_types import FLOAT3S, INTS, QUATERNIONS
-from .values import raw, value
+from .values import raw, targets, value
 
 _KINDS = {
     "points": FLOAT3S,
@@ -51,7 +51,7 @@ def typed_twin(prim: Usd.Prim, code: Usd.TimeCode) -> Twin:
             if found is not None:
                 copy.Set(_as_schema(found, copy), time)
     if prim.HasRelationship("prototypes"):
-        count = len(prim.GetRelationship("prototypes").GetForwardedTargets())
+        count = len(targets(prim, "prototypes"))
         twin.GetRelationship("prototypes").SetTargets([f"/twin/p{i}" for i in range(count)])
     return Twin(twin, stage)
 

@@ -84,6 +84,16 @@ def required(attribute: Usd.Attribute, code: Usd.TimeCode | float, kind: Kind) -
     return _converted(attribute, found, kind)
 
 
+def targets(prim: Usd.Prim, name: str) -> list[Sdf.Path]:
+    """What a relationship leads to in the end. Raises Unreadable where a layer has an attribute of that name."""
+    try:
+        return prim.GetRelationship(name).GetForwardedTargets()
+    except Tf.ErrorException as error:
+        if "is not a relationship" not in str(error):
+            raise
+        raise Unreadable(str(prim.GetPath()), name, "found an attribute, expected a relationship") from None
+
+
 def value(attribute: Usd.Attribute, code: Usd.TimeCode | float, kind: Kind) -> object:
     """Like required(), but a value of another type is reported and counts as none."""
     try:
