@@ -18,6 +18,8 @@ FRAME = 1
 """The frame that is rendered; time samples lie around it."""
 SHUTTER = (-0.25, 0.25)
 CAMERA = "/camera"
+IRRADIANCE = 3.0
+"""Of the sun on a surface that faces it: a normalised light's intensity."""
 RATE = 24.0
 SAMPLES_PER_FRAME = 8
 """Of deforming points: as many as make linear steps between them small beside the motion."""
@@ -34,8 +36,8 @@ class FrameScene:
     """What moves in it, for reports."""
     fill: Callable[[Usd.Stage, float], None]
     """Defines its prims below the stage's root; the second argument scales how many faces a side has."""
-    motion_keys: int
-    """Steps within the shutter that follow the motion, for renderers that must be told (Cycles: 2^n + 1 keys)."""
+    motion_steps: int
+    """Cycles takes 2^n intervals over the shutter: the smallest n whose picture is that of a larger one."""
 
     def write(self, path: Path, detail: float = 1.0) -> None:
         """Writes the scene. `detail` 1 is what is published; less is smaller, for tests."""
@@ -71,7 +73,7 @@ def _setting(stage: Usd.Stage) -> None:
     camera.CreateShutterOpenAttr(SHUTTER[0])
     camera.CreateShutterCloseAttr(SHUTTER[1])
     sun = UsdLux.DistantLight.Define(stage, "/sun")
-    sun.CreateIntensityAttr(3.0)
+    sun.CreateIntensityAttr(IRRADIANCE)
     sun.CreateAngleAttr(0.53)
     sun.CreateNormalizeAttr(True)
     sun.AddRotateXYZOp().Set(Gf.Vec3f(40.0, 0.0, 30.0))
@@ -200,8 +202,8 @@ def _count(full: int, detail: float) -> int:
 
 
 _SCENES = (
-    FrameScene("rotor", "eight rigid blades on a turning hub", _rotor, 2),
-    FrameScene("cloth", "one sheet whose points deform", _cloth, 4),
+    FrameScene("rotor", "eight rigid blades on a turning hub", _rotor, 1),
+    FrameScene("cloth", "one sheet whose points deform", _cloth, 2),
     FrameScene("parts", "two thousand meshes that fly and tumble", _parts, 2),
     FrameScene("crowd", "three thousand instances that fly and tumble", _crowd, 2),
     FrameScene("still", "a set that stands still", _still, 1),
