@@ -92,9 +92,13 @@ class FrameSettings:
     @property
     def chosen(self) -> Sequence[FrameScene]:
         """Raises SceneError where there is none."""
-        found = [s for s in SCENES.values() if any(fnmatch.fnmatchcase(s.name, pattern) for pattern in self.scenes)]
+        found = [
+            s for s in SCENES.values() if any(fnmatch.fnmatchcase(s.name, pattern) for pattern in self.scenes)
+        ]
         if not found:
-            raise SceneError(f"--scenes {','.join(self.scenes)}: matches nothing; expected globs of {', '.join(SCENES)}")
+            raise SceneError(
+                f"--scenes {','.join(self.scenes)}: matches nothing; expected globs of {', '.join(SCENES)}"
+            )
         return found
 
 
@@ -112,7 +116,12 @@ def run(
         bench = _Bench(settings, sides, folder, progress, len(chosen))
         rows = [row for scene in chosen for row in bench.rows(scene)]
     progress(1.0)
-    about = {**host(), **_about(settings, bench.software), "load_average": load, "seconds": time.monotonic() - begin}
+    about = {
+        **host(),
+        **_about(settings, bench.software),
+        "load_average": load,
+        "seconds": time.monotonic() - begin,
+    }
     return {"machine": about, "rows": rows}
 
 
@@ -188,7 +197,11 @@ class _Bench:
         converged = self._converged(scene, file)
         pictures = converged or self._pictures(measured)
         ours = self._sides[0].name
-        alike = {side.name: likeness(pictures[ours], pictures[side.name]) for side in self._sides[1:]} if pictures else {}
+        alike = (
+            {side.name: likeness(pictures[ours], pictures[side.name]) for side in self._sides[1:]}
+            if pictures
+            else {}
+        )
         for threads, runs in measured.items():
             noises = {name: [noise(run.pixels, converged[name]) for run in runs[name]] for name in converged}
             for side in self._sides:
@@ -208,7 +221,9 @@ class _Bench:
         for turn in range(self._settings.rounds):
             first = turn % len(self._sides)
             for side in [*self._sides[first:], *self._sides[:first]]:
-                runs[side.name].append(self._run(side, scene, file, threads, self._settings.samples, self._settings.seed + turn))
+                runs[side.name].append(
+                    self._run(side, scene, file, threads, self._settings.samples, self._settings.seed + turn)
+                )
         return runs
 
     def _converged(self, scene: FrameScene, file: Path) -> Mapping[str, Picture]:
@@ -259,7 +274,9 @@ def _errors(runs: Sequence[Run], noises: Sequence[Noise] | None) -> Row:
     return {
         **_spread("relative_mse", errors),
         "reference_share": max(found.reference_share for found in noises),
-        **_spread("trace_mse", [run.seconds["trace"] * error for run, error in zip(runs, errors, strict=True)]),
+        **_spread(
+            "trace_mse", [run.seconds["trace"] * error for run, error in zip(runs, errors, strict=True)]
+        ),
         **_spread("process_mse", [run.process * error for run, error in zip(runs, errors, strict=True)]),
     }
 

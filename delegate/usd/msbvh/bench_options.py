@@ -69,11 +69,17 @@ def frame_options(options: dict[str, Any]) -> tuple[bool, dict[str, Any]]:
     for name in foreign:
         if options[name] not in (None, ()):
             option = NAMES.get(name, f"--{name.replace('_', '-')}")
-            raise click.UsageError(f"{option} and --frames exclude each other" if frames else f"{option} needs --frames")
+            raise click.UsageError(
+                f"{option} and --frames exclude each other" if frames else f"{option} needs --frames"
+            )
     peer = options["peer"]
     if peer and (peer == "cycles") != frames:
-        raise click.UsageError(f"--peer {peer}: found {'' if frames else 'no '}--frames; cycles goes with it, embree without")
+        raise click.UsageError(
+            f"--peer {peer}: found {'' if frames else 'no '}--frames; cycles goes with it, embree without"
+        )
     if options["peer_folder"] and peer != "cycles":
         raise click.UsageError("--peer-env needs --peer cycles")
     kept = {name: value for name, value in options.items() if name not in (*foreign, "frames")}
-    return frames, {name: value for name, value in kept.items() if not (name == "max_bounces" and value is None)}
+    return frames, {
+        name: value for name, value in kept.items() if not (name == "max_bounces" and value is None)
+    }
