@@ -67,11 +67,12 @@ test: setup  ## every test: C++ (ctest) beside Python (pytest)
 	exit $$status
 
 # Embree comes with the extra `bench`; where its wheel is missing the page has our figures alone. Needs a clean tree.
-bench: setup  ## rays a second, build times and bytes: to docs/performance.md and docs/features.md
+# OPTIONS: `--cycles` measures whole frames beside Cycles, in an environment that it makes (a GB).
+bench: setup  ## rays a second, build times, bytes and whole frames: to docs/performance.md and docs/features.md
 	@$(BIN)/pip install --quiet --no-build-isolation --config-settings=build-dir=$(BUILD) \
 	  --config-settings=cmake.define.MSBVH_BUILD_TESTS=ON --config-settings=cmake.define.MSBVH_BUILD_BENCH=ON \
 	  --editable '.[test,bench]'
-	@$(BIN)/python docs/make_performance.py
+	@$(BIN)/python docs/make_performance.py $(OPTIONS)
 	@$(BIN)/python docs/make_features.py
 
 # Each check is remembered by commit: the same command goes on after an interruption. OPTIONS: `--list`, `--only GLOB`.

@@ -1,11 +1,12 @@
 """Writes docs/performance.md and its plots: how fast we are, what we need, and where we are slower.
 
-    python docs/make_performance.py [--allow-dirty] [bench.json]
+    python docs/make_performance.py [--allow-dirty] [--cycles] [--frames frames.json] [bench.json]
 
 bench.json is the report of `msbvh bench --peer embree --json`. Without it the benchmark runs with the options in
-MEASURED, beside Embree where the wheel embreex is installed: some 15 minutes on two quiet cores. Plots need matplotlib; the
-extra `bench` brings both. A page is of a commit: a tree with uncommitted changes is refused, or with --allow-dirty
-marked.
+MEASURED, beside Embree where the wheel embreex is installed: some 15 minutes on two quiet cores. frames.json is the report
+of `msbvh bench --frames --json`; without it frames are measured (half an hour), with --cycles beside Cycles (2 hours). Plots
+need matplotlib; the extra `bench` brings both. A page is of a commit: a tree with uncommitted changes is refused, or with
+--allow-dirty marked.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+import performance_frames
 import provenance
 from msbvh.bench import find_peer
 from msbvh.errors import SceneError
@@ -80,16 +82,19 @@ def main() -> None:
     options = argument_parser().parse_args()
     try:
         report = of_file(options.report, options.allow_dirty) if options.report else measured(options.allow_dirty)
+        frames = frames_report(options)
     except provenance.DirtyTree as error:
         sys.exit(f"make_performance: error: {error}")
     IMAGES.mkdir(exist_ok=True)
-    text = "\n".join(page(report))
+    text = "\n".join([*page(report), *performance_frames.section(frames)])
     (ROOT / "docs" / "performance.md").write_text(text + "\n", encoding="utf-8")
 
 
 def argument_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description="Writes docs/performance.md.")
     parser.add_argument("report", nargs="?", type=Path, help="of `msbvh bench --json`; default: measures")
+    parser.add_argument("--frames", type=Path, help="of `msbvh bench --frames --json`; default: measures")
+    parser.add_argument("--cycles", action="store_true", help="measure frames beside Cycles: see msbvh bench --peer-env")
     parser.add_argument("--allow-dirty", action="store_true", help="mark a tree with uncommitted changes, don't refuse it")
     return parser
 
@@ -103,10 +108,17 @@ def of_file(path: Path, allow_dirty: bool) -> dict[str, Any]:
     return report
 
 
-def measured(allow_dirty: bool) -> dict[str, Any]:
-    """Runs the benchmark. Raises DirtyTree."""
+def frames_report(options: argparse.Namespace) -> dict[str, Any]:
+    """Of whole frames, from a file or measured. Raises DirtyTree."""
+    if options.frames:
+        return of_file(options.frames, options.allow_dirty)
+    return measured(options.allow_dirty, "--frames", *(["--peer", "cycles"] if options.cycles else []))
+
+
+def measured(allow_dirty: bool, *arguments: str) -> dict[str, Any]:
+    """Runs the benchmark, of rays unless arguments say otherwise. Raises DirtyTree."""
     commit = provenance.commit(allow_dirty=allow_dirty)
-    command = [sys.executable, "-m", "msbvh", "bench", "--json", *MEASURED, *peer_option()]
+    command = [sys.executable, "-m", "msbvh", "bench", "--json", *(arguments or (*MEASURED, *peer_option()))]
     with tempfile.TemporaryFile() as out:
         subprocess.run(command, stdout=out, check=False)  # its exit code tells of wrong answers: the page shows them
         out.seek(0)

@@ -12,8 +12,9 @@ import pytest
 from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "docs"))
-import provenance
 import make_performance
+import performance_frames
+import provenance
 
 MACHINE = {
     "processor": "A processor", "cores": 2, "system": "Linux", "instruction_set": "avx3", "msbvh": "0.1.0",
@@ -84,6 +85,51 @@ def test_without_a_peer_the_page_has_our_figures() -> None:
     text = page({**MACHINE, "peer": None}, *alone)
     assert "| still | 1000 | 1 | 1.25 | 2.00 |\n" in text
     assert "no peer" in text
+
+
+FRAME_MACHINE = {
+    "processor": "A processor", "cores": 2, "commit": "abc1234", "sides": {"msbvh": "msbvh 0.1.0", "cycles": "Cycles of Blender 5"},
+    "resolution": [480, 320], "spp": 128, "reference_spp": 2048, "max_bounces": 2, "seed": 1, "repetitions": 3, "quick": False,
+    "scenes": ["*"], "threads": [1], "load_average": 0.0, "seconds": 7200.0,
+}  # fmt: skip
+
+
+def frame_row(scene: str, side: str, trace: float | None, **changed: Any) -> dict[str, Any]:
+    keys = ("trace_ratio", "process_ratio", "trace_mse_ratio", "process_mse_ratio")
+    ratios = {key: trace for key in keys}
+    spread = {f"{key}_{end}": trace for key in keys for end in ("low", "high")}
+    return {
+        "scene": scene, "says": "it moves", "threads": 1, "side": side, "read_s": 0.5, "build_s": 0.25, "trace_s": 4.0,
+        "process_s": 5.5, "start_s": 0.5, "memory_bytes": 200 << 20, "relative_mse": 0.00125, "reference_share": 0.06,
+        "mean_difference": None, "shape_difference": None, "comparable": None, **ratios, **spread,
+    } | changed  # fmt: skip
+
+
+def alike(comparable: bool) -> dict[str, Any]:
+    return {"mean_difference": 0.001, "shape_difference": 0.004 if comparable else 0.05, "comparable": comparable}
+
+
+def frames_page(*rows: dict[str, Any]) -> str:
+    return "\n".join(performance_frames.section({"machine": FRAME_MACHINE, "rows": list(rows)}))
+
+
+def test_whole_frames_have_a_section() -> None:
+    ours = [frame_row(scene, "msbvh", None) for scene in ("rotor", "cloth")]
+    text = frames_page(*ours, frame_row("rotor", "cycles", 2.0, **alike(True)), frame_row("cloth", "cycles", 8.0, **alike(True)))
+    assert "| rotor | msbvh | 0.50 | 0.25 | 4.00 | 5.50 | 0.50 | 200 | 1.25e-03 | - | - | - | - |" in text
+    assert "| 1.25e-03 | **2.00** [2.00, 2.00] | **2.00** [2.00, 2.00] |" in text
+    assert "- cycles over ours, geometric mean of 2 scenes, 1 thread: trace 4.00, process 4.00, " in text
+    assert "| rotor | it moves | cycles | 0.10% | 0.40% | alike |" in text
+    for said in ("2048 samples", "at most 6% of an error", "Diffuse BSDF", "120 minutes", "--peer cycles --threads 1"):
+        assert said in text
+
+
+def test_a_void_comparison_has_no_ratio_and_no_mean() -> None:
+    ours = [frame_row(scene, "msbvh", None) for scene in ("rotor", "cloth")]
+    text = frames_page(*ours, frame_row("rotor", "cycles", 2.0, **alike(True)), frame_row("cloth", "cycles", None, **alike(False)))
+    assert "| *void* | *void* | *void* | *void* |" in text
+    assert "| cloth | it moves | cycles | 0.10% | 5.00% | **void** |" in text
+    assert "geometric mean" not in text
 
 
 def test_a_report_of_a_dirty_tree_is_refused(tmp_path: Path) -> None:

@@ -242,8 +242,8 @@ def _run_arguments(settings: BenchSettings, name: str, peer: Peer | None) -> dic
     }
 
 
-def machine(settings: BenchSettings, peer: Peer | None) -> dict[str, Any]:
-    """What the figures depend on."""
+def host() -> dict[str, Any]:
+    """The machine, and this build."""
     return {
         "processor": _processor(),
         "cores": len(os.sched_getaffinity(0)),
@@ -251,6 +251,13 @@ def machine(settings: BenchSettings, peer: Peer | None) -> dict[str, Any]:
         "instruction_set": _core.supported_instruction_sets()[-1],
         "msbvh": _core.__version__,
         "commit": _commit(),
+    }
+
+
+def machine(settings: BenchSettings, peer: Peer | None) -> dict[str, Any]:
+    """What the figures depend on."""
+    return {
+        **host(),
         "peer": peer.name if peer else None,
         "threads": settings.thread_counts,
         "builders": list(settings.builders),

@@ -18,6 +18,10 @@ from . import _core, signals
 from .atomic import OutputError, check_folder, check_writable, write_whole
 from .bench import BenchSettings
 from .bench import run as run_bench
+from .bench_frames import FrameSettings
+from .bench_frames import run as run_frames
+from .bench_frames_table import table as frames_table
+from .bench_options import FRAMES, frame_options
 from .bench_table import table as bench_table
 from .color import ColorCorrection, ColorError
 from .conform_shutter import check_suite, shutter_text, with_shutter
@@ -224,25 +228,37 @@ def conform_command(
 
 
 @commands.command("bench")
-@with_options(BENCH)
+@with_options(BENCH, FRAMES)
 def bench_command(as_json: bool, out: Path | None, **options: Any) -> int:
     """Measure rays a second, build times and bytes on seeded scenes, with a peer side by side in the same run.
 
     Exit code 1 if our answers differ from the oracle's, if many rays at once differ from one at a time, or if a closed
-    scene leaks.
+    scene leaks. With --frames: whole frames of five scenes, each renderer in processes of its own; exit code 1 if another
+    one's picture differs, so that times cannot be compared.
     """
     reporter = Reporter()
+    frames, options = frame_options(options)
     _note_threads(options["threads"] or (), reporter)
+    name = "frames.json" if frames else "bench.json"
     if out is not None:
         check_folder(out)
-        check_writable(out / "bench.json")
+        check_writable(out / name)
     with Progress("msbvh: bench") as progress:
-        result = run_bench(BenchSettings(**options), progress, reporter.note)
+        if frames:
+            result = run_frames(FrameSettings(**options), out, progress, reporter.note)
+        else:
+            result = run_bench(BenchSettings(**options), progress, reporter.note)
     if out is not None:
-        write_whole(out / "bench.json", f"{json.dumps(result, indent=1)}\n".encode())
-    print(json.dumps(result) if as_json else bench_table(result))
-    wrong = [row for row in result["rows"] if row["mismatches"] or row["mode_mismatches"] or row["misses"]]
-    return WRONG if wrong else DONE
+        write_whole(out / name, f"{json.dumps(result, indent=1)}\n".encode())
+    print(json.dumps(result) if as_json else (frames_table if frames else bench_table)(result))
+    return WRONG if any(_wrong_row(row) for row in result["rows"]) else DONE
+
+
+def _wrong_row(row: dict[str, Any]) -> bool:
+    """Of a benchmark: whether an answer is wrong."""
+    if "comparable" in row:
+        return row["comparable"] is False
+    return bool(row["mismatches"] or row["mode_mismatches"] or row["misses"])
 
 
 def _read_one_frame(

@@ -13,14 +13,12 @@ import json
 import os
 import shlex
 import shutil
-import signal
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 
@@ -30,6 +28,7 @@ from .conformance_record import Recorded
 from .errors import SceneError
 from .frames import format_frame
 from .images import ImageReadError, read_alpha
+from .processes import exit_code, last_line
 
 MANIFEST = "rules.json"
 EVEN_ERROR = 0.004
@@ -351,7 +350,7 @@ def _run(command: Sequence[str], folder: Path, timeout_seconds: float) -> None:
     """Runs a renderer; what it says goes to renderer.log beside its image."""
     with os.fdopen(os.memfd_create("msbvh"), "r+b") as log:  # A full disk is no fault of the renderer's.
         try:
-            code = _exit_code(command, log, timeout_seconds)
+            code = exit_code(command, log, timeout_seconds)
         except OSError as error:
             raise _Failure(f"cannot be run: {command[0]}: {error.strerror}") from None
         log.seek(0)
@@ -360,32 +359,8 @@ def _run(command: Sequence[str], folder: Path, timeout_seconds: float) -> None:
     if code is None:
         raise _Failure(f"ran for more than {timeout_seconds:g} s")
     if code:
-        lines = said.decode("utf-8", errors="replace").split("\n")
-        last = next((" ".join(line.split()) for line in reversed(lines) if line.strip()), "it said nothing")
         how = f"exit code {code}" if code > 0 else f"killed by signal {-code}"
-        raise _Failure(f"{how}: {last[:160]}")
-
-
-def _exit_code(command: Sequence[str], log: IO[bytes], timeout_seconds: float) -> int | None:
-    """Waits for a command; None: it took too long. What ends the waiting ends its children too: renderers come in
-    wrapper scripts."""
-
-    def start() -> subprocess.Popen[bytes]:
-        return subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT, start_new_session=True
-        )
-
-    def end(process: subprocess.Popen[bytes]) -> None:
-        if process.poll() is None:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-
-    with signals.undone(start, end) as process:
-        try:
-            return process.wait(timeout_seconds)
-        except subprocess.TimeoutExpired:
-            return None
+        raise _Failure(f"{how}: {last_line(said)}")
 
 
 def table(outcomes: Sequence[Outcome]) -> str:

@@ -59,19 +59,40 @@ def read_alpha(path: Path) -> np.ndarray:
 
     Raises ImageReadError where there is no image, or one of several channels without alpha.
     """
-    image = oiio.ImageInput.open(str(path))
-    if image is None:
-        raise ImageReadError(f"cannot read '{path}': {oiio.geterror()}")
-    spec = image.spec()
+    image, spec = _opened(path)
     channel = spec.alpha_channel if spec.nchannels > 1 else 0
     if channel < 0:
         names = ", ".join(spec.channelnames)
         raise ImageReadError(f"'{path.name}' has no alpha channel: found {names}, expected RGBA")
-    pixels = image.read_image(channel, channel + 1, oiio.FLOAT)
+    return _channels(path, image, channel, channel + 1)[..., 0]
+
+
+def read_colour(path: Path) -> np.ndarray:
+    """The first three channels of an image: float64[height, width, 3], top row first.
+
+    Raises ImageReadError where there is no image, or one of fewer channels.
+    """
+    image, spec = _opened(path)
+    if spec.nchannels < 3:
+        raise ImageReadError(f"'{path.name}' has no colours: found {spec.nchannels} channels, expected RGB")
+    return _channels(path, image, 0, 3)
+
+
+def _opened(path: Path) -> tuple[oiio.ImageInput, oiio.ImageSpec]:
+    image = oiio.ImageInput.open(str(path))
+    if image is None:
+        raise ImageReadError(f"cannot read '{path}': {oiio.geterror()}")
+    return image, image.spec()
+
+
+def _channels(path: Path, image: oiio.ImageInput, first: int, end: int) -> np.ndarray:
+    """float64[height, width, end - first]; closes the image."""
+    spec = image.spec()
+    pixels = image.read_image(first, end, oiio.FLOAT)
     image.close()
     if pixels is None:
         raise ImageReadError(f"cannot read '{path}': {image.geterror()}")
-    return np.asarray(pixels, np.float64).reshape(spec.height, spec.width)
+    return np.asarray(pixels, np.float64).reshape(spec.height, spec.width, end - first)
 
 
 def check_image_path(path: Path, folders: Folders | None = None) -> Path:

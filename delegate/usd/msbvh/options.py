@@ -341,8 +341,9 @@ BENCH: Sequence[Decorator] = (
     ),
     click.option(
         "--peer",
-        type=click.Choice(("embree",)),
-        help="Measure it side by side. Embree comes from the wheel embreex: pip install embreex==4.4.*",
+        type=click.Choice(("embree", "cycles")),
+        help="Measure it side by side. Embree comes from the wheel embreex: pip install embreex==4.4.*. Cycles, for"
+        " --frames: see --peer-env.",
     ),
     click.option("--quick", is_flag=True, help="Small scenes and few rays: under 50 seconds on two cores."),
     click.option("--json", "as_json", is_flag=True, help="For scripts."),

@@ -1,0 +1,85 @@
+"""The options of `msbvh bench --frames`, and which of bench's go with it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .options import MAX_PIXELS_ACROSS, MAX_SPP, Decorator
+
+FRAMES: Sequence[Decorator] = (
+    click.option(
+        "--frames",
+        is_flag=True,
+        help="Whole frames of five scenes instead of rays: seconds, memory and noise of each renderer. Ours alone takes"
+        " some 30 minutes on two cores, beside Cycles 2 hours; --quick, a minute, says nothing about speed.",
+    ),
+    click.option(
+        "--old",
+        metavar="COMMAND",
+        help="With --frames: measure another msbvh beside this one, such as '/opt/old/bin/msbvh'.",
+    ),
+    click.option(
+        "--peer-env",
+        "peer_folder",
+        type=click.Path(path_type=Path),
+        metavar="DIR",
+        help="With --peer cycles: the Python environment that has bpy. Made where there is none: a GB. Default: in the"
+        " user's cache.",
+    ),
+    click.option(
+        "--resolution",
+        nargs=2,
+        type=click.IntRange(1, MAX_PIXELS_ACROSS),
+        metavar="W H",
+        help="With --frames: pixels. Default: 480 320; of a quick run 96 64.",
+    ),
+    click.option(
+        "--spp",
+        type=click.IntRange(1, MAX_SPP),
+        help="With --frames: samples a pixel. Default: 128; of a quick run 16.",
+    ),
+    click.option(
+        "--reference-spp",
+        type=click.IntRange(0, MAX_SPP),
+        help="With --frames: of the converged pictures that noise is measured by, which take most of the time; 0: none,"
+        " times alone. Default: 2048; of a quick run 256.",
+    ),
+    click.option(
+        "--max-bounces",
+        type=click.IntRange(0, 64),
+        help="With --frames: of indirect light. Default: 2.",
+    ),
+)
+
+RAYS_ONLY = ("builders", "triangles")
+FRAMES_ONLY = ("old", "peer_folder", "resolution", "spp", "reference_spp", "max_bounces")
+NAMES = {"builders": "--builder", "peer_folder": "--peer-env"}
+"""Of options whose parameter is called something else."""
+
+
+def frame_options(options: dict[str, Any]) -> tuple[bool, dict[str, Any]]:
+    """Whether frames are asked for, and the options of that benchmark alone. Raises UsageError for those of the other
+    one."""
+    frames = options["frames"]
+    foreign = RAYS_ONLY if frames else FRAMES_ONLY
+    for name in foreign:
+        if options[name] not in (None, ()):
+            option = NAMES.get(name, f"--{name.replace('_', '-')}")
+            raise click.UsageError(
+                f"{option} and --frames exclude each other" if frames else f"{option} needs --frames"
+            )
+    peer = options["peer"]
+    if peer and (peer == "cycles") != frames:
+        raise click.UsageError(
+            f"--peer {peer}: found {'' if frames else 'no '}--frames; cycles goes with it, embree without"
+        )
+    if options["peer_folder"] and peer != "cycles":
+        raise click.UsageError("--peer-env needs --peer cycles")
+    kept = {name: value for name, value in options.items() if name not in (*foreign, "frames")}
+    return frames, {
+        name: value for name, value in kept.items() if not (name == "max_bounces" and value is None)
+    }

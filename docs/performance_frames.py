@@ -1,0 +1,157 @@
+"""The section of docs/performance.md on whole frames: of the report of `msbvh bench --frames --json`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+Row = dict[str, Any]
+
+HEAD = """## Whole frames
+
+Made by `{command}`{commit}: {processor}, {cores} cores;
+{sides}. {width} x {height} pixels, {spp} samples, {bounces} bounces of indirect light, box filter, one sun, diffuse
+surfaces of displayColor; seed {seed}; load average {load_average:.1f} before the run, which took {minutes:.0f} minutes.
+{dirty}
+Each frame is a process of its own, on as many processors as it has threads; the sides take turns. Figures are medians of
+{repetitions} rounds. *read*: from the file to the renderer's scene, evaluated over the shutter. *build*: trees, and whatever
+else comes before the first ray. *trace*: pixels. *process*: from the start of the process to its end, with *start* (the
+interpreter and its libraries) and the picture's file. *MB*: the most that the process held at once. {errors}
+A side's ratio is its figure over ours, from frames that stand side by side, with the lowest and the highest of the rounds
+in brackets: above 1 we are better. {likeness}
+"""
+
+ERRORS = """*MSE*: the
+mean over pixels and channels of (x - r)^2 / (r^2 + 0.01), where r is the same renderer's picture at {reference_spp} samples,
+whose own noise is known from its halves and taken away (it is at most {share:.0%} of an error here).
+"""
+
+NO_ERRORS = "No noise was measured."
+
+LIKENESS = """Sides are compared only where
+their converged pictures are alike: means of channels within 1 %, and means of 8 x 8 pixels within 2 % (relative, root mean
+square, without noise). *void* marks what is not.
+"""
+
+CYCLES = """
+Cycles reads the same USD file by Blender's importer, in its best mode for it: as many motion steps as each scene needs
+and no more, spatial splits, no tiles, no denoiser, no adaptive sampling; its surfaces are a Diffuse BSDF, flat as USD
+has them, its sun is as bright as ours (the importer makes it 4 times as bright).
+"""
+
+DIRTY = """**Made from a tree with uncommitted changes**: the commit above does not reproduce it.
+"""
+
+COLUMNS = ("scene", "side", "read s", "build s", "trace s", "process s", "start s", "MB", "MSE")
+RATIOS = ("trace", "process", "trace x MSE", "process x MSE")
+RATIO_KEYS = ("trace_ratio", "process_ratio", "trace_mse_ratio", "process_mse_ratio")
+
+
+def section(report: dict[str, Any]) -> Iterator[str]:
+    """The lines of the section: a table for each number of threads."""
+    machine, rows = report["machine"], report["rows"]
+    yield head(machine, rows)
+    for threads in machine["threads"]:
+        yield f"### {threads} thread{'s' if threads > 1 else ''}\n"
+        yield f"| {' | '.join((*COLUMNS, *(f'**{name}** / ours' for name in RATIOS)))} |"
+        yield "|---" * (len(COLUMNS) + len(RATIOS)) + "|"
+        for row in rows:
+            if row["threads"] == threads:
+                yield f"| {' | '.join(cells(row))} |"
+        yield ""
+    yield from means(machine, rows)
+    yield from likeness_table(rows)
+
+
+def head(machine: dict[str, Any], rows: Sequence[Row]) -> str:
+    commit = machine["commit"]
+    shares = [row["reference_share"] for row in rows if row["reference_share"] is not None]
+    alike = any(row["comparable"] is not None for row in rows)
+    text = HEAD.format(
+        **{
+            **machine,
+            "command": command_of(machine),
+            "commit": f" ({commit})" if commit else "",
+            "sides": "; ".join(f"{name}: {software}" for name, software in machine["sides"].items()),
+            "width": machine["resolution"][0],
+            "height": machine["resolution"][1],
+            "bounces": machine["max_bounces"],
+            "minutes": machine["seconds"] / 60,
+            "dirty": DIRTY if commit is None or commit.endswith("-dirty") else "",
+            "errors": ERRORS.format(**machine, share=max(shares)) if shares else NO_ERRORS,
+            "likeness": LIKENESS if alike else "",
+        }
+    )
+    return text + (CYCLES if "cycles" in machine["sides"] else "")
+
+
+def command_of(machine: dict[str, Any]) -> str:
+    """The command line that made the report; the folder of a peer and the place of an old build are the machine's own."""
+    words = ["msbvh bench --frames"]
+    words += ["--old COMMAND"] if "old" in machine["sides"] else []
+    words += ["--peer cycles"] if "cycles" in machine["sides"] else []
+    words += ["--quick"] if machine["quick"] else []
+    words += [f"--scenes {','.join(machine['scenes'])}"] if machine["scenes"] != ["*"] else []
+    words += [f"--threads {','.join(map(str, machine['threads']))}"]
+    words += [f"--resolution {' '.join(map(str, machine['resolution']))} --spp {machine['spp']}"]
+    words += [f"--reference-spp {machine['reference_spp']}"]
+    words += [f"--max-bounces {machine['max_bounces']}"] if machine["max_bounces"] != 2 else []
+    words += [f"--seed {machine['seed']}"] if machine["seed"] != 1 else []
+    words += [f"--repetitions {machine['repetitions']}"]
+    return " ".join(words)
+
+
+def cells(row: Row) -> list[str]:
+    seconds = [f"{row[key]:.2f}" for key in ("read_s", "build_s", "trace_s", "process_s", "start_s")]
+    error = "-" if row["relative_mse"] is None else f"{row['relative_mse']:.2e}"
+    memory = f"{row['memory_bytes'] / (1 << 20):.0f}"
+    return [row["scene"], row["side"], *seconds, memory, error, *(ratio(row, key) for key in RATIO_KEYS)]
+
+
+def ratio(row: Row, key: str) -> str:
+    if row["comparable"] is False:
+        return "*void*"
+    if row[key] is None:
+        return "-"
+    return f"**{row[key]:.2f}** [{row[f'{key}_low']:.2f}, {row[f'{key}_high']:.2f}]"
+
+
+def means(machine: dict[str, Any], rows: Sequence[Row]) -> Iterator[str]:
+    """Of the scenes' ratios, for each side and number of threads: geometric, as means of ratios must be."""
+    for side in list(machine["sides"])[1:]:
+        for threads in machine["threads"]:
+            chosen = [row for row in rows if row["side"] == side and row["threads"] == threads]
+            said = [
+                f"{name} {mean}"
+                for name, key in zip(RATIOS, RATIO_KEYS, strict=True)
+                if (mean := geometric(chosen, key))
+            ]
+            if said:
+                count = f"{threads} thread{'s' if threads > 1 else ''}"
+                yield f"- {side} over ours, geometric mean of {len(chosen)} scenes, {count}: {', '.join(said)}"
+    yield ""
+
+
+def geometric(rows: Sequence[Row], key: str) -> str:
+    """Empty where a scene has no ratio: a mean of the others would flatter."""
+    product = 1.0
+    for row in rows:
+        if row[key] is None:
+            return ""
+        product *= row[key]
+    return f"{product ** (1 / len(rows)):.2f}" if rows else ""
+
+
+def likeness_table(rows: Sequence[Row]) -> Iterator[str]:
+    """How the converged pictures differ from ours."""
+    found = [row for row in rows if row["comparable"] is not None and row["threads"] == rows[0]["threads"]]
+    if not found:
+        return
+    yield "### Whether the sides draw the same\n"
+    yield "| scene | what moves | side | means differ | squares of 8 x 8 pixels differ | |"
+    yield "|---|---|---|---|---|---|"
+    for row in found:
+        verdict = "alike" if row["comparable"] else "**void**"
+        difference = f"{row['mean_difference']:.2%} | {row['shape_difference']:.2%}"
+        yield f"| {row['scene']} | {row['says']} | {row['side']} | {difference} | {verdict} |"
+    yield ""
