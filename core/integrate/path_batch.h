@@ -27,7 +27,6 @@ namespace msbvh {
 
 using PathIndex = std::uint32_t;
 
-// Some bytes a path hold the stages' arrays: docs/design/path_tracing.md has the figure.
 inline constexpr std::size_t kMaxBatchPaths = 4096;
 
 // Shadow rays on their way, and what each brings its path if nothing is in its way.
@@ -97,5 +96,10 @@ struct PathBatch {
   // Room for some paths, none of them under way. Memory is kept from batch to batch.
   void reset(std::size_t paths);
 };
+
+// What the arrays above take, AOVs apart. Four rays: at hand, scattered, shadow and retraced; two hits.
+inline constexpr std::size_t kBytesAPath = sizeof(Sampler) + 4 * sizeof(Ray) + 2 * sizeof(Hit) +
+                                           sizeof(SurfaceHit) + 3 * sizeof(Vec3f) + 8 * sizeof(PathIndex) +
+                                           sizeof(std::uint64_t) + 5 * sizeof(float) + sizeof(bool);
 
 }  // namespace msbvh
