@@ -100,6 +100,9 @@ void check_mesh(const Mesh& mesh, const Scene& scene, const std::string& part) {
          part, "triangleMaterials", std::to_string(mesh.triangle_materials.size()) + " values",
          "none or " + std::to_string(mesh.shape.triangles.size()));
   expect_materials(mesh.triangle_materials, scene, part, "triangleMaterials");
+  expect(mesh.triangle_faces.empty() || mesh.triangle_faces.size() == mesh.shape.triangles.size(), part,
+         "triangleFaces", std::to_string(mesh.triangle_faces.size()) + " values",
+         "none or " + std::to_string(mesh.shape.triangles.size()));
 }
 
 void check_material(const Material& material, const std::string& part) {

@@ -207,10 +207,12 @@ std::optional<TranslatedMesh> translate_mesh(const MeshInput& input, MeshTarget&
   if (topology.triangles.empty()) return std::nullopt;
   const bool in_world = target.measure != nullptr;
   const MeshMotion motion{input, *points, transform, topology};
-  if (in_world && points->track.is_still() && !transform.is_still() && !transform.is_singular_somewhere()) {
-    return in_moving_transform(motion, target, log);
-  }
-  return baked(motion, target, log);
+  const bool keeps_transform =
+      in_world && points->track.is_still() && !transform.is_still() && !transform.is_singular_somewhere();
+  std::optional<TranslatedMesh> result =
+      keeps_transform ? in_moving_transform(motion, target, log) : baked(motion, target, log);
+  if (result && target.keep_faces) result->mesh.triangle_faces = topology.faces;
+  return result;
 }
 
 }  // namespace msbvh::translate

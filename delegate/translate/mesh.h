@@ -27,6 +27,7 @@ struct MeshTarget {
   std::uint32_t width = 1, height = 1;
   FitSettings settings;
   std::uint32_t material_count = 0;
+  bool keep_faces = false;
 };
 
 struct TranslatedMesh {

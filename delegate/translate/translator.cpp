@@ -89,7 +89,7 @@ struct Translator::Data {
 };
 
 MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
-  MeshTarget result{in_world, 0.0, std::nullopt, settings.width, settings.height, fit, 0};
+  MeshTarget result{in_world, 0.0, std::nullopt, settings.width, settings.height, fit, 0, settings.keep_faces};
   if (in_world) result.origin = origin;
   return result;
 }

@@ -25,6 +25,7 @@ struct TranslatorSettings {
   double motion_tolerance_pixels = 0.1;
   std::uint32_t max_segments = kMaxSegments;
   TrackChoice choice{};  // which tracks may be used
+  bool keep_faces = false;  // for the AOV elementId: which face each triangle is of
 };
 
 // How a prim's motion was kept: the camera's, then one for each mesh, set of instances and light. For

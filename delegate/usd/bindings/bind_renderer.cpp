@@ -11,6 +11,7 @@
 #include <optional>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "core/api/renderer.h"
 #include "core/base/error.h"
@@ -78,16 +79,26 @@ void commit(Renderer& renderer, std::shared_ptr<const Scene> scene, RenderSettin
   if (raised) std::rethrow_exception(raised);
 }
 
-using ImageArray = nb::ndarray<nb::numpy, float, nb::shape<-1, -1, 4>>;
-
-// Hands the pixels over to numpy without a copy.
-ImageArray to_array(Image image) {
-  auto* owned = new Image(std::move(image));
-  nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<Image*>(p); });
-  return ImageArray(owned->rgba.data(), {owned->height, owned->width, 4}, owner);
+// Hands values over to numpy without a copy, with `owner` kept alive.
+nb::object to_array(const AovImage& aov, const Image& image, const nb::capsule& owner) {
+  const std::size_t h = image.height, w = image.width, channels = form_of(aov.aov).channels;
+  if (form_of(aov.aov).is_id)
+    return nb::cast(nb::ndarray<nb::numpy, const std::int32_t>(aov.ids.data(), {h, w}, owner));
+  return nb::cast(nb::ndarray<nb::numpy, const float>(aov.values.data(), {h, w, channels}, owner));
 }
 
-ImageArray render(Renderer& renderer, const nb::object& progress) {
+// (pixels [h, w, 4], name -> values of each AOV).
+nb::tuple to_arrays(Image image) {
+  auto* owned = new Image(std::move(image));
+  nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<Image*>(p); });
+  using Pixels = nb::ndarray<nb::numpy, float, nb::shape<-1, -1, 4>>;
+  const Pixels pixels(owned->rgba.data(), {owned->height, owned->width, 4}, owner);
+  nb::dict aovs;
+  for (const AovImage& aov : owned->aovs) aovs[form_of(aov.aov).name] = to_array(aov, *owned, owner);
+  return nb::make_tuple(pixels, aovs);
+}
+
+nb::tuple render_with_aovs(Renderer& renderer, const nb::object& progress) {
   std::exception_ptr raised;
   const ProgressFunction report = [&](double done) {
     nb::gil_scoped_acquire acquire;
@@ -104,7 +115,11 @@ ImageArray render(Renderer& renderer, const nb::object& progress) {
     if (!raised) throw;
   }
   if (raised) std::rethrow_exception(raised);
-  return to_array(std::move(*image));
+  return to_arrays(std::move(*image));
+}
+
+nb::object render(Renderer& renderer, const nb::object& progress) {
+  return nb::object(render_with_aovs(renderer, progress)[0]);
 }
 
 std::vector<std::tuple<std::string, std::string, std::string>> plan(const Renderer& renderer) {
@@ -154,9 +169,28 @@ nb::dict statistics(const Renderer& renderer) {
   return result;
 }
 
+nb::tuple aov_names() {
+  nb::list names;
+  for (std::size_t i = 0; i < kAovCount; ++i) names.append(form_of(Aov(i)).name);
+  return nb::tuple(names);
+}
+
+std::vector<Aov> aovs_from(const std::vector<std::string>& names) {
+  std::vector<Aov> aovs;
+  for (const std::string& name : names) {
+    const std::optional<Aov> aov = aov_named(name);
+    if (!aov)
+      throw Error(
+          std::string("render settings: aovs: found '").append(name).append("'; expected one of aov_names()"));
+    aovs.push_back(*aov);
+  }
+  return aovs;
+}
+
 void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width, std::uint32_t height,
                   std::uint32_t spp, std::uint32_t seed, std::uint32_t max_bounces, std::uint32_t threads,
-                  bool show_domes, const std::string& builder, const std::string& refit, bool keep_topology) {
+                  bool show_domes, const std::string& builder, const std::string& refit, bool keep_topology,
+                  const std::vector<std::string>& aovs) {
   RenderSettings settings{.width = width,
                           .height = height,
                           .spp = spp,
@@ -168,6 +202,7 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
   settings.build.builder = builder_from(builder);
   settings.build.refit = refit_from(refit);
   settings.build.keep_topology = keep_topology;
+  settings.aovs = aovs_from(aovs);
   commit(self, scene.scene, std::move(settings));
 }
 
@@ -185,6 +220,7 @@ void init(Renderer* self, const SceneHandle& scene, Settings... settings) {
 }  // namespace
 
 void bind_renderer(nb::module_& m) {
+  m.def("aov_names", &aov_names);
   const RenderSettings defaults;
   const auto def_with_settings = [&defaults](nb::class_<Renderer>& renderer, const char* name,
                                              const auto& function) {
@@ -192,14 +228,17 @@ void bind_renderer(nb::module_& m) {
                  nb::arg("spp") = defaults.spp, nb::arg("seed") = defaults.seed,
                  nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
                  nb::arg("show_domes") = defaults.show_domes, nb::arg("builder") = "msbvh",
-                 nb::arg("refit") = "auto", nb::arg("keep_topology") = defaults.build.keep_topology);
+                 nb::arg("refit") = "auto", nb::arg("keep_topology") = defaults.build.keep_topology,
+                 nb::arg("aovs") = std::vector<std::string>());
   };
   nb::class_<Renderer> renderer(m, "Renderer");
-  def_with_settings(renderer, "__init__",
-                    &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t,
-                          std::uint32_t, bool, const std::string&, const std::string&, bool>);
+  def_with_settings(
+      renderer, "__init__",
+      &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, bool,
+            const std::string&, const std::string&, bool, const std::vector<std::string>&>);
   def_with_settings(renderer, "commit", &commit_scene);
   renderer.def("render", &render, nb::arg("progress") = nb::none())
+      .def("render_with_aovs", &render_with_aovs, nb::arg("progress") = nb::none())
       .def("verify", &Renderer::verify, nb::call_guard<nb::gil_scoped_release>())
       .def_prop_ro("plan", &plan)
       .def_prop_ro("statistics", &statistics);

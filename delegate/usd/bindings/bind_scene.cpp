@@ -105,11 +105,18 @@ nb::tuple camera_at(const SceneHandle& handle, float time) {
                         nb::make_tuple(clip.near_clip, clip.far_clip));
 }
 
+std::vector<std::string> mesh_names(const SceneHandle& handle) {
+  std::vector<std::string> names;
+  for (const Mesh& mesh : handle.scene->meshes) names.push_back(mesh.shape.name);
+  return names;
+}
+
 }  // namespace
 
 void bind_scene(nb::module_& m) {
   nb::class_<SceneHandle>(m, "Scene")
       .def("statistics", &statistics)
+      .def_prop_ro("mesh_names", &mesh_names)
       .def("poses", &poses, nb::arg("time01"))
       .def("camera", &camera_at, nb::arg("time01"));
 }

@@ -115,6 +115,8 @@ TranslatorSettings settings_from(Arguments& arguments) {
     settings.max_segments = arguments.value<std::uint32_t>("max_segments", "an int");
   }
   settings.choice = choice_from(arguments, settings.max_segments);
+  if (!arguments.optional("keep_faces").is_none())
+    settings.keep_faces = arguments.value<bool>("keep_faces", "a bool");
   return settings;
 }
 

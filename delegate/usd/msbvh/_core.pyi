@@ -84,6 +84,9 @@ class Scene:
     """A finished frame, for Renderer."""
 
     def statistics(self) -> SceneStatistics: ...
+    @property
+    def mesh_names(self) -> list[str]:
+        """Of the prims that primId counts, in its order."""
     def camera(
         self, time01: float
     ) -> tuple[list[list[float]], tuple[float, float, float, float], tuple[float, float]]:
@@ -189,12 +192,14 @@ class Translator:
         max_segments: int = 128,
         interpolation: Literal["auto", "linear", "quadratic", "cubic"] = "auto",
         segments: int = 0,
+        keep_faces: bool = False,
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
         bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one),
         ``bends01``: where its motion may change its course; None: at every time. ``periods01``: shares of the
         shutter after which it may repeat.
         ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
+        ``keep_faces``: for the AOV elementId.
 
         Raises Error for a camera or settings that cannot be used.
         """
@@ -279,6 +284,11 @@ class RenderSettings(TypedDict, total=False):
     refit: Literal["auto", "always", "never"]
     keep_topology: bool
     """So that the next commit() can refit."""
+    aovs: Sequence[str]
+    """Of aov_names(); what render_with_aovs() returns beside colour."""
+
+def aov_names() -> tuple[str, ...]:
+    """Of what a pixel can tell beside its colour: core/film/aov.h says what each means."""
 
 class Renderer:
     def __init__(self, scene: Scene, **settings: Unpack[RenderSettings]) -> None:
@@ -297,6 +307,10 @@ class Renderer:
         Without the GIL. ``progress`` is called with the finished share about ten times a second on the
         calling thread; its exception, or a signal's, stops within a tile and is raised here.
         """
+    def render_with_aovs(
+        self, progress: Callable[[float], object] | None = None
+    ) -> tuple[F32, dict[str, F32 | I32]]:
+        """render(), and each AOV by its name: int32[height, width] of ids, else float32[height, width, channels]."""
     def verify(self) -> None:
         """Proves the invariants of every tree that was built; raises Error naming the node that breaks one.
 

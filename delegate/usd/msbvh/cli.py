@@ -52,7 +52,7 @@ from .samples import SampleLog
 from .stage import open_stage, tf_messages
 from .stage_metadata import start_time
 
-RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "builder", "refit")
+RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "aovs", "builder", "refit")
 """Options that are fields of RenderSettings."""
 RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")
 
@@ -123,6 +123,8 @@ def record_command(
     """
     _check_renderer(renderer)
     _check_text(scene, options)
+    if options["aovs"] and not any(Path(output).suffix.lower() == ".exr" for output in outputs):
+        raise click.UsageError("--aov: only .exr files hold AOVs, and no OUT is one")
     jobs = _record_jobs(outputs, frames, options["default_time"])
     settings = RecordSettings(
         read=_read_settings(options),
@@ -328,6 +330,7 @@ def _read_settings(options: dict[str, Any]) -> ReadSettings:
         max_instances=options["max_instances"],
         disable_camera_light=options["disable_camera_light"],
         complexity=options["complexity"],
+        keep_faces="elementId" in options.get("aovs", ()),
     )
 
 

@@ -8,10 +8,12 @@ unassociated, TIFF associated, JPEG none (the image lies over black).
 from __future__ import annotations
 
 import errno
+import json
 import mmap
 import os
 import resource
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +50,18 @@ class ImageSettings:
     """Something lies behind what alpha covers (a visible dome): display formats then get alpha 1."""
     exr_float: bool = False
     """EXR in 32-bit floats: twice the bytes of half; no rounding to 11 bits, no limit at HALF_MAX."""
+
+
+@dataclass(frozen=True)
+class Layers:
+    """What a frame consists of."""
+
+    rgba: np.ndarray
+    """float32[h, w, 4]: linear, premultiplied, top row first."""
+    aovs: Mapping[str, np.ndarray] = field(default_factory=dict)
+    """By name: int32[h, w] of ids, else float32[h, w, channels]. EXR alone stores them, in 32-bit floats."""
+    prims: Sequence[str] = ()
+    """The paths that primId counts."""
 
 
 class ImageReadError(Exception):
@@ -104,12 +118,16 @@ def check_image_path(path: Path, folders: Folders | None = None) -> Path:
     return check_writable(path, folders)
 
 
-def write_image(path: Path, rgba: np.ndarray, metadata: ImageMetadata, settings: ImageSettings) -> None:
-    """Writes linear, premultiplied float32[h, w, 4], top row first, complete or not at all. Raises
-    OutputError."""
+def write_image(
+    path: Path, layers: np.ndarray | Layers, metadata: ImageMetadata, settings: ImageSettings
+) -> None:
+    """Writes a frame, or its colour alone (Layers.rgba), complete or not at all. Raises OutputError."""
     check_image_path(path)
     suffix = path.suffix.lower()
-    pixels, spec = _encode(suffix, rgba, settings)
+    layers = layers if isinstance(layers, Layers) else Layers(layers)
+    pixels, spec = _encode(suffix, layers.rgba, settings)
+    if suffix == ".exr" and layers.aovs:
+        pixels = _add_aovs(pixels, spec, layers)
     _describe(spec, metadata)
     try:
         content = _file_content(FORMATS[suffix], pixels, spec)
@@ -205,6 +223,24 @@ def _encode_exr(rgba: np.ndarray, exr_float: bool) -> tuple[np.ndarray, oiio.Ima
     spec.attribute("oiio:ColorSpace", "lin_rec709_scene")
     spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), _REC709_CHROMATICITIES)
     return pixels, spec
+
+
+def _add_aovs(pixels: np.ndarray, spec: oiio.ImageSpec, layers: Layers) -> np.ndarray:
+    """The pixels with the channels of the AOVs behind them."""
+    names, parts = list(spec.channelnames), [pixels]
+    for name, values in layers.aovs.items():
+        part = values.astype(np.float32).reshape(*pixels.shape[:2], -1)
+        # An infinite value spoils every filter behind us; Hydra clears cameraDepth to 0.
+        parts.append(np.where(np.isinf(part), np.float32(0.0), part))
+        parts_of_it = "RGB" if name == "albedo" else "XYZ"
+        names += [name] if part.shape[2] == 1 else [f"{name}.{letter}" for letter in parts_of_it]
+    storage = oiio.TypeDesc(spec.format)
+    spec.nchannels = len(names)
+    spec.channelnames = tuple(names)
+    spec.channelformats = tuple([storage] * pixels.shape[2] + [oiio.TypeDesc("float")] * (len(names) - pixels.shape[2]))
+    if layers.prims:
+        spec.attribute("msbvh:prims", json.dumps(list(layers.prims)))
+    return np.ascontiguousarray(np.concatenate(parts, axis=2))
 
 
 def _spec(pixels: np.ndarray, storage: oiio.BASETYPE) -> oiio.ImageSpec:

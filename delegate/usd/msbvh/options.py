@@ -217,6 +217,15 @@ OUTPUT: Sequence[Decorator] = (
         "--ocio-display", metavar="NAME", help="Of mode openColorIO; default: the built-in config's."
     ),
     click.option("--ocio-view", metavar="NAME", help="Of mode openColorIO; default: the display's."),
+    click.option(
+        "--aov",
+        "aovs",
+        type=Names(_core.aov_names()),
+        default=(),
+        metavar="NAME[,...]",
+        help=f"Beside colour, as 32-bit channels of .exr files: any of {', '.join(_core.aov_names())}. Normals and albedo are"
+        " means, depths and ids those of a pixel's nearest sample; where nothing is, ids are -1, depth 1, the rest 0.",
+    ),
     click.option("--exr-float", is_flag=True, help="EXR in 32-bit floats instead of half: twice the bytes."),
     click.option(
         "--stats",

@@ -69,6 +69,8 @@ class ReadSettings:
     """Exactly these for whatever moves, a power of two; 0: as few as it takes."""
     max_instances: int = MAX_INSTANCES
     """More are refused, nested ones multiplied out."""
+    keep_faces: bool = False
+    """Which face each triangle is of, for the AOV elementId: four bytes a triangle."""
 
 
 @dataclass
@@ -240,6 +242,7 @@ class _FrameReader:
             "max_segments": settings.max_segments,
             "interpolation": settings.interpolation,
             "segments": settings.segments,
+            "keep_faces": settings.keep_faces,
         }
 
     def _add_world_meshes(self) -> None:

@@ -9,13 +9,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from pxr import Usd
 
 from . import _core
 from .atomic import OutputError
 from .errors import Diagnostics
-from .images import ImageSettings, write_image
+from .images import ImageSettings, Layers, write_image
 from .metadata import ImageMetadata
 from .outputs import Outputs
 from .progress import PATIENCE_SECONDS, Progress
@@ -38,6 +37,8 @@ class RenderSettings:
     show_domes: bool = False
     """Whether dome lights are seen behind the scene (usdrecord's --enableDomeLightVisibility)."""
     builder: str = "msbvh"
+    aovs: tuple[str, ...] = ()
+    """What is written beside colour, of _core.aov_names()."""
     refit: str = "auto"
     """What a frame's trees take over from those of the frame before: core/build/settings.h."""
 
@@ -166,10 +167,11 @@ def _record_frame(
         renderer = trees.renderer(result)
     stats.plan = plan_entries(renderer)
     with stats.timed("trace"), Progress(f"msbvh: {frame_label(frame)}") as progress:
-        pixels = renderer.render(progress)
+        pixels, aovs = renderer.render_with_aovs(progress)
     stats.render = dict(renderer.statistics)
     with stats.timed("write"):
-        _write_images(files, pixels, _metadata(rate, result, stats, settings.render), settings.image)
+        layers = Layers(pixels, aovs, result.scene.mesh_names if "primId" in aovs else [])
+        _write_images(files, layers, _metadata(rate, result, stats, settings.render), settings.image)
     reporter.note(f"{frame_label(frame)}: wrote {', '.join(files)} in {sum(stats.seconds.values()):.1f} s")
     return stats
 
@@ -215,13 +217,13 @@ def _metadata(
 
 
 def _write_images(
-    files: Sequence[str], pixels: np.ndarray, metadata: ImageMetadata, settings: ImageSettings
+    files: Sequence[str], layers: Layers, metadata: ImageMetadata, settings: ImageSettings
 ) -> None:
     """All that can be written: the picture is not lost where one of several disks is full."""
     faults: list[str] = []
     for file in files:
         try:
-            write_image(Path(file), pixels, metadata, settings)
+            write_image(Path(file), layers, metadata, settings)
         except OutputError as error:
             faults.append(str(error))
     if faults:

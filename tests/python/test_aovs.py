@@ -1,0 +1,106 @@
+"""What pixels tell beside their colour: `record --aov`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import OpenImageIO as oiio
+import pytest
+from conftest import Run
+from msbvh import _core
+
+STAGE = """#usda 1.0
+(
+    startTimeCode = 1
+    upAxis = "Y"
+)
+def Camera "Cam" {
+    token projection = "orthographic"
+    float horizontalAperture = 40
+    float verticalAperture = 10
+    float2 clippingRange = (1, 101)
+    double3 xformOp:translate = (2, 0.5, 51)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def Mesh "Wall" {
+    int[] faceVertexCounts = [5, 4]
+    int[] faceVertexIndices = [0, 1, 2, 3, 4, 1, 5, 6, 2]
+    point3f[] points = [(-0.5, -1, 0), (1, -1, 0), (1, 2, 0), (0.5, 2, 0), (-0.5, 2, 0), (2, -1, 0), (2, 2, 0)]
+    color3f[] primvars:displayColor = [(0.25, 0.5, 0.75)]
+    uniform token subdivisionScheme = "none"
+}
+def PointInstancer "Crowd" {
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(90, 0, 0), (2.5, 0, 30)]
+    rel prototypes = </Crowd/Card>
+    def Mesh "Card" {
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(-0.5, -1, 0), (0.5, -1, 0), (0.5, 2, 0), (-0.5, 2, 0)]
+        uniform token subdivisionScheme = "none"
+    }
+}
+"""
+
+
+@pytest.fixture
+def stage(tmp_path: Path) -> Path:
+    path = tmp_path / "stage.usda"
+    path.write_text(STAGE)
+    return path
+
+
+def channels(path: Path) -> dict[str, np.ndarray]:
+    """float32[h, w] of each channel."""
+    image = oiio.ImageBuf(str(path))
+    pixels = image.get_pixels(oiio.FLOAT)
+    return {name: pixels[..., i] for i, name in enumerate(image.spec().channelnames)}
+
+
+def test_each_output_is_in_the_file_of_colour(msbvh: Run, stage: Path, tmp_path: Path) -> None:
+    out = tmp_path / "a.exr"
+    done = msbvh("record", stage, out, "--resolution", 4, 1, "--spp", 16, "--aov", ",".join(_core.aov_names()))
+    assert done.returncode == 0, done.stderr
+    spec = oiio.ImageInput.open(str(out)).spec()
+    assert spec.channelnames[:4] == ("R", "G", "B", "A")
+    assert [str(form) for form in spec.channelformats] == ["half"] * 4 + ["float"] * (spec.nchannels - 4)
+    found = channels(out)
+    np.testing.assert_allclose(found["cameraDepth"][0], [51, 51, 21, 0], rtol=1e-6)
+    np.testing.assert_allclose(found["depth"][0], [0.5, 0.5, 0.2, 1.0], atol=1e-6)
+    np.testing.assert_array_equal(found["elementId"][0], [0, 1, 0, -1])
+    np.testing.assert_array_equal(found["instanceId"][0], [-1, -1, 1, -1])
+    prims = json.loads(spec.getattribute("msbvh:prims"))
+    named = ["" if i < 0 else prims[int(i)] for i in found["primId"][0]]
+    assert named == ["/Wall", "/Wall", "/Crowd/Card", ""]
+    np.testing.assert_array_equal([found[f"normal.{c}"][0, 0] for c in "XYZ"], [0, 0, 1])
+    np.testing.assert_array_equal([found[f"Neye.{c}"][0, 3] for c in "XYZ"], [0, 0, 0])
+    np.testing.assert_array_equal([found[f"albedo.{c}"][0, 0] for c in "RGB"], [0.25, 0.5, 0.75])
+
+
+def test_outputs_do_not_change_colour(msbvh: Run, stage: Path, tmp_path: Path) -> None:
+    for name, more in (("plain.exr", ()), ("more.exr", ("--aov", "normal depth"))):
+        msbvh("record", stage, tmp_path / name, "-w", 16, "--spp", 4, "--exr-float", *more)
+    plain, more = channels(tmp_path / "plain.exr"), channels(tmp_path / "more.exr")
+    assert set(more) - set(plain) == {"normal.X", "normal.Y", "normal.Z", "depth"}
+    for name, values in plain.items():
+        np.testing.assert_array_equal(values, more[name])
+
+
+def test_formats_without_channels_get_colour_and_nothing_is_lost_in_silence(
+    msbvh: Run, stage: Path, tmp_path: Path
+) -> None:
+    done = msbvh("record", stage, tmp_path / "a.png", "--aov", "depth")
+    assert done.returncode == 2 and "only .exr files hold AOVs" in done.stderr
+    done = msbvh("record", stage, tmp_path / "a.exr", "--aov", "depht")
+    assert done.returncode == 2 and "found 'depht'" in done.stderr and "cameraDepth" in done.stderr
+    done = msbvh("record", stage, tmp_path / "a.png", tmp_path / "a.exr", "-w", 8, "--spp", 1, "--aov", "depth")
+    assert done.returncode == 0 and "depth" in channels(tmp_path / "a.exr")
+
+
+def test_what_is_asked_for_is_in_the_plan(msbvh: Run, stage: Path, tmp_path: Path) -> None:
+    stats = tmp_path / "s.json"
+    msbvh("record", stage, tmp_path / "a.exr", "-w", 8, "--spp", 1, "--aov", "normal", "--stats", stats)
+    plan = json.loads(stats.read_text())["frames"][0]["plan"]
+    assert {"effect": "AOVs", "prim": "", "why": "normal"} in plan
