@@ -48,6 +48,7 @@ PACKAGE = "delegate/usd/msbvh/"
 MODULE_HOMES = {
     "click": {"cli", "option_types", "options"},
     "tqdm": {"progress"},
+    "lz4": {"crate_check"},
     "OpenImageIO": {"images", "texture_mean"},
     "PyOpenColorIO": {"color"},
 }
