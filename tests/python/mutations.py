@@ -126,6 +126,7 @@ def mutated(seed: int) -> tuple[str, str]:
 def outcome(text: str) -> str:
     """drawn, unreadable (no USD any more), refused: and why, or what must not be."""
     from msbvh import _core
+    from msbvh.crash_line import crash_line
     from msbvh.errors import SceneError
     from msbvh.reader import ReadSettings, read_frame
     from msbvh.stage_metadata import frames_per_second, start_time
@@ -133,8 +134,9 @@ def outcome(text: str) -> str:
 
     layer = Sdf.Layer.CreateAnonymous(".usda")
     try:
-        layer.ImportFromString(text)
-        stage = Usd.Stage.Open(layer)
+        with crash_line(layer.identifier):
+            layer.ImportFromString(text)
+            stage = Usd.Stage.Open(layer)
     except Tf.ErrorException:
         return "unreadable"
     if not stage.GetPseudoRoot().GetAllChildren():

@@ -49,6 +49,7 @@ PACKAGE = "delegate/usd/msbvh/"
 MODULE_HOMES = {
     "click": {"bench_options", "cli", "option_types", "options"},
     "tqdm": {"progress"},
+    "lz4": {"crate_check"},
     "OpenImageIO": {"images", "texture_mean"},
     "PyOpenColorIO": {"color"},
 }

@@ -9,7 +9,7 @@ from pxr import Usd, UsdSkel, Vt
 
 from .context import FrameContext, array
 from .value_types import FLOAT3S
-from .values import value
+from .values import targets, value
 
 SubShape = tuple[str, np.ndarray | None, np.ndarray | None, np.ndarray | None]
 """Path, offsets, normal offsets and point indices, as skin_points() takes them."""
@@ -54,14 +54,14 @@ def read_blend_shapes(
     prim = query.GetPrim()
     shapes = UsdSkel.BlendShapeQuery(UsdSkel.BindingAPI(prim))
     names = [str(name) for name in query.GetBlendShapeOrder() or ()]
-    targets = query.GetBlendShapeTargetsRel().GetForwardedTargets()
-    if len(names) != len(targets) or shapes.GetNumBlendShapes() != len(targets):
+    shape_paths = targets(prim, "skel:blendShapeTargets")
+    if len(names) != len(shape_paths) or shapes.GetNumBlendShapes() != len(shape_paths):
         message = (
-            f"found {len(targets)} targets, expected {len(names)}, as many as skel:blendShapes; left out"
+            f"found {len(shape_paths)} targets, expected {len(names)}, as many as skel:blendShapes; left out"
         )
         context.diagnostics.warning(str(prim.GetPath()), _TARGETS, message)
         return None
-    for index, target in enumerate(targets):
+    for index, target in enumerate(shape_paths):
         if not shapes.GetBlendShape(index):
             found = f"target {target} is no BlendShape; '{names[index]}' is left out"
             context.diagnostics.warning(str(prim.GetPath()), _TARGETS, found)

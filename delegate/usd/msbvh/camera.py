@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdUtils
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from .boxes import Box, PixelSize
 from .camera_values import CameraValues
@@ -18,6 +18,7 @@ from .held_values import warn_of_change
 from .lens import read_lenses
 from .metadata import world_to_camera, world_to_ndc
 from .motion_scales import scales_at
+from .stage import tf_reason
 from .times import (
     JUMP_TIME01,
     Shutter,
@@ -117,11 +118,25 @@ def read_camera(
         framing = framing_camera(stage, shutter, purposes, image_size, conform, diagnostics)
         course = Course(shutter, (), NO_TURNS, False)
         return _sampled("", shutter, course, lambda _: framing, image_size, conform, diagnostics)
+    try:
+        return _read(prim, frame, image_size, conform, diagnostics, asked)
+    except Tf.ErrorException as error:
+        raise SceneError(f"{prim.GetPath()}: USD cannot evaluate it: {tf_reason(error)}") from error
+
+
+def _read(
+    prim: Usd.Prim,
+    frame: float | None,
+    image_size: tuple[int, int | None],
+    conform: str,
+    diagnostics: Diagnostics,
+    asked: tuple[float, float] | None,
+) -> RenderCamera:
     camera = UsdGeom.Camera(prim)
     code = Shutter(frame).frame_code
     shutter = _shutter(camera, frame, asked, diagnostics)
     own = shutter.scaled(scales_at(prim, shutter, diagnostics).blur)
-    course = _course(prim, own, is_held(stage))
+    course = _course(prim, own, is_held(prim.GetStage()))
     report_too_fast(course.turns, str(prim.GetPath()), diagnostics)
     values_at = CameraValues(camera).at
 
@@ -321,6 +336,13 @@ def _check_optics(path: str, camera: Gf.Camera) -> None:
         if not abs(value) <= largest:
             expected = f"a finite number of at most {largest:g} in size, {LARGEST_OFFSET:g} times the aperture"
             raise SceneError(f"{path}.{attribute}: found {value:g}, expected {expected}")
+    left, right, bottom, top = window_of(camera)
+    if not (left < right and bottom < top):
+        attribute = "verticalAperture" if left < right else "horizontalAperture"
+        raise SceneError(
+            f"{path}.{attribute}: found {sizes[attribute]:g}, which is nothing beside its offset of"
+            f" {offsets[f'{attribute}Offset']:g}; expected more"
+        )
     near, far = camera.clippingRange.min, camera.clippingRange.max
     if not near < far:
         raise SceneError(f"{path}.clippingRange: found ({near:g}, {far:g}), expected near < far")

@@ -1,9 +1,17 @@
-"""A look at a binary layer's table of contents before USD follows it: it allocates what a damaged one asks for."""
+"""A look at a binary layer's tables before USD follows them: it allocates what a damaged one asks for.
+
+The layout is that of OpenUSD's pxr/usd/sdf/crateFile.h, from version 0.7 on. Older files, and tables that cannot be understood,
+are left to USD.
+"""
 
 from __future__ import annotations
 
 import struct
 from pathlib import Path
+from typing import BinaryIO
+
+import lz4.block
+import numpy as np
 
 _MAGIC = b"PXR-USDC"
 _BOOTSTRAP = struct.Struct("<8s8sq")
@@ -14,16 +22,25 @@ _DENSEST = 1024
 """Elements a byte: integers take two bits at least, and LZ4 expands to at most 255 times."""
 _MOST_SECTIONS = 64
 
+_SINCE_LONG_COUNTS = (0, 7)
+"""Version from which on arrays have their lengths in eight bytes."""
+_ELEMENT_BYTES = np.ones(256, np.uint64)
+"""Of an array in the file, by the number that its type has there: crateDataTypes.h."""
+_ELEMENT_BYTES[3:31] = [4, 4, 8, 8, 2, 4, 8, 4, 4, 4, 32, 72, 128, 32, 16, 8, 16, 8, 4, 8, 24, 12, 6, 12, 32, 16, 8, 16]
+_CHUNK_BYTES = 0x7E000000
+"""The most that one block of LZ4 holds."""
+
 
 def crate_fault(path: str) -> str:
-    """What is wrong with a binary layer's sections, in words; empty where nothing is, or it is another format."""
+    """What is wrong with a binary layer's sections or the lengths of its arrays, in words; empty where nothing is, or it
+    is another format."""
     try:
         size = Path(path).stat().st_size
         with open(path, "rb") as file:
             head = file.read(_BOOTSTRAP.size)
             if not head.startswith(_MAGIC) or len(head) < _BOOTSTRAP.size:
                 return ""
-            _, _, contents = _BOOTSTRAP.unpack(head)
+            _, version, contents = _BOOTSTRAP.unpack(head)
             if not 0 <= contents <= size - 8:
                 return ""  # USD says that itself.
             file.seek(contents)
@@ -32,16 +49,68 @@ def crate_fault(path: str) -> str:
                 return f"found {count} sections, expected at most {_MOST_SECTIONS}"
             table = file.read(_SECTION.size * count)
             sections = [_SECTION.unpack_from(table, i * _SECTION.size) for i in range(len(table) // _SECTION.size)]
-            for name, start, length in sections:
-                name = name.rstrip(b"\0")
-                label = name.decode("ascii", "replace")
-                if start < 0 or length < 0 or start + length > size:
-                    return f"found a section {label} of {length} bytes at {start}, expected it inside {size} bytes"
-                if name in _COUNTED and length >= 8:
-                    file.seek(start)
-                    (elements,) = struct.unpack("<Q", file.read(8))
-                    if elements > _DENSEST * length:
-                        return f"found {elements} elements in the {length} bytes of section {label}, expected fewer"
+            named = {name.rstrip(b"\0"): (start, length) for name, start, length in sections}
+            return _section_fault(file, named, size) or _array_fault(file, named, size, (version[0], version[1]))
     except OSError:
         pass  # USD says what is wrong.
     return ""
+
+
+def _section_fault(file: BinaryIO, sections: dict[bytes, tuple[int, int]], size: int) -> str:
+    for name, (start, length) in sections.items():
+        label = name.decode("ascii", "replace")
+        if start < 0 or length < 0 or start + length > size:
+            return f"found a section {label} of {length} bytes at {start}, expected it inside {size} bytes"
+        if name in _COUNTED and length >= 8:
+            file.seek(start)
+            (elements,) = struct.unpack("<Q", file.read(8))
+            if elements > _DENSEST * length:
+                return f"found {elements} elements in the {length} bytes of section {label}, expected fewer"
+    return ""
+
+
+def _array_fault(
+    file: BinaryIO, sections: dict[bytes, tuple[int, int]], size: int, version: tuple[int, int]
+) -> str:
+    """Arrays in the table of fields whose lengths the file cannot hold. Those inside time samples are not looked at."""
+    if b"FIELDS" not in sections or version < _SINCE_LONG_COUNTS:
+        return ""
+    start, length = sections[b"FIELDS"]
+    file.seek(start)
+    try:
+        fields = _field_values(file.read(length))
+    except (struct.error, ValueError, lz4.block.LZ4BlockError):
+        return ""
+    is_array, is_inlined, is_compressed = ((fields >> np.uint64(bit)) & np.uint64(1) for bit in (63, 62, 61))
+    places = fields & np.uint64((1 << 48) - 1)
+    kept = (is_array == 1) & (is_inlined == 0) & (places > 0) & (places + np.uint64(8) <= size)
+    content = np.memmap(file, np.uint8, "r")
+    at = places[kept].astype(np.int64)
+    counts = content[at[:, None] + np.arange(8)].view("<u8")[:, 0] if len(at) else np.zeros(0, np.uint64)
+    left = np.uint64(size) - places[kept] - np.uint64(8)
+    kinds = (fields[kept] >> np.uint64(48)) & np.uint64(255)
+    most = np.where(is_compressed[kept] == 1, left * np.uint64(_DENSEST), left // _ELEMENT_BYTES[kinds.astype(int)])
+    for found, can_be in zip(counts[counts > most].tolist(), most[counts > most].tolist(), strict=True):
+        return f"found an array of {found} elements where the file has bytes for {can_be}, expected no more"
+    return ""
+
+
+def _field_values(section: bytes) -> np.ndarray:
+    """uint64: the values of all fields, as the file has them (ValueRep)."""
+    count, index_bytes = struct.unpack_from("<QQ", section)
+    (value_bytes,) = struct.unpack_from("<Q", section, 16 + index_bytes)
+    begin = 24 + index_bytes
+    return np.frombuffer(_decompressed(section[begin : begin + value_bytes], 8 * count), "<u8")
+
+
+def _decompressed(data: bytes, size: int) -> bytes:
+    """TfFastCompression: the number of chunks, then each with its size; 0: one block alone."""
+    if data[:1] == b"\0":
+        return lz4.block.decompress(data[1:], uncompressed_size=size)
+    whole, at = b"", 1
+    for _ in range(data[0] if data else 0):
+        (length,) = struct.unpack_from("<i", data, at)
+        most = min(_CHUNK_BYTES, size - len(whole))
+        whole += lz4.block.decompress(data[at + 4 : at + 4 + length], uncompressed_size=most)
+        at += 4 + length
+    return whole

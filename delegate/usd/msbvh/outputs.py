@@ -109,12 +109,10 @@ def _textures_of(stage: Usd.Stage) -> Iterator[str]:
     """The files that asset attributes name, at any time, in each layer that has an opinion."""
     for root in (stage.GetPseudoRoot(), *stage.GetPrototypes()):
         for prim in Usd.PrimRange(root, Usd.PrimAllPrimsPredicate):
-            if prim.GetTypeName() in _WITHOUT_TEXTURES:
+            if any(name in _WITHOUT_TEXTURES for name in _known(lambda prim=prim: [prim.GetTypeName()])):
                 continue
             for attribute in _known(prim.GetAuthoredAttributes):
-                if attribute.GetTypeName() in _ASSETS:
-                    for spec in _known(attribute.GetPropertyStack):
-                        yield from _assets_in(spec)
+                yield from _known(lambda attribute=attribute: list(_textures_in(attribute)))
 
 
 def _known(ask: Callable[[], list[_T]]) -> list[_T]:
@@ -125,18 +123,23 @@ def _known(ask: Callable[[], list[_T]]) -> list[_T]:
         return []
 
 
-def _assets_in(spec: Sdf.AttributeSpec) -> Iterator[str]:
-    layer, path = spec.layer, spec.path
-    times = layer.ListTimeSamplesForPath(path)
-    found = _known(lambda: [spec.default])
-    for time in times:
-        found += _known(lambda time=time: [layer.QueryTimeSample(path, time)])
-    for value in found:
-        if isinstance(value, Sdf.AssetPath):
-            yield from _resolved(layer, value.path)
-        elif isinstance(value, Sdf.AssetPathArray):
-            for asset in value:
-                yield from _resolved(layer, asset.path)
+def _textures_in(attribute: Usd.Attribute) -> Iterator[str]:
+    if attribute.GetTypeName() in _ASSETS:
+        for spec in attribute.GetPropertyStack():
+            layer, path = spec.layer, spec.path
+            values = _known(lambda spec=spec: [spec.default])
+            for time in layer.ListTimeSamplesForPath(path):
+                values += _known(lambda time=time, layer=layer, path=path: [layer.QueryTimeSample(path, time)])
+            for value in values:
+                yield from _assets_in(value, layer)
+
+
+def _assets_in(value: object, layer: Sdf.Layer) -> Iterator[str]:
+    if isinstance(value, Sdf.AssetPath):
+        yield from _resolved(layer, value.path)
+    elif isinstance(value, Sdf.AssetPathArray):
+        for asset in value:
+            yield from _resolved(layer, asset.path)
 
 
 def _layers_of(layers: Sequence[Sdf.Layer]) -> Iterator[str]:

@@ -108,7 +108,8 @@ def read_frame(
     diagnostics = Diagnostics() if diagnostics is None else diagnostics
     make_translator = make_translator or _core_translator
     where = stage.GetRootLayer().realPath or stage.GetRootLayer().identifier
-    quiet = np.errstate(over="ignore", invalid="ignore")  # What is not finite is looked for where it matters.
+    # What is not finite is looked for where it matters.
+    quiet = np.errstate(over="ignore", invalid="ignore", divide="ignore")
     with crash_line(where), reported_to(diagnostics), tf_messages(diagnostics), _no_collection(), quiet:
         try:
             return _FrameReader(stage, frame, settings, diagnostics, make_translator, progress, found).read()

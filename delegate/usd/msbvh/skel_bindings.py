@@ -13,7 +13,7 @@ from .blend_shapes import BlendShapes, read_blend_shapes
 from .context import FrameContext, array
 from .held_values import warn_of_change
 from .value_types import MATRICES
-from .values import value
+from .values import targets, value
 
 _INDICES, _WEIGHTS = "primvars:skel:jointIndices", "primvars:skel:jointWeights"
 _METHODS = ("classicLinear", "dualQuaternion")
@@ -72,8 +72,8 @@ def _read_skeleton(
     path = str(prim.GetPath())
     skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
     if not skeleton:
-        targets = _bound_targets(prim)
-        found = f"found {', '.join(map(str, targets))}, no Skeleton" if targets else "found no target"
+        bound = _bound_targets(prim)
+        found = f"found {', '.join(map(str, bound))}, no Skeleton" if bound else "found no target"
         context.diagnostics.warning(path, "skel:skeleton", f"{found}; expected one Skeleton; {_REST}")
         return None
     skeleton_path = str(skeleton.GetPath())
@@ -110,7 +110,7 @@ def _bound_targets(prim: Usd.Prim) -> list:
     while prim and not prim.IsPseudoRoot():
         relationship = prim.GetRelationship("skel:skeleton")
         if relationship and relationship.HasAuthoredTargets():
-            return relationship.GetForwardedTargets()
+            return targets(prim, "skel:skeleton")
         prim = prim.GetParent()
     return []
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from pxr import Sdf, Usd, UsdSkel
 
 from .value_types import FLOAT3S, FLOATS, HALF3S, INTS, MATRICES, MATRIX, QUATERNIONS, TOKEN, TOKENS, Kind
-from .values import exact
+from .values import exact, targets
 
 _SKELETON = (("joints", TOKENS), ("bindTransforms", MATRICES), ("restTransforms", MATRICES))
 _ANIMATION = (
@@ -44,7 +44,7 @@ class SkelTypes:
         self._once(skeleton, _SKELETON, code)
         animation = UsdSkel.BindingAPI(skeleton).GetInheritedAnimationSource() if skeleton else None
         self._once(animation, _ANIMATION, code)
-        for target in binding.GetBlendShapeTargetsRel().GetForwardedTargets():
+        for target in targets(prim, "skel:blendShapeTargets"):
             shape = prim.GetStage().GetPrimAtPath(target)
             names = [a.GetName() for a in shape.GetAuthoredAttributes()] if shape else ()
             between = [(name, FLOAT3S) for name in names if name.startswith("inbetweens:")]

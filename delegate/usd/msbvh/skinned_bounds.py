@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from pxr import Usd, UsdGeom, UsdSkel
+from pxr import Tf, Usd, UsdGeom, UsdSkel
 
 from .boxes import Box
 from .tokens import inherited_purpose
@@ -32,9 +32,12 @@ class SkinnedBounds:
     ) -> Iterator[tuple[UsdSkel.SkeletonQuery, float]]:
         """Each with how far the prims that it poses reach beyond its joints at rest."""
         predicate = Usd.TraverseInstanceProxies()
-        if not self._cache.Populate(root, predicate):
+        try:
+            self._cache.Populate(root, predicate)
+            bindings = self._cache.ComputeSkelBindings(root, predicate)
+        except Tf.ErrorException:  # On some prim, as its reader says.
             return
-        for binding in self._cache.ComputeSkelBindings(root, predicate):
+        for binding in bindings:
             query = self._cache.GetSkelQuery(binding.GetSkeleton())
             rest = query.ComputeJointSkelTransforms(Usd.TimeCode.Default(), True) if query else None
             if not rest:

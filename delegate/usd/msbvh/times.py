@@ -160,6 +160,10 @@ def is_held(stage: Usd.Stage) -> bool:
     return stage.GetInterpolationType() == Usd.InterpolationTypeHeld
 
 
+def _bracketing(attribute: Usd.Attribute, time: float) -> tuple[float, ...]:
+    return attribute.GetBracketingTimeSamples(time) or ()  # None: for times that are NaN, among others.
+
+
 def bracketing_times(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
     """The authored times of an attribute inside the open shutter and at the frame, and the ones next to them,
     increasing, as time codes.
@@ -171,10 +175,10 @@ def bracketing_times(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
     """
     first, last = shutter.interval.min, shutter.interval.max
     around = {
-        *attribute.GetBracketingTimeSamples(first)[:1],
-        *attribute.GetBracketingTimeSamples(shutter.frame),
-        *attribute.GetBracketingTimeSamples(shutter.frame + Usd.TimeCode.SafeStep())[1:],
-        *attribute.GetBracketingTimeSamples(last)[1:],
+        *_bracketing(attribute, first)[:1],
+        *_bracketing(attribute, shutter.frame),
+        *_bracketing(attribute, shutter.frame + Usd.TimeCode.SafeStep())[1:],
+        *_bracketing(attribute, last)[1:],
     }
     if len(around) < 2:
         return sorted(around)

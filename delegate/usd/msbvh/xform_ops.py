@@ -87,7 +87,15 @@ def may_vary(xformable: UsdGeom.Xformable) -> bool:
     try:
         return xformable.TransformMightBeTimeVarying()
     except Tf.ErrorException:
-        return any(op.MightBeTimeVarying() for op in ordered_ops(xformable))
+        return any(_may_vary(op) for op in ordered_ops(xformable))
+
+
+def _may_vary(op: UsdGeom.XformOp) -> bool:
+    """True for what USD cannot even count the samples of: whoever evaluates it finds out."""
+    try:
+        return op.MightBeTimeVarying()
+    except Tf.ErrorException:
+        return True
 
 
 def _order(prim: Usd.Prim) -> list[str]:
