@@ -162,9 +162,9 @@ def test_every_class_has_scenes_of_every_size() -> None:
 
 @pytest.mark.slow
 def test_quick_ends_in_time(msbvh: Run) -> None:
-    """One thread: processor time is what the clock shows where nothing else runs."""
+    """One thread: processor time is what the clock shows where nothing else runs. Without a peer, whose idle threads
+    spin."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    peer = ("--peer", "embree") if has_peer() else ()
-    assert msbvh("bench", "--quick", "--json", *peer).returncode == 0
+    assert msbvh("bench", "--quick", "--json").returncode == 0
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 50
+    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 40

@@ -22,7 +22,7 @@ from .typed_twin import Twin, typed_twin
 from .value_types import FLOAT3S, QUATERNIONS
 from .values import required, targets, value
 from .visibility import common_intervals
-from .xform_ops import check_order, local_transform, may_vary
+from .xform_ops import Orders, local_transform, may_vary
 
 _COLOUR = "displayColor"
 
@@ -212,7 +212,7 @@ def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) ->
     xformable = UsdGeom.Xformable(prototype)
     authored = frozenset(prototype.GetAuthoredPropertyNames())
     if "xformOpOrder" in authored:
-        check_order(prototype, authored)
+        Orders().check(prototype, authored)
     moving = bool(xformable) and may_vary(xformable) and shutter.moving
     bends = sorted({shutter.time01(time) for time in xform_bends(xformable, shutter)}) if moving else ()
 

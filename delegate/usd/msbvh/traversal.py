@@ -24,7 +24,7 @@ from .usd_faults import FAULTS, report_left_out
 from .value_types import BOOL, TOKEN
 from .values import value
 from .visibility import changes_inside, visible_at_opening
-from .xform_ops import check_order, may_vary, resets
+from .xform_ops import Orders, may_vary, resets
 
 WORLD: Hashable = ("world",)
 DEEPEST_NESTING = 100
@@ -81,6 +81,21 @@ class Group:
 
 
 @dataclass(frozen=True)
+class _Type:
+    """What a prim's type alone decides; asking each of a hundred thousand prims takes a while."""
+
+    imageable: bool
+    xformable: bool
+    instancer: bool
+    shape: bool
+
+    @staticmethod
+    def of(prim: Usd.Prim) -> _Type:
+        instancer = prim.IsA(UsdGeom.PointInstancer)
+        return _Type(prim.IsA(UsdGeom.Imageable), prim.IsA(UsdGeom.Xformable), instancer, is_shape(prim))
+
+
+@dataclass(frozen=True)
 class _State:
     """What prims inherit on the way down."""
 
@@ -100,6 +115,8 @@ class Traversal:
         self.groups: dict[Hashable, Group] = {}
         self._context = context
         self._depth = 0
+        self._orders = Orders()
+        self._types: dict[str, _Type] = {}
         self._purposes = {"default", *purposes}
         top = context.stage.GetPseudoRoot()
         self._add_group(Group(WORLD, str(top.GetPath()), None), _State(False, "default"), top, _DEFINED)
@@ -149,13 +166,17 @@ class Traversal:
                 report_left_out(prim, error, self._context.code)
                 continue
             yield prim, here
-            if (prim.IsInstance() and not is_root) or prim.IsA(UsdGeom.PointInstancer):
+            if (prim.IsInstance() and not is_root) or self._type(prim).instancer:
                 continue
             if prim.IsInstance() and predicate is _PROTOTYPE:
                 predicate = (
                     _DEFINED  # Inside a native prototype everything is defined, seen from the instance.
                 )
             pending.extend((child, here) for child in reversed(prim.GetFilteredChildren(predicate)))
+
+    def _type(self, prim: Usd.Prim) -> _Type:
+        name = prim.GetTypeName()
+        return self._types.get(name) or self._types.setdefault(name, _Type.of(prim))
 
     def _leaves(
         self, prim: Usd.Prim, above: _State, here: _State, group: Group, predicate: object
@@ -176,26 +197,26 @@ class Traversal:
 
     def _state(self, prim: Usd.Prim, above: _State, is_root: bool, group: Group) -> _State | None:
         """What holds at a prim; None if it is invisible."""
-        if not prim.IsA(UsdGeom.Imageable):
+        kind = self._type(prim)
+        if not kind.imageable:
             return above
         authored = frozenset(prim.GetAuthoredPropertyNames())
-        imageable = UsdGeom.Imageable(prim)
         scales = above.scales
         if not authored.isdisjoint(MOTION_PROPERTIES):
             scales = scales.below(prim, self._context.shutter, self._context.diagnostics)
         blinking, purpose = above.blinking, above.purpose
         if not (is_root and group.native) and "visibility" in authored:
-            visibility = imageable.GetVisibilityAttr()
+            visibility = UsdGeom.Imageable(prim).GetVisibilityAttr()
             if changes_inside(visibility, self._context.shutter):  # Not motion: no blur scale stretches it.
                 blinking += (visibility,)
             elif not visible_at_opening(visibility, self._context.shutter):
                 return None
         if "purpose" in authored:
-            purpose = value(imageable.GetPurposeAttr(), Usd.TimeCode.Default(), TOKEN) or purpose
+            purpose = value(UsdGeom.Imageable(prim).GetPurposeAttr(), Usd.TimeCode.Default(), TOKEN) or purpose
         state = _State(above.varying, purpose, blinking, above.bends, scales, authored)
-        if is_root or "xformOpOrder" not in authored or not prim.IsA(UsdGeom.Xformable):
+        if is_root or "xformOpOrder" not in authored or not kind.xformable:
             return state
-        check_order(prim, authored)
+        self._orders.check(prim, authored)
         shutter = self._context.shutter.scaled(scales.blur)
         return self._moved(state, above, UsdGeom.Xformable(prim), group.root, shutter)
 
@@ -224,14 +245,15 @@ class Traversal:
         """Puts a prim where it belongs, or says that it is not drawn."""
         around, group = group, self._at_blur(group, state.scales.blur)
         part = Part(prim, state.varying, state.bends, state.scales, state.blinking, state.authored)
+        kind = self._type(prim)
         if is_light(prim):
             group.lights.append(part)
         if prim.IsInstance() and prim != group.root:
             self._add_instance(part, state, around)
-        elif prim.IsA(UsdGeom.PointInstancer):
+        elif kind.instancer:
             if state.purpose in self._purposes:
                 self._add_instancer(part, group)
-        elif is_shape(prim):
+        elif kind.shape:
             if state.purpose in self._purposes:
                 group.shapes.append(part)
         elif prim.IsA(UsdGeom.Gprim) or prim.GetTypeName() == "Volume":

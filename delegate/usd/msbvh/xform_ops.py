@@ -112,13 +112,24 @@ def _op(prim: Usd.Prim, name: str) -> UsdGeom.XformOp | None:
         return None
 
 
-def check_order(prim: Usd.Prim, authored: frozenset[str]) -> None:
-    """Reports ops that USD passes over: an order of another type, names without an attribute. `authored` are the
-    names of the prim's properties."""
-    found = raw(prim.GetAttribute("xformOpOrder"), Usd.TimeCode.Default())
-    sound = type(found) is TOKENS.exact
-    if not sound or not (authored.issuperset(found) or all(_is_known(name, authored) for name in found)):
-        report_ops(prim, Usd.TimeCode.Default())
+class Orders:
+    """Checks prims' xformOpOrder. Most prims of a crowd have the order of the one before them."""
+
+    def __init__(self) -> None:
+        self._sound: object = None
+        self._names: frozenset[str] = frozenset()
+
+    def check(self, prim: Usd.Prim, authored: frozenset[str]) -> None:
+        """Reports ops that USD passes over: an order of another type, names without an attribute. `authored` are the
+        names of the prim's properties."""
+        found = raw(prim.GetAttribute("xformOpOrder"), Usd.TimeCode.Default())
+        if type(found) is not TOKENS.exact:
+            report_ops(prim, Usd.TimeCode.Default())
+        elif self._names != authored or found != self._sound:
+            if authored.issuperset(found) or all(_is_known(name, authored) for name in found):
+                self._sound, self._names = found, authored
+            else:
+                report_ops(prim, Usd.TimeCode.Default())
 
 
 def _is_known(name: str, authored: frozenset[str]) -> bool:
