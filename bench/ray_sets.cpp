@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/shade/camera.h"
-#include "tests/support/procedural.h"
+#include "bench/procedural.h"
 
 namespace msbvh::bench {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "bench/moved_mesh.h"
-#include "tests/support/procedural.h"
+#include "bench/procedural.h"
 
 namespace msbvh::bench {
 

@@ -9,7 +9,7 @@
 
 #include "core/api/accel.h"
 #include "tests/memory/counting_allocator.h"
-#include "tests/support/procedural.h"
+#include "bench/procedural.h"
 
 using namespace msbvh;
 using namespace msbvh::procedural;

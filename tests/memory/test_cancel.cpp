@@ -12,7 +12,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "tests/memory/counting_allocator.h"
-#include "tests/support/procedural.h"
+#include "bench/procedural.h"
 
 using namespace msbvh;
 using namespace msbvh::procedural;

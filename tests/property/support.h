@@ -9,7 +9,7 @@
 
 #include "core/api/accel.h"
 #include "core/trace/oracle.h"
-#include "tests/support/procedural.h"
+#include "bench/procedural.h"
 
 namespace msbvh::property {
 

@@ -9,7 +9,7 @@
 #include "core/api/accel.h"
 #include "core/shade/surface_hit.h"
 #include "tests/render/pictures.h"
-#include "tests/support/procedural.h"
+#include "bench/procedural.h"
 
 namespace msbvh::shells {
 

@@ -5,7 +5,7 @@
 
 #include "core/geometry/dice.h"
 #include "core/geometry/subdivision_mesh.h"
-#include "tests/support/procedural.h"
+#include "bench/procedural.h"
 
 namespace msbvh::procedural {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/procedural.h"
+#include "bench/procedural.h"
 
 namespace msbvh::procedural {
 namespace {

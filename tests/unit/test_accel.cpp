@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "tests/support/procedural.h"
+#include "bench/procedural.h"
 
 namespace msbvh {
 namespace {

@@ -12,7 +12,7 @@
 #include "core/build/make_references.h"
 #include "core/build/spatial_split.h"
 #include "core/build/topology.h"
-#include "tests/support/procedural.h"
+#include "bench/procedural.h"
 
 using namespace msbvh;
 using namespace msbvh::procedural;

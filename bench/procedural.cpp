@@ -1,4 +1,4 @@
-#include "tests/support/procedural.h"
+#include "bench/procedural.h"
 
 #include <cmath>
 #include <numbers>
