@@ -1,4 +1,4 @@
-# The house from one command: `make help`. Debian 12 with git and make is all that it needs to start.
+# The codebase from one command: `make help`. Debian 12 with git and make is all that it needs to start.
 #
 # Work is skipped by stamps in build/: a second `make setup` takes a second. `make clean` begins again.
 
@@ -6,7 +6,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup render test bench soak clean
+.PHONY: help setup render test lint sanitize bench soak clean
 
 PYTHON ?= python3
 JOBS ?= $(shell nproc)
@@ -23,6 +23,8 @@ SYSTEM_PACKAGES := g++ cmake ninja-build python3 python3-venv python3-dev libtbb
 CXX_SOURCES := $(shell find CMakeLists.txt core delegate tests bench examples -name '*.h' -o -name '*.cpp' \
   -o -name CMakeLists.txt -o -name '*.cmake.in')
 PYTHON_SOURCES := $(shell find delegate/usd/msbvh -name '*.py')
+LINTERS := ruff==0.17.6 mypy==2.4.1 clang-format==16.0.6
+PYTHON_FOLDERS := delegate docs testenv tests/python bench
 SHOWCASE := testenv/showcase/showcase.usda
 SHOWCASE_OPTIONS := --frames 6 --imageWidth 960 --spp 64
 
@@ -65,6 +67,20 @@ test: setup  ## every test: C++ (ctest) beside Python (pytest)
 	wait $$ctest || status=$$?; \
 	cat build/ctest.log; \
 	exit $$status
+
+lint: setup  ## formatting of C++ and Python, ruff's rules, mypy's types
+	@$(BIN)/pip install --quiet $(LINTERS)
+	@$(BIN)/clang-format --dry-run --Werror $$(git ls-files '*.h' '*.cpp')
+	@$(BIN)/ruff format --check $(PYTHON_FOLDERS)
+	@$(BIN)/ruff check $(PYTHON_FOLDERS)
+	@$(BIN)/mypy --python-executable $(BIN)/python
+
+# The kernels for this machine's instruction set alone: all of them take over ten minutes to compile with sanitizers.
+sanitize: setup  ## the fast C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
+	@cmake -S . -B build/sanitize -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO='-O1 -g1' \
+	  -DMSBVH_SANITIZE=address,undefined -DMSBVH_NATIVE_KERNELS=ON > build/sanitize.log
+	@cmake --build build/sanitize --target test_unit test_property test_render test_memory
+	@ctest --test-dir build/sanitize --output-on-failure --no-tests=error -L fast
 
 # Embree comes with the extra `bench`; where its wheel is missing the page has our figures alone. Needs a clean tree.
 # OPTIONS: `--cycles` measures whole frames beside Cycles, in an environment that it makes (a GB).

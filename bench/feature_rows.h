@@ -1,4 +1,4 @@
-// One feature with and without: the same rays through both trees by turns, one line of JSON.
+// One feature with and without: the same rays through both trees, interleaved, one line of JSON.
 #pragma once
 
 #include <cstdint>

@@ -13,7 +13,7 @@ namespace {
 constexpr double kTolerance = 0.1 / 960.0;
 
 void add_world_mesh(Scene& scene, TriangleMesh shape) {
-  scene.world_meshes.push_back(static_cast<std::uint32_t>(scene.meshes.size()));
+  scene.world.push_back(mesh_id(static_cast<std::uint32_t>(scene.meshes.size())));
   scene.meshes.push_back(
       {.shape = validated(std::move(shape)), .normals = {}, .display_color = {}, .display_opacity = {}});
 }
@@ -70,7 +70,7 @@ ScenePtr with_linear_keys(const ScenePtr& scene) {
   out->camera = scene->camera;
   for (std::size_t i = 0; i < input.scene.world.size(); ++i) {
     const PeerMesh& keys = input.scene.world[i];
-    TriangleMesh shape = scene->meshes[scene->world_meshes[i]].shape;
+    TriangleMesh shape = scene->mesh(scene->world[i]).shape;
     shape.segments = keys.keys - 1;
     shape.degree = 1;
     shape.positions.assign(keys.positions, keys.positions + shape.position_count());
@@ -83,7 +83,7 @@ ScenePtr flattened(const Scene& scene) {
   auto out = std::make_shared<Scene>();
   out->camera = scene.camera;
   for (const InstanceSet& set : scene.instances) {
-    const TriangleMesh& mesh = scene.meshes[scene.prototypes[set.prototype].meshes.at(0)].shape;
+    const TriangleMesh& mesh = scene.mesh(scene.prototypes[set.prototype].geometry.at(0)).shape;
     if (mesh.form() != set.form() || mesh.degree != 1 || !mesh.form().moving())
       throw Error("bench: found tracks of two forms in " + set.name + "; expected linear ones of one form");
     for (std::size_t i = 0; i < instance_count(set); ++i)

@@ -53,8 +53,8 @@ FeatureSide trees(std::string name, const ScenePtr& scene, const BuildSettings& 
 
 std::shared_ptr<Accel> accel_of(const ScenePtr& scene) {
   auto accel = std::make_shared<Accel>();
-  for (const std::uint32_t i : scene->world_meshes)
-    accel->add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->meshes[i].shape));
+  for (const GeometryId i : scene->world)
+    accel->add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->mesh(i).shape));
   return accel;
 }
 

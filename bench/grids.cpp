@@ -17,6 +17,8 @@
 #include "bench/timing.h"
 #include "core/api/accel.h"
 #include "core/base/parallel.h"
+#include "core/bvh/bvh.h"
+#include "core/bvh/statistics.h"
 #include "core/trace/tracer.h"
 #include "tests/support/cages.h"
 

@@ -26,15 +26,15 @@ class Filler {
       : in_(scene), tolerance_(tolerance), out_(out) {}
 
   void run() {
-    for (const std::uint32_t i : in_.world_meshes) out_.scene.world.push_back(mesh(in_.meshes[i].shape, {}));
+    for (const GeometryId i : in_.world) out_.scene.world.push_back(mesh(in_.mesh(i).shape, {}));
     for (const Prototype& prototype : in_.prototypes) {
-      expect_visible(prototype.clock, prototype.name);
+      expect_visible(prototype.time_remap, prototype.name);
       auto& object = out_.scene.objects.emplace_back();
-      for (const std::uint32_t i : prototype.meshes)
-        object.push_back(mesh(in_.meshes[i].shape, prototype.clock));
+      for (const GeometryId i : prototype.geometry)
+        object.push_back(mesh(in_.mesh(i).shape, prototype.time_remap));
     }
     for (const InstanceSet& set : in_.instances) {
-      expect_visible(set.clock, set.name);
+      expect_visible(set.time_remap, set.name);
       const std::uint32_t controls = set.form().controls();
       for (std::size_t i = 0; i < instance_count(set); ++i)
         instance(set, {&set.world_from_prototype[i * controls], controls});
@@ -42,29 +42,30 @@ class Filler {
   }
 
  private:
-  void expect_visible(const Clock& clock, const std::string& name) {
-    const auto hidden = [](const ClockPiece& piece) { return !piece.visible; };
-    if (std::ranges::any_of(clock.pieces, hidden))
+  void expect_visible(const TimeRemap& time_remap, const std::string& name) {
+    const auto hidden = [](const TimeRemapPiece& piece) { return !piece.visible; };
+    if (std::ranges::any_of(time_remap.pieces, hidden))
       out_.missing = name + ": visible for a part of the shutter";
   }
 
-  PeerMesh mesh(const TriangleMesh& shape, const Clock& clock) {
+  PeerMesh mesh(const TriangleMesh& shape, const TimeRemap& time_remap) {
     PeerMesh peer{shape.positions.data(), key_count(shape.segments), shape.vertex_count,
                   shape.triangles.empty() ? nullptr : shape.triangles[0].data(),
                   static_cast<std::uint32_t>(shape.triangles.size())};
-    if (shape.segments != 0 && (shape.degree > 1 || !clock.is_shutter())) sample(shape, clock, peer);
+    if (shape.segments != 0 && (shape.degree > 1 || !time_remap.is_shutter()))
+      sample(shape, time_remap, peer);
     out_.keys = std::max(out_.keys, peer.keys);
     return peer;
   }
 
-  static float local(const Clock& clock, double u) {
+  static float local(const TimeRemap& time_remap, double u) {
     float time = static_cast<float>(u);
-    clock.at(time, time);
+    time_remap.at(time, time);
     return time;
   }
 
-  void sample(const TriangleMesh& shape, const Clock& clock, PeerMesh& peer) {
-    const auto at = [&](std::uint32_t v, double u) { return Vec3d(shape.position(v, local(clock, u))); };
+  void sample(const TriangleMesh& shape, const TimeRemap& time_remap, PeerMesh& peer) {
+    const auto at = [&](std::uint32_t v, double u) { return Vec3d(shape.position(v, local(time_remap, u))); };
     double error = 0.0;
     const std::uint32_t step = 1 + shape.vertex_count / 4096;  // a sample of the vertices decides
     const std::uint32_t segments = fewest_segments(tolerance_, error, [&](std::uint32_t n) {
@@ -91,14 +92,16 @@ class Filler {
 
   void instance(const InstanceSet& set, std::span<const Affine3f> controls) {
     PeerInstance peer{set.prototype, key_count(set.segments), controls.data()};
-    if (set.segments != 0 && (set.degree > 1 || !set.clock.is_shutter())) sample(set, controls, peer);
+    if (set.segments != 0 && (set.degree > 1 || !set.time_remap.is_shutter())) sample(set, controls, peer);
     out_.keys = std::max(out_.keys, peer.keys);
     out_.scene.instances.push_back(peer);
   }
 
   // Deviations are those of the columns, as if the object reached one unit from its origin.
   void sample(const InstanceSet& set, std::span<const Affine3f> controls, PeerInstance& peer) {
-    const auto at = [&](double u) { return Affine3d(evaluate(controls, set.form(), local(set.clock, u))); };
+    const auto at = [&](double u) {
+      return Affine3d(evaluate(controls, set.form(), local(set.time_remap, u)));
+    };
     double error = 0.0;
     const std::uint32_t segments = fewest_segments(tolerance_, error, [&](std::uint32_t n) {
       double worst = 0.0;

@@ -1,4 +1,4 @@
-// A scene as a peer takes it: linear keys at even times. Curves and clocks of ours are sampled.
+// A scene as a peer takes it: linear keys at even times. Curves and time remaps of ours are sampled.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace msbvh::bench {
 struct PeerInput {
   PeerScene scene;
   std::uint32_t keys = 1;  // the most of any track
-  bool sampled = false;    // some track is a curve or has a clock: hit distances differ by design
+  bool sampled = false;    // some track is a curve or has a time remap: hit distances differ by design
   double error = 0.0;      // the largest deviation found of a sampled track
   std::string missing;     // what the peer cannot show; not empty: it is not measured
   // What was sampled; deques keep their elements in place.

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/shade/camera.h"
 #include "bench/procedural.h"
+#include "core/shade/camera.h"
 
 namespace msbvh::bench {
 namespace {

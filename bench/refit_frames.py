@@ -4,7 +4,7 @@
 
 One row a frame, read once: `always` refits from frame to frame, `never` builds anew, `auto` as it sees fit.
 Trees are those that were built + refitted + kept; drift is the SAH cost of `always` against that of its first
-frame, and ratios are against `never`, the trace's of the quickest of ROUNDS renderings by turns.
+frame, and ratios are against `never`, the trace's of the quickest of ROUNDS interleaved renderings.
 """
 
 from __future__ import annotations

@@ -44,8 +44,8 @@ std::vector<BuilderName> chosen_builders(const std::vector<std::string>& names) 
 
 Box3f bounds_of(const Scene& scene) {
   Box3f box;
-  for (const std::uint32_t i : scene.world_meshes) {
-    const TriangleMesh& mesh = scene.meshes[i].shape;
+  for (const GeometryId i : scene.world) {
+    const TriangleMesh& mesh = scene.mesh(i).shape;
     for (std::size_t p = 0; p < mesh.position_count(); ++p) box.grow(mesh.positions[p]);
   }
   for (const InstanceSet& set : scene.instances) {

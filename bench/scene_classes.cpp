@@ -35,7 +35,7 @@ BenchScene scene_of(std::vector<TriangleMesh> meshes, const Interior& interior =
                     const Vec3f& eye = {2.2f, 1.6f, 3.0f}) {
   auto scene = std::make_shared<Scene>();
   for (TriangleMesh& mesh : meshes) {
-    scene->world_meshes.push_back(static_cast<std::uint32_t>(scene->meshes.size()));
+    scene->world.push_back(mesh_id(static_cast<std::uint32_t>(scene->meshes.size())));
     scene->meshes.push_back(
         {.shape = std::move(mesh), .normals = {}, .display_color = {}, .display_opacity = {}});
   }
@@ -190,7 +190,7 @@ BenchScene crowd(std::uint32_t triangles, const TrackForm& form, std::uint32_t s
     TriangleMesh body = moved_mesh("body", bumpy_sphere(triangles / kKinds, 0.25f, random), form, walk);
     scene->meshes.push_back(
         {.shape = std::move(body), .normals = {}, .display_color = {}, .display_opacity = {}});
-    scene->prototypes.push_back({.name = "kind", .meshes = {kind}});
+    scene->prototypes.push_back({.name = "kind", .geometry = {mesh_id(kind)}});
     InstanceSet set{.name = "people",
                     .prototype = kind,
                     .segments = form.segments,
@@ -237,7 +237,7 @@ BenchScene rods(std::uint32_t triangles, const TrackForm& form, std::uint32_t se
                            .normals = {},
                            .display_color = {},
                            .display_opacity = {}});
-  scene->prototypes.push_back({.name = "rod", .meshes = {0}});
+  scene->prototypes.push_back({.name = "rod", .geometry = {mesh_id(0)}});
   InstanceSet set{.name = "rods", .segments = form.segments, .world_from_prototype = {}, .display_color = {}};
   for (std::uint32_t i = 0; i < kInstances; ++i) {
     const Vec3d at(random.in_box({-1, -1, -1}, {1, 1, 1})), y(random.direction());

@@ -66,13 +66,13 @@ Pose strands(std::uint32_t triangles, Random& random) {
   constexpr std::uint32_t kRows = 6;
   Pose pose;
   for (std::uint32_t s = 0; s < triangles / 10; ++s) {
-    const Vec3f out = random.direction(), bend = random.direction() * random.uniform(0.1f, 0.5f);
+    const Vec3f out = random.direction(), breakpoint = random.direction() * random.uniform(0.1f, 0.5f);
     const Vec3f side = normalize(cross(out, random.direction())) * 0.0015f;
     const float reach = random.uniform(0.5f, 0.9f);
     const auto first = static_cast<std::uint32_t>(pose.positions.size());
     for (std::uint32_t row = 0; row < kRows; ++row) {
       const float along = static_cast<float>(row) / (kRows - 1);
-      const Vec3f p = out * (0.4f + reach * along) + bend * (along * along);
+      const Vec3f p = out * (0.4f + reach * along) + breakpoint * (along * along);
       pose.positions.push_back(p - side * (1.0f - 0.9f * along));
       pose.positions.push_back(p + side * (1.0f - 0.9f * along));
     }

@@ -1,4 +1,4 @@
-// Interleaved repetitions: in every round each side has its turn, forwards and backwards by turns, so that
+// Interleaved repetitions: in every round each side has its turn, forwards and backwards alternately, so that
 // what the machine does meanwhile falls on all of them.
 #pragma once
 

@@ -5,10 +5,10 @@
 namespace msbvh::bench {
 namespace {
 
-void add_meshes(const std::shared_ptr<const Scene>& scene, const std::vector<std::uint32_t>& meshes,
+void add_meshes(const std::shared_ptr<const Scene>& scene, const std::vector<GeometryId>& meshes,
                 Accel& accel) {
-  for (const std::uint32_t i : meshes) {
-    accel.add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->meshes[i].shape));
+  for (const GeometryId i : meshes) {
+    accel.add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->mesh(i).shape));
   }
 }
 
@@ -22,14 +22,14 @@ Trees::Trees(const std::shared_ptr<const Scene>& scene, const BuildSettings& set
   }
   parallel_for(prototypes_.size(), [&](std::size_t i) {
     if (!prototypes_[i]) return;
-    add_meshes(scene, scene->prototypes[i].meshes, *prototypes_[i]);
-    prototypes_[i]->set_clock(scene->prototypes[i].clock);
+    add_meshes(scene, scene->prototypes[i].geometry, *prototypes_[i]);
+    prototypes_[i]->set_time_remap(scene->prototypes[i].time_remap);
     prototypes_[i]->commit(settings);
   });
-  add_meshes(scene, scene->world_meshes, world_);
+  add_meshes(scene, scene->world, world_);
   for (const InstanceSet& set : scene->instances) {
     if (instance_count(set) == 0) continue;
-    world_.add_instances(prototypes_[set.prototype], set.form(), set.world_from_prototype, set.clock);
+    world_.add_instances(prototypes_[set.prototype], set.form(), set.world_from_prototype, set.time_remap);
   }
   world_.commit(settings);
   statistics_ = world_.statistics();

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "core/api/accel.h"
+#include "core/bvh/bvh.h"
+#include "core/bvh/statistics.h"
 #include "core/scene/scene.h"
 
 namespace msbvh::bench {

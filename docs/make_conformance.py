@@ -17,12 +17,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "python"))
 
-from alpha_references import BOUND, SAMPLING, SPP, alpha_errors, comparisons  # noqa: E402
-from msbvh import _core  # noqa: E402
-from msbvh.conformance import Outcome, conform, find_suite, own_renderer, read_rules  # noqa: E402
-from msbvh.conformance_record import STANDARD_ERRORS, read_record  # noqa: E402
-from msbvh.progress import Progress  # noqa: E402
-from pxr import Usd  # noqa: E402
+from alpha_references import BOUND, SAMPLING, SPP, alpha_errors, comparisons
+from msbvh import _core
+from msbvh.conformance import Outcome, conform, find_suite, own_renderer, read_rules
+from msbvh.conformance_record import STANDARD_ERRORS, read_record
+from msbvh.progress import Progress
+from pxr import Usd
 
 
 def main() -> None:

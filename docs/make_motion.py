@@ -52,4 +52,4 @@ def table() -> str:
 if __name__ == "__main__":
     text = PAGE.read_text(encoding="utf-8")
     marked = f"<!-- table -->\n{table()}\n<!-- /table -->"
-    PAGE.write_text(re.sub(r"<!-- table -->.*<!-- /table -->", marked, text, flags=re.S), encoding="utf-8")
+    PAGE.write_text(re.sub(r"<!-- table -->.*<!-- /table -->", marked, text, flags=re.DOTALL), encoding="utf-8")

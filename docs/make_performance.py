@@ -65,7 +65,7 @@ for the others, has the figure of that round. The last column compares one ray a
 **What is traced.** Times of rays are random: the worst case for caches and packets. Primary rays come in tiles of 8 x 8
 pixels along a Z curve, so that a packet is a square of 4 x 4; shadow rays start where they hit and ask for any hit;
 random rays join two random points of the scene's box. Ours is always watertight; the peer has its robust flag set unless
-a table says otherwise. Where our motion is a curve, or bends at uneven times, the peer has as many linear keys as bring
+a table says otherwise. Where our motion is a curve, or has breakpoints at uneven times, the peer has as many linear keys as bring
 it within a tenth of a pixel (of 960 across the scene): *peer keys* in the table of bytes.
 """
 
@@ -94,8 +94,12 @@ def argument_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description="Writes docs/performance.md.")
     parser.add_argument("report", nargs="?", type=Path, help="of `msbvh bench --json`; default: measures")
     parser.add_argument("--frames", type=Path, help="of `msbvh bench --frames --json`; default: measures")
-    parser.add_argument("--cycles", action="store_true", help="measure frames beside Cycles: see msbvh bench --peer-env")
-    parser.add_argument("--allow-dirty", action="store_true", help="mark a tree with uncommitted changes, don't refuse it")
+    parser.add_argument(
+        "--cycles", action="store_true", help="measure frames beside Cycles: see msbvh bench --peer-env"
+    )
+    parser.add_argument(
+        "--allow-dirty", action="store_true", help="mark a tree with uncommitted changes, don't refuse it"
+    )
     return parser
 
 
@@ -155,10 +159,10 @@ def page(report: dict[str, Any]) -> Iterator[str]:
     ours = [row for row in ours if row["threads"] == first]
     fast = [row for row in rows if row["builder"] == "msbvh" and not row["robust"] and row["threads"] == first]
     if fast:
-        title = "Against the peer without its robust flag, first number of threads (Mrays/s: ours many / its best, ratio)"
-        yield from table(
-            title, list(KINDS), group(fast), lambda found: [speed(found.get(kind)) for kind in KINDS]
+        title = (
+            "Against the peer without its robust flag, first number of threads (Mrays/s: ours many / its best, ratio)"
         )
+        yield from table(title, list(KINDS), group(fast), lambda found: [speed(found.get(kind)) for kind in KINDS])
         yield from slower("Where we are slower than the peer without its robust flag", fast)
     yield from cost_table(ours)
     yield from builder_table(rows, first)

@@ -153,7 +153,10 @@ def run_one(check: Check, place: str, settings: Settings, stop: Stop) -> None:
         return
     expect_commit(settings)
     remember(check, outcome, settings)
-    say(f"[{place}] {check.name}: {outcome.result} in {outcome.seconds:.0f} s" + ("" if outcome.passed else f"; see {log}"))
+    say(
+        f"[{place}] {check.name}: {outcome.result} in {outcome.seconds:.0f} s"
+        + ("" if outcome.passed else f"; see {log}")
+    )
     for figure in outcome.figures:
         say(f"    {figure}")
 

@@ -13,10 +13,10 @@ import signal
 import subprocess
 import sys
 import time
-import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from xml.etree import ElementTree
 
 PREFIX = "soak: "
 BEAT_SECONDS = 60.0
@@ -61,7 +61,9 @@ class Outcome:
 
 def find_checks(root: Path, build: Path) -> list[Check]:
     """All of them. Raises SoakError where the tests are not built or cannot be collected."""
-    executables = sorted(path for path in (build / "tests").glob("test_*") if os.access(path, os.X_OK) and path.is_file())
+    executables = sorted(
+        path for path in (build / "tests").glob("test_*") if os.access(path, os.X_OK) and path.is_file()
+    )
     if not executables:
         raise SoakError(f"{build / 'tests'}: found no tests; expected a build with them: make setup")
     found = [check for executable in executables for check in _doctest_checks(executable)]
@@ -93,7 +95,9 @@ def _output(command: Sequence[str], *, cwd: Path | None = None, none: int = 0) -
     """Standard output. `none`: the exit code that says that there is nothing to list."""
     done = subprocess.run(command, cwd=cwd, capture_output=True, text=True)
     if done.returncode not in (0, none):
-        raise SoakError(f"{' '.join(command)}: exit code {done.returncode}: {(done.stdout + done.stderr).strip()[-2000:]}")
+        raise SoakError(
+            f"{' '.join(command)}: exit code {done.returncode}: {(done.stdout + done.stderr).strip()[-2000:]}"
+        )
     return done.stdout
 
 

@@ -7,17 +7,20 @@
 
 #include "core/base/error.h"
 #include "core/bvh/build_bvh.h"
+#include "core/bvh/bvh.h"
+#include "core/bvh/statistics.h"
 #include "core/bvh/verify.h"
+#include "core/geometry/grid_mesh.h"
+#include "core/trace/tracer.h"
 
 namespace msbvh {
 namespace {
 
-void require_valid(const Clock& clock) {
-  if (is_valid_clock(clock)) return;
+void require_valid(const TimeRemap& time_remap) {
+  if (is_valid_time_remap(time_remap)) return;
   throw Error(
-      "accelerator: a clock whose pieces do not begin at 0 and increase, or whose local times decrease or "
-      "leave "
-      "[0, 1]");
+      "accelerator: found a time remap whose pieces do not begin at 0 and increase, or whose local times "
+      "decrease or leave [0, 1]");
 }
 
 }  // namespace
@@ -84,7 +87,7 @@ std::uint32_t Accel::add_grids(GridMesh mesh) {
 }
 
 std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, const TrackForm& form,
-                                   std::span<const Affine3f> world_from_object, const Clock& clock) {
+                                   std::span<const Affine3f> world_from_object, const TimeRemap& time_remap) {
   BvhInput& in = open();
   if (!object || object->bvh().instanced) {
     throw Error("accelerator: an instance of an Accel that holds instances; expected one with meshes only");
@@ -94,7 +97,7 @@ std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, const Tr
                 std::to_string(form.segments) + " segments of degree " + std::to_string(form.degree) +
                 "; expected a multiple of the number of controls");
   }
-  require_valid(clock);
+  require_valid(time_remap);
   if (!std::ranges::all_of(world_from_object, [](const Affine3f& m) { return is_finite(m); })) {
     throw Error("accelerator: an instance's matrix has an element that is not finite; expected finite ones");
   }
@@ -102,18 +105,19 @@ std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, const Tr
   std::uint64_t first_control = in.instance_controls.size();
   const std::size_t count = world_from_object.size() / form.controls();
   in.instance_controls.insert(in.instance_controls.end(), world_from_object.begin(), world_from_object.end());
-  const auto clock_index = clock.is_shutter() ? kNoClock : static_cast<std::uint32_t>(in.clocks.size());
-  if (clock_index != kNoClock) in.clocks.push_back(clock);
+  const auto time_remap_index =
+      time_remap.is_shutter() ? kNoTimeRemap : static_cast<std::uint32_t>(in.time_remaps.size());
+  if (time_remap_index != kNoTimeRemap) in.time_remaps.push_back(time_remap);
   for (std::size_t i = 0; i < count; ++i, first_control += form.controls()) {
-    in.instances.push_back({object->data_->bvh, form, clock_index, first_control});
+    in.instances.push_back({object->data_->bvh, form, time_remap_index, first_control});
   }
   return first;
 }
 
-void Accel::set_clock(const Clock& clock) {
+void Accel::set_time_remap(const TimeRemap& time_remap) {
   BvhInput& in = open();
-  require_valid(clock);
-  in.clock = clock;
+  require_valid(time_remap);
+  in.time_remap = time_remap;
 }
 
 void Accel::commit(const BuildSettings& settings) {

@@ -17,16 +17,17 @@
 
 #include "core/base/affine.h"
 #include "core/build/settings.h"
-#include "core/bvh/bvh.h"
-#include "core/bvh/statistics.h"
-#include "core/geometry/grid_mesh.h"
 #include "core/geometry/triangle_mesh.h"
+#include "core/motion/time_remap.h"
+#include "core/motion/track.h"
 #include "core/trace/ray.h"
-#include "core/trace/tracer.h"
 
 namespace msbvh {
 
+class Bvh;  // core/bvh/bvh.h
 struct BvhInput;
+struct BvhStatistics;  // core/bvh/statistics.h
+struct GridMesh;       // core/geometry/grid_mesh.h
 
 class Accel {
  public:
@@ -41,15 +42,15 @@ class Accel {
   // Shares a mesh that has passed validate(), guard included, and does not look at it again.
   std::uint32_t add_mesh(std::shared_ptr<const TriangleMesh> mesh);
   // Grids of points, two triangles a quad, as displaced subdivision patches become (core/geometry/dice.h).
-  // The tree refers to patches of them. Ids are counted apart; a hit has kGridMesh in Hit::mesh.
+  // The tree refers to patches of them. Ids are counted apart; a hit's geometry says which kind it is of.
   std::uint32_t add_grids(GridMesh mesh);
   // Instances of another, committed Accel that holds no instances itself (two levels). `world_from_object`
-  // holds form.controls() maps for each instance, instance-major; `clock` says when they are there and what
-  // time their tracks are read at. Returns the id of the first one.
+  // holds form.controls() maps for each instance, instance-major; `time_remap` says when they are there and
+  // what time their tracks are read at. Returns the id of the first one.
   std::uint32_t add_instances(std::shared_ptr<const Accel> object, const TrackForm& form,
-                              std::span<const Affine3f> world_from_object, const Clock& clock = {});
+                              std::span<const Affine3f> world_from_object, const TimeRemap& time_remap = {});
   // The time of this Accel's own tracks where it is an instanced object. Before commit().
-  void set_clock(const Clock& clock);
+  void set_time_remap(const TimeRemap& time_remap);
 
   // Builds. Once; the Accel does not change afterwards. Uses the threads of the calling TBB arena.
   // Throws Cancelled if settings.cancelled says so, and leaves the Accel uncommitted.

@@ -10,10 +10,10 @@ namespace msbvh {
 namespace {
 
 // Trees read the scene's own positions, and keep the scene alive for it. It has passed validate().
-void share_meshes(const std::shared_ptr<const Scene>& scene, const std::vector<std::uint32_t>& meshes,
+void share_meshes(const std::shared_ptr<const Scene>& scene, const std::vector<GeometryId>& meshes,
                   Accel& accel) {
-  for (const std::uint32_t mesh : meshes) {
-    accel.add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->meshes[mesh].shape));
+  for (const GeometryId mesh : meshes) {
+    accel.add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->mesh(mesh).shape));
   }
 }
 
@@ -62,18 +62,18 @@ void SceneTrees::build_prototypes(const Scene& scene, const BuildSettings& setti
   parallel_for(prototypes_.size(), [&](std::size_t i) {
     if (!prototypes_[i]) return;
     stop_if_cancelled(settings);
-    share_meshes(scene_, scene.prototypes[i].meshes, *prototypes_[i]);
-    prototypes_[i]->set_clock(scene.prototypes[i].clock);
+    share_meshes(scene_, scene.prototypes[i].geometry, *prototypes_[i]);
+    prototypes_[i]->set_time_remap(scene.prototypes[i].time_remap);
     commit(*prototypes_[i], same[i] == kNone ? nullptr : previous->prototypes_[same[i]].get(), settings);
   });
 }
 
 void SceneTrees::build_world(const Scene& scene, const BuildSettings& settings, SceneTrees* previous) {
   stop_if_cancelled(settings);
-  share_meshes(scene_, scene.world_meshes, world_);
+  share_meshes(scene_, scene.world, world_);
   for (const InstanceSet& set : scene.instances) {
     if (instance_count(set) == 0) continue;
-    world_.add_instances(prototypes_[set.prototype], set.form(), set.world_from_prototype, set.clock);
+    world_.add_instances(prototypes_[set.prototype], set.form(), set.world_from_prototype, set.time_remap);
   }
   commit(world_, previous ? &previous->world_ : nullptr, settings);
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/api/accel.h"
+#include "core/bvh/statistics.h"
 #include "core/scene/scene.h"
 
 namespace msbvh {

@@ -99,7 +99,8 @@ struct Arena::Data {
   tbb::task_arena arena;
 };
 
-// TBB starts no more threads than the process may use at once; asked for many more, it prints a warning of its own.
+// TBB starts no more threads than the process may use at once; asked for many more, it prints a warning of
+// its own.
 Arena::Arena(unsigned threads)
     : data_(new Data{tbb::task_arena(threads == 0 ? tbb::task_arena::automatic
                                                   : std::min(static_cast<int>(std::min(threads, 1U << 16)),

@@ -1,4 +1,4 @@
-// Parallelism for the whole library; the only room that knows TBB.
+// Parallelism for the whole library; the only module that knows TBB.
 //
 // Determinism is the caller's part: a loop body writes only what its index owns, and reductions go over fixed
 // chunks in order, never over what a thread happened to process. Exceptions of a body cancel the loop, and

@@ -8,11 +8,11 @@ namespace msbvh {
 // Runs from its construction.
 class Stopwatch {
  public:
-  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+  double seconds() const { return std::chrono::duration<double>(TimeRemap::now() - start_).count(); }
 
  private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
+  using TimeRemap = std::chrono::steady_clock;
+  TimeRemap::time_point start_ = TimeRemap::now();
 };
 
 }  // namespace msbvh

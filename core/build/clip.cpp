@@ -11,8 +11,8 @@ Vec3d at(const std::array<Vec3d, 3>& triangle, const Vec3d& b) {
   return triangle[0] * b.x + triangle[1] * b.y + triangle[2] * b.z;
 }
 
-// std::nextafter() towards infinity, of what is neither infinity nor NaN, without a call of the C library: boxes are
-// rounded outwards several times a node.
+// std::nextafter() towards infinity, of what is neither infinity nor NaN, without a call of the C library:
+// boxes are rounded outwards several times a node.
 float next_above(float f) {
   const auto bits = std::bit_cast<std::uint32_t>(f);
   return std::bit_cast<float>(f > 0.0f ? bits + 1 : f < 0.0f ? bits - 1 : 1u);

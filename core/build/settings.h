@@ -36,9 +36,9 @@ inline constexpr BuilderName kBuilders[] = {{Builder::kMsbvh, "msbvh"},
 enum class Refit : std::uint8_t {
   kNever,  // nothing
   // Geometry that did not change keeps its tree; where only positions did, the topology is evaluated at the
-  // new keys, and rebuilt once the tree has become dear.
+  // new keys, and rebuilt once the tree has become expensive.
   kAuto,
-  kAlways  // the same, however dear
+  kAlways  // the same, regardless of cost
 };
 
 struct RefitName {

@@ -12,7 +12,8 @@ namespace msbvh {
 namespace {
 
 constexpr int kMaxBins = 16;
-constexpr std::size_t kChunk = 4096;  // walking through bins is dear: smaller chunks than for object splits
+constexpr std::size_t kChunk =
+    4096;  // walking through bins is expensive: smaller chunks than for object splits
 
 float coordinate(const Vec3f& p, int axis) { return (&p.x)[axis]; }
 

@@ -28,8 +28,8 @@ Movement movement_of(const Bvh& bvh) {
   for (const auto& mesh : bvh.grids) most = std::max(most, movement_of(mesh->form()));
   for (const Instance& i : bvh.instances) {
     most = std::max({most, movement_of(i.form), i.object->movement});
-    const bool clocked = i.clock != kNoClock || !i.object->clock.is_shutter();
-    if (clocked) most = std::max(most, Movement::kLinear);
+    const bool remapped = i.time_remap != kNoTimeRemap || !i.object->time_remap.is_shutter();
+    if (remapped) most = std::max(most, Movement::kLinear);
   }
   return most;
 }
@@ -41,8 +41,8 @@ Bvh opened(BvhInput input, const BuildSettings& settings) {
   bvh.grids = std::move(input.grids);
   bvh.instances = std::move(input.instances);
   bvh.instance_controls = std::move(input.instance_controls);
-  bvh.clocks = std::move(input.clocks);
-  bvh.clock = std::move(input.clock);
+  bvh.time_remaps = std::move(input.time_remaps);
+  bvh.time_remap = std::move(input.time_remap);
   bvh.builder = settings.builder;
   return bvh;
 }
@@ -61,8 +61,8 @@ std::uint64_t bytes_of(const std::vector<T>& elements) {
 }
 
 void count_bytes(const Bvh& bvh, BvhStatistics& s) {
-  s.instance_bytes = bytes_of(bvh.instances) + bytes_of(bvh.instance_controls) + bytes_of(bvh.clocks);
-  for (const Clock& clock : bvh.clocks) s.instance_bytes += bytes_of(clock.pieces);
+  s.instance_bytes = bytes_of(bvh.instances) + bytes_of(bvh.instance_controls) + bytes_of(bvh.time_remaps);
+  for (const TimeRemap& time_remap : bvh.time_remaps) s.instance_bytes += bytes_of(time_remap.pieces);
   s.other_bytes = bvh.arena.size() - s.node_bytes - s.leaf_bytes + bytes_of(bvh.root_bounds) +
                   bytes_of(bvh.slice_roots) + bytes_of(bvh.meshes) + bytes_of(bvh.grids) + sizeof(Bvh);
 }
@@ -146,7 +146,7 @@ BuiltBvh built(Bvh bvh, InstanceParts whole, const BuildSettings& settings) {
   return {std::move(bvh), std::move(kept)};
 }
 
-// False, with `bvh` as it was but for the time that it took, where the tree has become too dear.
+// False, with `bvh` as it was but for the time that it took, where the tree has become too expensive.
 bool refit(Bvh& bvh, KeptTopology& kept, const InstanceParts& instances, const BuildSettings& settings) {
   const Stopwatch watch;
   Primitives primitives = primitives_of(bvh, instances);
@@ -154,8 +154,8 @@ bool refit(Bvh& bvh, KeptTopology& kept, const InstanceParts& instances, const B
   primitives.rest_grids = kept.rest_grids;
   Bvh refitted = bvh;
   flatten(primitives, kept.topology, settings, refitted);
-  const bool dear = refitted.statistics.sah_cost > kept.sah_cost * double(settings.refit_drift);
-  if (dear && settings.refit == Refit::kAuto) {
+  const bool too_expensive = refitted.statistics.sah_cost > kept.sah_cost * double(settings.refit_drift);
+  if (too_expensive && settings.refit == Refit::kAuto) {
     bvh.statistics.refit_seconds = watch.seconds();
     return false;
   }
@@ -171,8 +171,8 @@ bool refit(Bvh& bvh, KeptTopology& kept, const InstanceParts& instances, const B
 InstanceBounds instance_bounds_of(const Bvh& bvh, const Instance& instance) {
   const Bvh& object = *instance.object;
   return bound_instance(
-      {{bvh.controls_of(instance), instance.form.controls()}, instance.form, bvh.clock_of(instance)},
-      {object.root_bounds, object.root_form, &object.clock});
+      {{bvh.controls_of(instance), instance.form.controls()}, instance.form, bvh.time_remap_of(instance)},
+      {object.root_bounds, object.root_form, &object.time_remap});
 }
 
 BuiltBvh build_bvh(BvhInput input, const BuildSettings& settings) {

@@ -15,8 +15,8 @@ struct BvhInput {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;  // validated()
   std::vector<Instance> instances;
   std::vector<Affine3f> instance_controls;
-  std::vector<Clock> clocks;                             // of instances, by their index
-  Clock clock;                                           // of the tree itself, where it is instanced
+  std::vector<TimeRemap> time_remaps;                    // of instances, by their index
+  TimeRemap time_remap;                                  // of the tree itself, where it is instanced
   std::vector<std::shared_ptr<const GridMesh>> grids{};  // validated()
 };
 

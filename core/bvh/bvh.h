@@ -14,7 +14,7 @@
 #include "core/bvh/statistics.h"
 #include "core/geometry/grid_mesh.h"
 #include "core/geometry/triangle_mesh.h"
-#include "core/motion/clock.h"
+#include "core/motion/time_remap.h"
 
 namespace msbvh {
 
@@ -23,16 +23,16 @@ class Bvh;
 // What kernels must be ready for.
 enum class Movement : std::uint8_t { kStill, kLinear, kPolynomial };
 
-inline constexpr std::uint32_t kNoClock = 0xffffffffu;
+inline constexpr std::uint32_t kNoTimeRemap = 0xffffffffu;
 
 // An instance of another tree, whose form.controls() maps lead from the object's space to the tree's. Its
-// clock, if any, says when it is there and what time its maps are read at; what time it is in the object is
-// the object's own affair (Bvh::clock).
+// time remap, if any, says when it is there and what time its maps are read at; what time it is in the object
+// is the object's own affair (Bvh::time_remap).
 struct Instance {
   std::shared_ptr<const Bvh> object;
   TrackForm form;
-  std::uint32_t clock = kNoClock;   // in Bvh::clocks
-  std::uint64_t first_control = 0;  // in Bvh::instance_controls
+  std::uint32_t time_remap = kNoTimeRemap;  // in Bvh::time_remaps
+  std::uint64_t first_control = 0;          // in Bvh::instance_controls
 };
 
 struct SliceRoot {
@@ -47,8 +47,8 @@ class Bvh {
   std::vector<std::shared_ptr<const GridMesh>> grids;
   std::vector<Instance> instances;
   std::vector<Affine3f> instance_controls;
-  std::vector<Clock> clocks;  // of instances
-  Clock clock;                // of this tree as an object that is instanced
+  std::vector<TimeRemap> time_remaps;  // of instances
+  TimeRemap time_remap;                // of this tree as an object that is instanced
   Builder builder = Builder::kMsbvh;
 
   AlignedBuffer arena;
@@ -75,8 +75,8 @@ class Bvh {
   const Affine3f* controls_of(const Instance& instance) const {
     return instance_controls.data() + instance.first_control;
   }
-  const Clock* clock_of(const Instance& instance) const {
-    return instance.clock == kNoClock ? nullptr : &clocks[instance.clock];
+  const TimeRemap* time_remap_of(const Instance& instance) const {
+    return instance.time_remap == kNoTimeRemap ? nullptr : &time_remaps[instance.time_remap];
   }
 };
 

@@ -11,9 +11,9 @@
 namespace msbvh {
 namespace {
 
-// A clock rounds its local time to within 2^-25 (core/motion/clock.h); pieces of a track are taken wider by
-// this on either side.
-constexpr double kClockError = 0x1p-24;
+// A time remap rounds its local time to within 2^-25 (core/motion/time_remap.h); pieces of a track are taken
+// wider by this on either side.
+constexpr double kTimeRemapError = 0x1p-24;
 
 Vec3d corner(const Box3d& b, int i) {
   return {(i & 1) ? b.hi.x : b.lo.x, (i & 2) ? b.hi.y : b.lo.y, (i & 4) ? b.hi.z : b.lo.z};
@@ -40,7 +40,7 @@ Affine3d in_double(const Affine3f& m) { return Affine3d(m); }
 
 // Control `j` of a track's part that covers segment `k` of a grid of `segments`.
 template <typename T>
-auto part_of(const ClockedTrack<T>& track, std::uint32_t segments, std::uint32_t k, std::uint32_t j) {
+auto part_of(const RemappedTrack<T>& track, std::uint32_t segments, std::uint32_t k, std::uint32_t j) {
   if (!track.form.moving()) return in_double(track.controls[0]);
   const std::uint32_t ratio = segments / track.form.segments;
   const T* first = track.controls.data() + (k / ratio) * track.form.degree;
@@ -78,7 +78,8 @@ class PaddedBoxes {
 };
 
 // At most one of both moves.
-InstanceBounds bound_by_controls(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object) {
+InstanceBounds bound_by_controls(const RemappedTrack<Affine3f>& transform,
+                                 const RemappedTrack<Box3f>& object) {
   const TrackForm form = transform.form.moving() ? transform.form : object.form;
   PaddedBoxes out(form);
   for (std::uint32_t c = 0; c < form.controls(); ++c) {
@@ -99,8 +100,8 @@ double binomial(std::uint32_t n, std::uint32_t k) {
 // The product of two tracks on one segment: controls of a corner's path.
 class Product {
  public:
-  Product(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object, std::uint32_t segments,
-          std::uint32_t k)
+  Product(const RemappedTrack<Affine3f>& transform, const RemappedTrack<Box3f>& object,
+          std::uint32_t segments, std::uint32_t k)
       : m_(transform.form.degree), n_(object.form.degree) {
     for (std::uint32_t i = 0; i <= m_; ++i) maps_[i] = part_of(transform, segments, k, i);
     for (std::uint32_t i = 0; i <= n_; ++i) boxes_[i] = part_of(object, segments, k, i);
@@ -146,7 +147,7 @@ void grow_by_path(const Product& product, int c, Box3d& at_begin, Box3d& at_end)
   }
 }
 
-InstanceBounds bound_by_chords(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object) {
+InstanceBounds bound_by_chords(const RemappedTrack<Affine3f>& transform, const RemappedTrack<Box3f>& object) {
   const TrackForm form{std::max(transform.form.segments, object.form.segments), 1};
   PaddedBoxes out(form);
   for (std::uint32_t k = 0; k < form.segments; ++k) {
@@ -158,23 +159,23 @@ InstanceBounds bound_by_chords(const ClockedTrack<Affine3f>& transform, const Cl
   return out.finish();
 }
 
-// Calls f with the index of each control that is in force at some time within [a, b] of the shutter; with some of
-// them twice, where a clock has several pieces there.
+// Calls f with the index of each control that is in force at some time within [a, b] of the shutter; with
+// some of them twice, where a time remap has several pieces there.
 template <typename T, typename F>
-void for_controls_within(const ClockedTrack<T>& track, double a, double b, const F& f) {
+void for_controls_within(const RemappedTrack<T>& track, double a, double b, const F& f) {
   if (!track.form.moving()) return f(0u);
   const auto add = [&](double from, double to) {
     const std::uint32_t segments = track.form.segments, degree = track.form.degree;
     const auto key = [&](double time) {
       return std::min(std::uint32_t(std::clamp(time, 0.0, 1.0) * segments), segments - 1);
     };
-    const std::uint32_t first = key(from - kClockError), last = key(to + kClockError);
+    const std::uint32_t first = key(from - kTimeRemapError), last = key(to + kTimeRemapError);
     for (std::uint32_t c = first * degree; c <= (last + 1) * degree; ++c) f(c);
   };
-  if (!track.clock || track.clock->is_shutter()) return add(a, b);
-  for (std::size_t i = 0; i < track.clock->pieces.size(); ++i) {
-    const ClockPiece& piece = track.clock->pieces[i];
-    const double begin = piece.begin, end = track.clock->end_of(i);
+  if (!track.time_remap || track.time_remap->is_shutter()) return add(a, b);
+  for (std::size_t i = 0; i < track.time_remap->pieces.size(); ++i) {
+    const TimeRemapPiece& piece = track.time_remap->pieces[i];
+    const double begin = piece.begin, end = track.time_remap->end_of(i);
     if (!piece.visible || begin > b || end < a) continue;
     const auto local = [&](double u) {
       const double w = end > begin ? std::clamp((u - begin) / (end - begin), 0.0, 1.0) : 0.0;
@@ -184,8 +185,8 @@ void for_controls_within(const ClockedTrack<T>& track, double a, double b, const
   }
 }
 
-// The object's boxes at its controls, under the transform at its own. Most controls are in force in several parts of
-// the shutter; where only one of both moves, each has its image made once.
+// The object's boxes at its controls, under the transform at its own. Most controls are in force in several
+// parts of the shutter; where only one of both moves, each has its image made once.
 class Images {
  public:
   struct Image {
@@ -193,7 +194,7 @@ class Images {
     Vec3d error;
   };
 
-  Images(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object)
+  Images(const RemappedTrack<Affine3f>& transform, const RemappedTrack<Box3f>& object)
       : transform_(transform), object_(object) {
     const std::uint32_t maps = transform.form.controls(), boxes = object.form.controls();
     if (std::min(maps, boxes) > 1) return;
@@ -214,13 +215,13 @@ class Images {
     return result;
   }
 
-  const ClockedTrack<Affine3f>& transform_;
-  const ClockedTrack<Box3f>& object_;
+  const RemappedTrack<Affine3f>& transform_;
+  const RemappedTrack<Box3f>& object_;
   std::vector<Image> known_;  // by the control of the one that moves
 };
 
-InstanceBounds bound_by_parts(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object) {
-  const TrackForm form{kClockedSegments, 1};
+InstanceBounds bound_by_parts(const RemappedTrack<Affine3f>& transform, const RemappedTrack<Box3f>& object) {
+  const TrackForm form{kRemappedSegments, 1};
   const Images images(transform, object);
   PaddedBoxes out(form);
   Box3d all;
@@ -246,13 +247,14 @@ InstanceBounds bound_by_parts(const ClockedTrack<Affine3f>& transform, const Clo
   return out.finish();
 }
 
-bool has_clock(const Clock* clock) { return clock && !clock->is_shutter(); }
+bool has_time_remap(const TimeRemap* time_remap) { return time_remap && !time_remap->is_shutter(); }
 
 }  // namespace
 
-InstanceBounds bound_instance(const ClockedTrack<Affine3f>& transform, const ClockedTrack<Box3f>& object) {
+InstanceBounds bound_instance(const RemappedTrack<Affine3f>& transform, const RemappedTrack<Box3f>& object) {
   if (object.controls.empty() || object.controls[0].empty()) return {};
-  if (has_clock(transform.clock) || has_clock(object.clock)) return bound_by_parts(transform, object);
+  if (has_time_remap(transform.time_remap) || has_time_remap(object.time_remap))
+    return bound_by_parts(transform, object);
   if (transform.form.moving() && object.form.moving()) return bound_by_chords(transform, object);
   return bound_by_controls(transform, object);
 }

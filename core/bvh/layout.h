@@ -25,6 +25,7 @@
 #include <cstdint>
 
 #include "core/base/box.h"
+#include "core/geometry/geometry_id.h"
 #include "core/motion/track.h"
 
 namespace msbvh {
@@ -134,6 +135,10 @@ struct alignas(16) BlockHeader {
   std::uint32_t units;  // of kUnit, header included: where the next block is; or the bits of part()
 
   TrackForm form() const { return form_code.form(); }
+  // Not of an instance.
+  GeometryId geometry() const {
+    return {kind == BlockKind::kGrid ? GeometryKind::kGridMesh : GeometryKind::kTriangleMesh, owner};
+  }
   // Of an instance's part: a place in the object's tree, in the form `form_code`.
   ChildRef part() const { return {units}; }
 

@@ -75,12 +75,12 @@ class Neighbours {
 };
 
 // What the boxes of a node's children have of that around all of them, in the outer tree at the shutter's
-// centre. An estimate: nothing is padded, and clocks are not asked.
+// centre. An estimate: nothing is padded, and time remaps are not asked.
 class Growth {
  public:
   Growth(const Bvh& bvh, const Instance& instance) {
     const Affine3f* controls = bvh.controls_of(instance);
-    const auto column = [&](Vec3f Affine3f::* c) {
+    const auto column = [&](Vec3f Affine3f::*c) {
       return abs(at_centre([&](std::uint32_t i) { return controls[i].*c; }, instance.form));
     };
     columns_ = {column(&Affine3f::x), column(&Affine3f::y), column(&Affine3f::z), {}};
@@ -212,8 +212,8 @@ SlotTrack::SlotTrack(const NodeHeader& node, std::uint32_t slot) : form(node.for
 
 InstanceBounds bound_slot(const Bvh& bvh, const Instance& instance, const SlotTrack& slot) {
   return bound_instance(
-      {{bvh.controls_of(instance), instance.form.controls()}, instance.form, bvh.clock_of(instance)},
-      {slot.controls, slot.form, &instance.object->clock});
+      {{bvh.controls_of(instance), instance.form.controls()}, instance.form, bvh.time_remap_of(instance)},
+      {slot.controls, slot.form, &instance.object->time_remap});
 }
 
 InstanceParts kept_parts(const Bvh& bvh, std::vector<InstancePart> parts) {

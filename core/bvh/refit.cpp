@@ -47,13 +47,13 @@ bool all_grids(const Bvh& a, const Bvh& b, const Same& same) {
 
 // A kept tree shares the arena of the one that it was kept from.
 bool same_object(const Bvh& a, const Bvh& b) {
-  return a.arena.data() == b.arena.data() && a.empty == b.empty && a.clock == b.clock;
+  return a.arena.data() == b.arena.data() && a.empty == b.empty && a.time_remap == b.time_remap;
 }
 
 bool same_instances(const Bvh& a, const Bvh& b) {
   return std::ranges::equal(a.instances, b.instances,
                             [](const Instance& x, const Instance& y) {
-                              return x.form == y.form && x.clock == y.clock &&
+                              return x.form == y.form && x.time_remap == y.time_remap &&
                                      x.first_control == y.first_control && same_object(*x.object, *y.object);
                             }) &&
          a.instance_controls.size() == b.instance_controls.size() &&
@@ -63,9 +63,9 @@ bool same_instances(const Bvh& a, const Bvh& b) {
 }  // namespace
 
 bool is_unchanged(const Bvh& previous, const Bvh& next, Builder builder) {
-  return previous.builder == builder && previous.clock == next.clock && previous.clocks == next.clocks &&
-         same_instances(previous, next) && all_meshes(previous, next, same_mesh) &&
-         all_grids(previous, next, same_grids);
+  return previous.builder == builder && previous.time_remap == next.time_remap &&
+         previous.time_remaps == next.time_remaps && same_instances(previous, next) &&
+         all_meshes(previous, next, same_mesh) && all_grids(previous, next, same_grids);
 }
 
 bool can_refit(const Bvh& previous, const KeptTopology& topology, const Bvh& next, Builder builder) {

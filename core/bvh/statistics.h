@@ -18,7 +18,7 @@ struct BvhStatistics {
   std::uint64_t node_bytes = 0;
   std::uint64_t leaf_bytes = 0;
   std::uint64_t vertex_bytes = 0;    // the vertex tracks that indexed leaves read; they are the meshes' own
-  std::uint64_t instance_bytes = 0;  // instances, their maps and their clocks
+  std::uint64_t instance_bytes = 0;  // instances, their maps and their time remaps
   std::uint64_t other_bytes = 0;     // what aligns the arena's parts, the root's boxes, the tree's own record
   std::uint64_t topology_bytes = 0;  // what keep_topology leaves for the next frame, until that takes it over
   std::uint64_t grid_bytes = 0;      // the grids' points, all keys; they are the meshes' own

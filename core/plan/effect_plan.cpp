@@ -22,7 +22,7 @@ constexpr std::array<std::pair<Effect, const char*>, 13> kNames{{
     {Effect::kIndirectLight, "indirect light"},
     {Effect::kLens, "lens"},
     {Effect::kPolynomialMotion, "polynomial motion"},
-    {Effect::kOwnClocks, "own clocks"},
+    {Effect::kTimeRemaps, "time remaps"},
     {Effect::kAovs, "AOVs"},
 }};
 
@@ -60,19 +60,19 @@ void plan_curve(const std::string& name, const TrackForm& form, Planner& planner
               segments_phrase(form.segments) + (form.degree == 2 ? ", quadratic" : ", cubic"));
 }
 
-void plan_clock(const std::string& name, const Clock& clock, Planner& planner) {
-  if (clock.is_shutter()) return;
-  planner.add(Effect::kOwnClocks, name, std::to_string(clock.pieces.size()) + " pieces of the shutter");
+void plan_time_remap(const std::string& name, const TimeRemap& time_remap, Planner& planner) {
+  if (time_remap.is_shutter()) return;
+  planner.add(Effect::kTimeRemaps, name, std::to_string(time_remap.pieces.size()) + " pieces of the shutter");
 }
 
 // Meshes that something shows: in the world, or in a prototype that has instances. `own_materials`: only
 // where no instance overrides their materials. In the order of the scene.
 std::vector<const Mesh*> shown_meshes(const Scene& scene, bool own_materials) {
   std::vector<bool> shown(scene.meshes.size(), false);
-  for (const std::uint32_t mesh : scene.world_meshes) shown[mesh] = true;
+  for (const GeometryId mesh : scene.world) shown[mesh.index()] = true;
   for (const InstanceSet& set : scene.instances) {
     if (instance_count(set) == 0 || (own_materials && !set.materials.empty())) continue;
-    for (const std::uint32_t mesh : scene.prototypes[set.prototype].meshes) shown[mesh] = true;
+    for (const GeometryId mesh : scene.prototypes[set.prototype].geometry) shown[mesh.index()] = true;
   }
   std::vector<const Mesh*> meshes;
   for (std::size_t i = 0; i < shown.size(); ++i) {
@@ -103,8 +103,8 @@ void plan_opacity(const Scene& scene, Planner& planner) {
     std::ranges::sort(materials);
     materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
     for (const std::uint32_t material : materials) {
-      for (const std::uint32_t mesh : scene.prototypes[set.prototype].meshes) {
-        if (found(set.name, least_opacity(scene.meshes[mesh], material_at(scene, material)))) return;
+      for (const GeometryId mesh : scene.prototypes[set.prototype].geometry) {
+        if (found(set.name, least_opacity(scene.mesh(mesh), material_at(scene, material)))) return;
       }
     }
   }
@@ -118,8 +118,8 @@ void plan_instances(const Scene& scene, Planner& planner) {
                 std::to_string(count) + (count == 1 ? " instance" : " instances"));
     if (set.segments > 0) planner.add(Effect::kMovingInstances, set.name, segments_phrase(set.segments));
     plan_curve(set.name, set.form(), planner);
-    plan_clock(set.name, set.clock, planner);
-    plan_clock(set.name, scene.prototypes[set.prototype].clock, planner);
+    plan_time_remap(set.name, set.time_remap, planner);
+    plan_time_remap(set.name, scene.prototypes[set.prototype].time_remap, planner);
   }
 }
 

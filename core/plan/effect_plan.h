@@ -23,7 +23,7 @@ enum class Effect : std::uint32_t {
   kIndirectLight = 1u << 8,
   kLens = 1u << 9,               // depth of field
   kPolynomialMotion = 1u << 10,  // a mesh or an instance moves on curves of degree 2 or 3
-  kOwnClocks = 1u << 11,         // motion that bends, jumps or shows at times between even keys
+  kTimeRemaps = 1u << 11,        // breakpoints, jumps or visibility at times between even keys
   kAovs = 1u << 12               // more than colour and alpha is asked for
 };
 

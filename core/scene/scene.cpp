@@ -39,8 +39,9 @@ void expect_segments(std::uint32_t segments, const std::string& part, const std:
          "0 or a power of two up to " + std::to_string(kMaxSegments));
 }
 
-void expect_clock(const Clock& clock, const std::string& part) {
-  expect(is_valid_clock(clock), part, "clock", std::to_string(clock.pieces.size()) + " pieces",
+void expect_time_remap(const TimeRemap& time_remap, const std::string& part) {
+  expect(is_valid_time_remap(time_remap), part, "time_remap",
+         std::to_string(time_remap.pieces.size()) + " pieces",
          "pieces that begin at 0 and increase, with local times in [0, 1] that do not decrease");
 }
 
@@ -68,6 +69,13 @@ void expect_index(std::size_t index, std::size_t size, const std::string& part,
                   const std::string& attribute) {
   expect(index < size, part, attribute, "index " + std::to_string(index),
          "less than " + std::to_string(size));
+}
+
+void expect_geometry(GeometryId id, const Scene& scene, const std::string& part,
+                     const std::string& attribute) {
+  expect(id.is(GeometryKind::kTriangleMesh), part, attribute, "geometry that is no triangle mesh",
+         "triangle meshes alone");
+  expect_index(id.index(), scene.meshes.size(), part, attribute);
 }
 
 void expect_materials(const std::vector<std::uint32_t>& materials, const Scene& scene,
@@ -118,7 +126,7 @@ void check_instances(const InstanceSet& set, const Scene& scene, const std::stri
   expect_segments(set.segments, part, "worldFromPrototype");
   expect(is_valid_form(set.form()), part, "worldFromPrototype", "degree " + std::to_string(set.degree),
          "1 to " + std::to_string(kMaxDegree) + ", and 1 for still instances");
-  expect_clock(set.clock, part);
+  expect_time_remap(set.time_remap, part);
   const std::size_t controls = set.form().controls();
   expect(set.world_from_prototype.size() % controls == 0, part, "worldFromPrototype",
          std::to_string(set.world_from_prototype.size()) + " matrices",
@@ -216,7 +224,7 @@ void check_camera(const Camera& camera) {
   const std::string part = camera.name.empty() ? "camera" : camera.name;
   expect_curve(camera.world_from_camera, camera.form(), part, "worldFromCamera");
   expect_curve(camera.window, camera.form(), part, "window");
-  expect_clock(camera.clock, part);
+  expect_time_remap(camera.time_remap, part);
   for (const ScreenWindow& window : camera.window) check_window(window, part);
   check_lens(camera, part);
   for (const Affine3f& m : camera.world_from_camera) {
@@ -248,15 +256,12 @@ void validate(const Scene& scene) {
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     check_mesh(scene.meshes[i], scene, label(scene.meshes[i].shape.name, "mesh", i));
   }
-  for (const std::uint32_t mesh : scene.world_meshes) {
-    expect_index(mesh, scene.meshes.size(), "scene", "worldMeshes");
-  }
+  for (const GeometryId id : scene.world) expect_geometry(id, scene, "scene", "world");
   for (std::size_t i = 0; i < scene.prototypes.size(); ++i) {
     const Prototype& prototype = scene.prototypes[i];
-    expect_clock(prototype.clock, label(prototype.name, "prototype", i));
-    for (const std::uint32_t mesh : prototype.meshes) {
-      expect_index(mesh, scene.meshes.size(), label(prototype.name, "prototype", i), "meshes");
-    }
+    expect_time_remap(prototype.time_remap, label(prototype.name, "prototype", i));
+    for (const GeometryId id : prototype.geometry)
+      expect_geometry(id, scene, label(prototype.name, "prototype", i), "geometry");
   }
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     check_instances(scene.instances[i], scene, label(scene.instances[i].name, "instances", i));

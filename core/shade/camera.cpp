@@ -10,7 +10,7 @@ namespace {
 class CameraTime {
  public:
   CameraTime(const Camera& camera, float time) : camera_(camera), time_(time) {
-    camera.clock.at(time, time_);
+    camera.time_remap.at(time, time_);
   }
 
   Affine3f world_from_camera() const { return value(camera_.world_from_camera); }

@@ -128,8 +128,9 @@ class Search {
     const Instance& instance = around_.world.instances[block.owner];
     const Bvh& object = *instance.object;
     float own = time_, inside = time_;
-    const Clock* clock = around_.world.clock_of(instance);
-    if (object.empty || (clock && !clock->at(time_, own)) || !object.clock.at(time_, inside)) return;
+    const TimeRemap* time_remap = around_.world.time_remap_of(instance);
+    if (object.empty || (time_remap && !time_remap->at(time_, own)) || !object.time_remap.at(time_, inside))
+      return;
     const Affine3f* controls = around_.world.controls_of(instance);
     const Affine3d map(evaluate({controls, instance.form.controls()}, instance.form, own));
     if (map.determinant() == 0.0) return;
@@ -144,7 +145,7 @@ class Search {
   // A Scene has no grids.
   void look_at(const BlockHeader& block, std::uint32_t instance) {
     if (block.kind == BlockKind::kGrid) return;
-    const HitSource source = around_.index.resolve({.mesh = block.owner, .instance = instance});
+    const HitSource source = around_.index.resolve({.geometry = block.geometry(), .instance = instance});
     const std::optional<InstancePose> pose = instance_pose(source, time_);
     for (std::uint32_t i = 0; i < block.count; ++i) {
       const WorldTriangle triangle = world_triangle(source, pose, block.triangles()[i], time_);

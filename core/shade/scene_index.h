@@ -1,6 +1,6 @@
 // What the ids of a Hit stand for in the Scene.
 //
-// The world's tree holds the meshes of Scene::world_meshes and the instances of Scene::instances, set by set,
+// The world's tree holds the meshes of Scene::world and the instances of Scene::instances, set by set,
 // and each prototype's tree the meshes of Prototype::meshes, all in the scene's order: ids count along it.
 #pragma once
 
@@ -27,12 +27,12 @@ struct HitSource {
     return {instances->world_from_prototype.data() + instance * controls, controls};
   }
   // The shutter's time in the time of the mesh's tracks, and in that of the instance's.
-  float mesh_time(float time) const { return prototype ? local(prototype->clock, time) : time; }
-  float instance_time(float time) const { return local(instances->clock, time); }
+  float mesh_time(float time) const { return prototype ? local(prototype->time_remap, time) : time; }
+  float instance_time(float time) const { return local(instances->time_remap, time); }
 
  private:
-  static float local(const Clock& clock, float time) {
-    clock.at(time, time);
+  static float local(const TimeRemap& time_remap, float time) {
+    time_remap.at(time, time);
     return time;
   }
 };
@@ -49,11 +49,11 @@ class SceneIndex {
   const Scene& scene() const { return *scene_; }
 
   HitSource resolve(const Hit& hit) const {
-    if (hit.instance == kNoInstance) return {.mesh = &scene_->meshes[scene_->world_meshes[hit.mesh]]};
+    if (hit.instance == kNoInstance) return {.mesh = &scene_->mesh(scene_->world[hit.geometry.index()])};
     const std::uint32_t set = set_of_instance_[hit.instance];
     const InstanceSet& instances = scene_->instances[set];
     const Prototype& prototype = scene_->prototypes[instances.prototype];
-    return {.mesh = &scene_->meshes[prototype.meshes[hit.mesh]],
+    return {.mesh = &scene_->mesh(prototype.geometry[hit.geometry.index()]),
             .instances = &instances,
             .instance = hit.instance - first_instance_[set],
             .prototype = &prototype};

@@ -12,19 +12,22 @@ using IntersectManyKernel = void (*)(const Bvh&, const Ray*, std::size_t, Hit*);
 using OccludedManyKernel = void (*)(const Bvh&, const Ray*, std::size_t, bool*);
 using OccludedKernel = bool (*)(const Bvh&, const Ray&, TraceCounts*);
 
-// First index: how the tree moves (Movement); second: what it holds beside triangles (nothing, instances,
+// Of trees that move in one way (Movement). Index: what a tree holds beside triangles (nothing, instances,
 // instances and grids). What a tree does not hold costs no instruction: the still kernels know no time, the
 // linear ones no curves, the flat ones no transforms, and only the last ones know grids.
-struct KernelTable {
-  IntersectKernel intersect[3][3];
-  IntersectManyKernel intersect_many[3][3];
-  OccludedManyKernel occluded_many[3][3];
-  OccludedKernel occluded[3][3];
-  IntersectKernel intersect_counted[3][3];
-  OccludedKernel occluded_counted[3][3];
+struct Kernels {
+  IntersectKernel intersect[3];
+  IntersectManyKernel intersect_many[3];
+  OccludedManyKernel occluded_many[3];
+  OccludedKernel occluded[3];
+  IntersectKernel intersect_counted[3];
+  OccludedKernel occluded_counted[3];
 };
 
-// Null if the machine does not support the instruction set.
-const KernelTable* kernels_for(InstructionSet set);
+// Each in a file of its own, since they take long to compile. Null where the instruction set was not
+// compiled.
+const Kernels* still_kernels(InstructionSet set);
+const Kernels* linear_kernels(InstructionSet set);
+const Kernels* polynomial_kernels(InstructionSet set);
 
 }  // namespace msbvh

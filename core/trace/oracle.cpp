@@ -17,7 +17,9 @@ struct RayD {
 };
 
 struct Id {
-  std::uint32_t instance, mesh, triangle;
+  std::uint32_t instance;
+  GeometryId geometry;
+  std::uint32_t triangle;
   bool operator==(const Id&) const = default;
 };
 
@@ -128,7 +130,7 @@ void visit_meshes(const Bvh& bvh, const RayD& ray, double u, std::uint32_t insta
       const ShearedTriangle sheared(
           ray, {vertex_at(mesh, t[0], u), vertex_at(mesh, t[1], u), vertex_at(mesh, t[2], u)});
       const Verdict verdict = sheared.judge();
-      if (verdict.possible) visit({instance, m, i}, verdict);
+      if (verdict.possible) visit({instance, {GeometryKind::kTriangleMesh, m}, i}, verdict);
     }
   }
   for (std::uint32_t m = 0; m < bvh.grids.size(); ++m) {
@@ -140,7 +142,7 @@ void visit_meshes(const Bvh& bvh, const RayD& ray, double u, std::uint32_t insta
       const ShearedTriangle sheared(
           ray, {point_at(mesh, grid, v[0], u), point_at(mesh, grid, v[1], u), point_at(mesh, grid, v[2], u)});
       const Verdict verdict = sheared.judge();
-      if (verdict.possible) visit({instance, m | kGridMesh, i}, verdict);
+      if (verdict.possible) visit({instance, {GeometryKind::kGridMesh, m}, i}, verdict);
     }
   }
 }
@@ -155,10 +157,10 @@ Affine3d map_at(const Bvh& bvh, const Instance& instance, double u) {
 }
 
 // The time in an object's or instance's own time, as the kernels see it; none where it is not there.
-std::optional<double> local_time(const Clock* clock, double u) {
-  if (!clock || clock->is_shutter()) return u;
+std::optional<double> local_time(const TimeRemap* time_remap, double u) {
+  if (!time_remap || time_remap->is_shutter()) return u;
   float local = 0.0f;
-  return clock->at(static_cast<float>(u), local) ? std::optional<double>(local) : std::nullopt;
+  return time_remap->at(static_cast<float>(u), local) ? std::optional<double>(local) : std::nullopt;
 }
 
 void visit_all(const Bvh& bvh, const Ray& ray, const Visitor& visit) {
@@ -166,8 +168,8 @@ void visit_all(const Bvh& bvh, const Ray& ray, const Visitor& visit) {
   visit_meshes(bvh, {Vec3d(ray.org), Vec3d(ray.dir), 0.0}, u, kNoInstance, visit);
   for (std::uint32_t i = 0; i < bvh.instances.size(); ++i) {
     const Instance& instance = bvh.instances[i];
-    const std::optional<double> own = local_time(bvh.clock_of(instance), u);
-    const std::optional<double> inside = local_time(&instance.object->clock, u);
+    const std::optional<double> own = local_time(bvh.time_remap_of(instance), u);
+    const std::optional<double> inside = local_time(&instance.object->time_remap, u);
     if (!own || !inside) continue;
     const Affine3d world_from_object = map_at(bvh, instance, *own);
     if (world_from_object.determinant() == 0.0) continue;
@@ -185,11 +187,8 @@ void visit_all(const Bvh& bvh, const Ray& ray, const Visitor& visit) {
 std::string describe(const Id& id) {
   std::ostringstream s;
   if (id.instance != kNoInstance) s << "instance " << id.instance << " ";
-  if (id.mesh & kGridMesh) {
-    s << "grids " << (id.mesh & ~kGridMesh) << " triangle " << id.triangle;
-    return s.str();
-  }
-  s << "mesh " << id.mesh << " triangle " << id.triangle;
+  s << (id.geometry.is(GeometryKind::kGridMesh) ? "grids " : "mesh ") << id.geometry.index() << " triangle "
+    << id.triangle;
   return s.str();
 }
 
@@ -200,7 +199,7 @@ std::optional<std::string> judge_intersection(const Bvh& bvh, const Ray& ray, co
   wrong.precision(9);
   bool answered = !hit.has_value();
   visit_all(bvh, ray, [&](const Id& id, const Verdict& v) {
-    if (hit && id == Id{hit->instance, hit->mesh, hit->triangle}) {
+    if (hit && id == Id{hit->instance, hit->geometry, hit->triangle}) {
       answered = true;
       if (hit->t < v.t_lo || hit->t > v.t_hi) {
         wrong << describe(id) << " was hit at t = " << hit->t << "; expected " << v.t << " in [" << v.t_lo
@@ -214,7 +213,7 @@ std::optional<std::string> judge_intersection(const Bvh& bvh, const Ray& ray, co
     }
   });
   if (!answered)
-    wrong << describe({hit->instance, hit->mesh, hit->triangle}) << " was hit; the ray misses it. ";
+    wrong << describe({hit->instance, hit->geometry, hit->triangle}) << " was hit; the ray misses it. ";
   const std::string text = wrong.str();
   return text.empty() ? std::nullopt : std::optional(text);
 }

@@ -91,8 +91,8 @@ class Packet {
   }
 
   Setup setup;
-  // What packets have saved so far over rays by turns, in some 5 cycles: a node costs a ray on its own
-  // kOwnNode, all rays together kSharedNode, and one that goes on alone waits where by turns it would not.
+  // What packets have saved so far over interleaved rays, in some 5 cycles: a node costs a ray on its own
+  // kOwnNode, all rays together kSharedNode, and one that goes on alone waits where interleaved it would not.
   // Between the scenes where packets pay and those where they do not kAlone may be 7 to 20
   // (docs/design/traversal.md).
   std::int64_t saved = 0;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/vec.h"
+#include "core/geometry/geometry_id.h"
 
 namespace msbvh {
 
@@ -21,18 +22,14 @@ inline constexpr std::uint32_t kNoInstance = 0xffffffffu;
 // Where a ray of many has hit nothing, its Hit is as constructed: found() is false.
 inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 
-// In Hit::mesh: a mesh of grids (core/geometry/grid_mesh.h), counted apart from meshes of triangles.
-inline constexpr std::uint32_t kGridMesh = 0x40000000u;
-
 struct Hit {
   float t = 0.0f;
   float u = 0.0f, v = 0.0f;              // barycentrics of the triangle's second and third vertex
-  std::uint32_t triangle = kNoTriangle;  // index in its mesh
-  std::uint32_t mesh = 0;                // id in the Accel that holds the mesh; | kGridMesh
+  std::uint32_t triangle = kNoTriangle;  // index in its mesh or, two a quad, in its mesh of grids
+  GeometryId geometry{};                 // in the Accel that holds it
   std::uint32_t instance = kNoInstance;  // id in the outer Accel, kNoInstance for a mesh in it directly
 
   bool found() const { return triangle != kNoTriangle; }
-  bool is_grid() const { return (mesh & kGridMesh) != 0; }
   bool operator==(const Hit&) const = default;
 };
 

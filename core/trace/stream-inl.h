@@ -241,19 +241,19 @@ struct TimeSorted {
   }
 };
 
-// Coherent rays, `count` a multiple of kPacket: by packets, and by turns where those do not pay.
+// Coherent rays, `count` a multiple of kPacket: by packets, and interleaved where those do not pay.
 template <Movement kMovement, bool kAnyHit, typename Finish>
 void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
   using P = Packets<kMovement, kAnyHit>;
   static thread_local const std::unique_ptr<P> packets = std::make_unique<P>();
-  const auto by_turns = [&](const Ray* some, std::size_t n, const auto& place) {
+  const auto interleaved = [&](const Ray* some, std::size_t n, const auto& place) {
     if (n == 0) return;
     thread_stream<kMovement, false, false, kAnyHit>().run(
         bvh, some, n, [&](std::size_t k, const Query& query) { finish(place(k), query); });
   };
   for (std::size_t from = 0; from < count;) {
     const std::size_t over = kPacket * packets->pass_over(bvh, (count - from) / kPacket);
-    by_turns(rays + from, over, [&](std::size_t k) { return from + k; });
+    interleaved(rays + from, over, [&](std::size_t k) { return from + k; });
     from += over;
     const std::size_t most = std::min(count - from, TimeSorted::kMost);
     if (most == 0) return;
@@ -263,12 +263,12 @@ void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, const Fi
     for (; i < most && packets->pays(); i += kPacket)
       packets->trace(bvh, sorted.rays + i,
                      [&](std::size_t k, const Query& query) { finish(from + sorted.place[i + k], query); });
-    by_turns(sorted.rays + i, most - i, [&](std::size_t k) { return from + sorted.place[i + k]; });
+    interleaved(sorted.rays + i, most - i, [&](std::size_t k) { return from + sorted.place[i + k]; });
     from += most;
   }
 }
 
-// Coherent rays in packets, the others by turns.
+// Coherent rays in packets, the others interleaved.
 template <Movement kMovement, bool kAnyHit, typename Finish>
 void trace_mixed(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
   const auto packet_at = [&](std::size_t i) { return i + kPacket <= count && coherent(rays + i); };
@@ -287,7 +287,7 @@ void trace_mixed(const Bvh& bvh, const Ray* rays, std::size_t count, const Finis
 }
 
 // Among instances packets do not pay (docs/design/traversal.md), and rays at different times begin in
-// different slices of the shutter: all by turns.
+// different slices of the shutter: all interleaved.
 template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, typename Finish>
 void trace_many(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
   if constexpr (!kInstanced && !kGrids) {

@@ -1,5 +1,6 @@
 #include "core/trace/tracer.h"
 
+#include <hwy/targets.h>
 #include <string>
 
 #include "core/base/error.h"
@@ -8,6 +9,35 @@
 
 namespace msbvh {
 namespace {
+
+bool runs_here(InstructionSet set) {
+  // Asked once: the answer takes several CPUID instructions, each of which leaves a virtual machine, some 10
+  // us a call. A tree of a dozen triangles is built in half of that.
+  static const std::int64_t supported = hwy::SupportedTargets();
+  switch (set) {
+    case InstructionSet::kSse4:
+      return (supported & HWY_SSE4) != 0;
+    case InstructionSet::kAvx2:
+      return (supported & HWY_AVX2) != 0;
+    case InstructionSet::kAvx3:
+      return (supported & HWY_AVX3) != 0;
+  }
+  return false;
+}
+
+// Null where this machine, or this build, does not have the instruction set.
+const Kernels* kernels_for(InstructionSet set, Movement movement) {
+  if (!runs_here(set)) return nullptr;
+  switch (movement) {
+    case Movement::kStill:
+      return still_kernels(set);
+    case Movement::kLinear:
+      return linear_kernels(set);
+    case Movement::kPolynomial:
+      return polynomial_kernels(set);
+  }
+  return nullptr;
+}
 
 InstructionSet best_instruction_set() {
   static const InstructionSet best = supported_instruction_sets().back();
@@ -19,7 +49,7 @@ InstructionSet best_instruction_set() {
 std::vector<InstructionSet> supported_instruction_sets() {
   std::vector<InstructionSet> sets;
   for (const InstructionSet set : {InstructionSet::kSse4, InstructionSet::kAvx2, InstructionSet::kAvx3}) {
-    if (kernels_for(set)) sets.push_back(set);
+    if (kernels_for(set, Movement::kStill)) sets.push_back(set);
   }
   if (sets.empty()) throw Error("this processor: no supported instruction set; expected at least SSE4.2");
   return sets;
@@ -40,16 +70,15 @@ const char* instruction_set_name(InstructionSet set) {
 Tracer::Tracer(const Bvh& bvh) : Tracer(bvh, best_instruction_set()) {}
 
 Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
-  const KernelTable* table = kernels_for(set);
-  if (!table) throw Error(std::string("this processor does not support ") + instruction_set_name(set));
-  const auto movement = static_cast<std::size_t>(bvh.movement),
-             content = bvh.gridded ? std::size_t(2) : bvh.instanced;
-  intersect_ = table->intersect[movement][content];
-  intersect_many_ = table->intersect_many[movement][content];
-  occluded_many_ = table->occluded_many[movement][content];
-  occluded_ = table->occluded[movement][content];
-  intersect_counted_ = table->intersect_counted[movement][content];
-  occluded_counted_ = table->occluded_counted[movement][content];
+  const Kernels* kernels = kernels_for(set, bvh.movement);
+  if (!kernels) throw Error(std::string("this processor does not support ") + instruction_set_name(set));
+  const std::size_t content = bvh.gridded ? 2 : bvh.instanced;
+  intersect_ = kernels->intersect[content];
+  intersect_many_ = kernels->intersect_many[content];
+  occluded_many_ = kernels->occluded_many[content];
+  occluded_ = kernels->occluded[content];
+  intersect_counted_ = kernels->intersect_counted[content];
+  occluded_counted_ = kernels->occluded_counted[content];
 }
 
 bool Tracer::intersect_counted(const Ray& ray, Hit& hit, TraceCounts& counts) const {

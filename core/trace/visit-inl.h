@@ -1,4 +1,4 @@
-// What both ways of walking a tree share, one ray (core/trace/traverse-inl.h) and many by turns
+// What both ways of walking a tree share, one ray (core/trace/traverse-inl.h) and many interleaved
 // (core/trace/stream-inl.h): places in a tree, the stack's frames, leaves, the step into an instance.
 
 #if defined(MSBVH_VISIT_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -92,7 +92,7 @@ struct alignas(64) Frame {
 HWY_INLINE bool closer(const Hit& a, const Hit& b) {
   if (a.t != b.t) return a.t < b.t;
   if (a.instance != b.instance) return a.instance < b.instance;
-  return a.mesh != b.mesh ? a.mesh < b.mesh : a.triangle < b.triangle;
+  return a.geometry != b.geometry ? a.geometry < b.geometry : a.triangle < b.triangle;
 }
 
 HWY_INLINE void take(const Hit& candidate, Query& query) {
@@ -113,12 +113,12 @@ HWY_INLINE void test_triangles(const Bvh& bvh, const BlockHeader& block, const R
   }
   for (std::uint32_t lanes = hit.lanes; lanes != 0; lanes &= lanes - 1) {
     const int i = std::countr_zero(lanes);
-    take({hit.t[i], hit.u[i], hit.v[i], block.triangles()[i], block.owner, instance}, query);
+    take({hit.t[i], hit.u[i], hit.v[i], block.triangles()[i], block.geometry(), instance}, query);
   }
 }
 
 template <Movement kMovement, bool kAnyHit>
-HWY_INLINE void test_tile(const GridTest<kMovement>& grid, std::uint32_t tile, std::uint32_t mesh,
+HWY_INLINE void test_tile(const GridTest<kMovement>& grid, std::uint32_t tile, GeometryId mesh,
                           std::uint32_t instance, Query& query) {
   for (std::uint32_t pass = 0; pass < GridTest<kMovement>::kPasses; ++pass) {
     BlockHit hit[2];
@@ -150,7 +150,7 @@ HWY_NOINLINE std::uint32_t test_grid(const Bvh& bvh, const BlockHeader& block,
   for (; tiles != 0; tiles &= tiles - 1) {
     const auto tile = static_cast<std::uint32_t>(std::countr_zero(tiles));
     if (distance_of(keys[tile]) > query.tfar) continue;
-    test_tile<kMovement, kAnyHit>(grid, tile, block.owner | kGridMesh, instance, query);
+    test_tile<kMovement, kAnyHit>(grid, tile, block.geometry(), instance, query);
     ++tested;
     if (kAnyHit && query.found) break;
   }
@@ -168,9 +168,10 @@ bool to_object(const Bvh& bvh, const Instance& instance, Ray& ray) {
   const Affine3f* controls = bvh.controls_of(instance);
   Affine3f map = *controls;
   float u = clamped_time(ray.time);
-  if (kMoving && !instance.object->clock.is_shutter() && !instance.object->clock.at(u, ray.time))
+  if (kMoving && !instance.object->time_remap.is_shutter() && !instance.object->time_remap.at(u, ray.time))
     return false;
-  if (kMoving && instance.clock != kNoClock && !bvh.clocks[instance.clock].at(u, u)) return false;
+  if (kMoving && instance.time_remap != kNoTimeRemap && !bvh.time_remaps[instance.time_remap].at(u, u))
+    return false;
   if (kMoving && instance.form.moving()) {
     const std::uint32_t degree = kMovement == Movement::kPolynomial ? instance.form.degree : 1;
     const SegmentTime at = locate(u, instance.form.segments);

@@ -16,20 +16,20 @@ ArrayTrack::ArrayTrack(const ArraySamples& input) : held_(input.held) {
 }
 
 ArrayTrack::ArrayTrack(const ArraySample& base, std::span<const Vec3f> velocities,
-                       std::span<const Vec3f> accelerations, const RateClock& clock)
+                       std::span<const Vec3f> accelerations, const RateTimes& time_remap)
     : times01_{base.time01},
       values_{base.values},
       velocities_(velocities),
       accelerations_(accelerations),
-      clock_(clock),
+      time_remap_(time_remap),
       carried_(true) {}
 
 ArrayInstant ArrayTrack::at(double time01, double within) const {
   if (carried_) {
     ArrayInstant instant{values_[0], velocities_, accelerations_};
-    instant.dt = (time01 - times01_[0]) * clock_.seconds_per_shutter;
+    instant.dt = (time01 - times01_[0]) * time_remap_.seconds_per_shutter;
     instant.carried = true;
-    instant.scale = clock_.velocity_scale;
+    instant.scale = time_remap_.velocity_scale;
     return instant;
   }
   const Bracket at = bracket(times01_, held_ ? within : time01, held_);
@@ -45,11 +45,11 @@ bool ArrayTrack::is_still() const {
   });
 }
 
-std::vector<Bend> ArrayTrack::bends() const {
-  std::vector<Bend> result;
+std::vector<Breakpoint> ArrayTrack::breakpoints() const {
+  std::vector<Breakpoint> result;
   if (carried_ || is_still()) return result;
   for (const double time01 : times01_) result.push_back({time01, held_});
-  return normalized_bends(std::move(result));
+  return normalized_breakpoints(std::move(result));
 }
 
 std::vector<double> ArrayTrack::extreme_times01() const {

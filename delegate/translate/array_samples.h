@@ -42,7 +42,7 @@ class ArrayTrack {
   explicit ArrayTrack(const ArraySamples& samples);
   // Carried from the base sample, `velocities` and `accelerations` (may be empty) being as many.
   ArrayTrack(const ArraySample& base, std::span<const Vec3f> velocities, std::span<const Vec3f> accelerations,
-             const RateClock& clock);
+             const RateTimes& time_remap);
 
   // `within` is a time on the side of a jump that is meant, between the same two jumps as `time01`.
   ArrayInstant at(double time01, double within) const;
@@ -55,8 +55,8 @@ class ArrayTrack {
   // The samples that are kept.
   const std::vector<double>& times01() const { return times01_; }
   std::span<const Vec3f> values(std::size_t sample) const { return values_[sample]; }
-  // Where interpolation bends or, held, jumps.
-  std::vector<Bend> bends() const;
+  // Where interpolation has breakpoints or, held, jumps.
+  std::vector<Breakpoint> breakpoints() const;
   // 0, 1, and the samples between: what a hull of the values needs.
   std::vector<double> extreme_times01() const;
 
@@ -64,7 +64,7 @@ class ArrayTrack {
   std::vector<double> times01_;
   std::vector<std::span<const Vec3f>> values_;
   std::span<const Vec3f> velocities_, accelerations_;
-  RateClock clock_;
+  RateTimes time_remap_;
   bool held_ = false;
   bool carried_ = false;
 };

@@ -1,9 +1,10 @@
-// How far the blur of a track is from the blur of the stage's motion: which of the tracks that are all too coarse
-// makes the best picture.
+// How far the blur of a track is from the blur of the stage's motion: which of the tracks that are all too
+// coarse makes the best picture.
 //
-// A blurred picture shows how long things are where, not when. So two motions are compared by the distributions of
-// their coordinates over the shutter: by the Wasserstein distance of order 1, which in one dimension is the mean
-// distance between sorted samples (Villani, "Topics in Optimal Transportation", 2003, section 2.2).
+// A blurred picture shows how long things are where, not when. So two motions are compared by the
+// distributions of their coordinates over the shutter: by the Wasserstein distance of order 1, which in one
+// dimension is the mean distance between sorted samples (Villani, "Topics in Optimal Transportation", 2003,
+// section 2.2).
 #pragma once
 
 #include <algorithm>
@@ -27,8 +28,8 @@ inline double blur_time01(std::size_t i) {
   return turns - std::floor(turns);
 }
 
-// The segment of a layout that does not repeat in which a time lies, and the place in it; an unused one gives way to
-// the next.
+// The segment of a layout that does not repeat in which a time lies, and the place in it; an unused one gives
+// way to the next.
 struct PlaceInLayout {
   std::uint32_t segment;
   double w;

@@ -114,7 +114,7 @@ double segment_error(const CameraMotion& motion, const CameraInput& camera,
   const std::vector<CameraInstant> controls = motion.controls(segment, degree);
   if (!std::ranges::all_of(controls, is_usable)) return kInfinite;
   double worst = 0.0;
-  for (const double time01 : test_times01(segment, degree, motion.bends(), motion.times01())) {
+  for (const double time01 : test_times01(segment, degree, motion.breakpoints(), motion.times01())) {
     const double w = (time01 - segment.begin01) / (segment.end01 - segment.begin01);
     const CameraInstant track = bezier([&](std::uint32_t i) { return controls[i]; }, degree, w);
     if (is_singular(track.world_from_camera)) return kInfinite;
@@ -222,8 +222,8 @@ CameraFit cheapest(const CameraMotion& motion, const CameraInput& input, const T
   CameraFit result;
   result.error = still_error(motion, input, settings);
   if (result.error <= kStillShare * tolerance) return result;
-  std::vector<Candidate> tracks =
-      candidates(motion.bends(), {tolerance, settings.max_segments, settings.choice}, motion.periods01());
+  std::vector<Candidate> tracks = candidates(
+      motion.breakpoints(), {tolerance, settings.max_segments, settings.choice}, motion.periods01());
   const CandidateFit fit = cheapest_candidate(
       tracks, tolerance,
       [&](std::size_t i, double limit) { return track_error(motion, input, settings, tracks[i], limit); },
@@ -315,7 +315,7 @@ Camera fit_camera(const CameraInput& input, const Vec3d& origin, const Translato
   const CameraFit fit = cheapest(motion, input, settings);
   const TrackForm form = fit.track.form();
   track.path = input.path;
-  track.set_form(form, fit.track.layout.clock());
+  track.set_form(form, fit.track.layout.time_remap());
   track.moving_transform = form.moving();
   track.error_pixels = fit.error;
   track.bytes = form.controls() * (sizeof(Affine3f) + sizeof(ScreenWindow));
@@ -327,7 +327,7 @@ Camera fit_camera(const CameraInput& input, const Vec3d& origin, const Translato
   camera.far_clip = input.far_clip;
   camera.segments = form.segments;
   camera.degree = form.degree;
-  camera.clock = fit.track.layout.clock();
+  camera.time_remap = fit.track.layout.time_remap();
   const bool open = std::any_of(input.samples.begin(), input.samples.end(),
                                 [](const CameraSample& sample) { return sample.lens.radius > 0.0f; });
   const bool clips = input.samples.front().clip.has_value();

@@ -1,5 +1,5 @@
-// A camera over the shutter in double precision: its transform, window, lens and clipping range as the front-end
-// sampled them, and interpolated as a track of it is.
+// A camera over the shutter in double precision: its transform, window, lens and clipping range as the
+// front-end sampled them, and interpolated as a track of it is.
 #pragma once
 
 #include <array>
@@ -74,10 +74,26 @@ struct CameraValues {
 
   explicit CameraValues(const CameraInstant& c) {
     const Affine3d& m = c.world_from_camera;
-    v = {m.x.x,         m.x.y,          m.x.z,           m.y.x,        m.y.y,         m.y.z,
-         m.z.x,         m.z.y,          m.z.z,           m.t.x,        m.t.y,         m.t.z,
-         c.window.left, c.window.right, c.window.bottom, c.window.top, c.lens.radius, c.lens.focus_distance,
-         c.clip.near_clip, c.clip.far_clip};
+    v = {m.x.x,
+         m.x.y,
+         m.x.z,
+         m.y.x,
+         m.y.y,
+         m.y.z,
+         m.z.x,
+         m.z.y,
+         m.z.z,
+         m.t.x,
+         m.t.y,
+         m.t.z,
+         c.window.left,
+         c.window.right,
+         c.window.bottom,
+         c.window.top,
+         c.lens.radius,
+         c.lens.focus_distance,
+         c.clip.near_clip,
+         c.clip.far_clip};
   }
   CameraInstant instant() const {
     return {{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]}, {v[9], v[10], v[11]}},
@@ -108,10 +124,10 @@ class CameraMotion {
                                            window_of(sample.window), lens_of(sample.lens),
                                            clip_of(camera, sample)});
     }
-    smooth_ = SmoothTimes(times01_, camera.bends01, false);
+    smooth_ = SmoothTimes(times01_, camera.breakpoints01, false);
     if (times01_.size() < 2) return;
-    for (const double time01 : camera.bends01.value_or(times01_)) bends_.push_back({time01});
-    bends_ = normalized_bends(std::move(bends_));
+    for (const double time01 : camera.breakpoints01.value_or(times01_)) breakpoints_.push_back({time01});
+    breakpoints_ = normalized_breakpoints(std::move(breakpoints_));
   }
   CameraInstant at(double time01) const {
     const SmoothTimes::Mix mix = smooth_.at(time01, time01);
@@ -128,7 +144,7 @@ class CameraMotion {
     for (const CameraValues& value : values) result.push_back(value.instant());
     return result;
   }
-  std::span<const Bend> bends() const { return bends_; }
+  std::span<const Breakpoint> breakpoints() const { return breakpoints_; }
   const std::vector<double>& times01() const { return times01_; }
   const std::vector<double>& periods01() const { return periods01_; }
 
@@ -136,7 +152,7 @@ class CameraMotion {
   std::vector<double> times01_;
   std::vector<CameraValues> instants_;
   SmoothTimes smooth_;
-  std::vector<Bend> bends_;
+  std::vector<Breakpoint> breakpoints_;
   std::vector<double> periods01_;
 };
 

@@ -31,7 +31,7 @@ std::string message(const Parts&... parts) {
   return out.str();
 }
 
-// A sample's time for a person who knows the stage and not our clock.
+// A sample's time for a person who knows the stage and not our time remap.
 inline std::string at_shutter_time(double time01) {
   return message("at shutter time ", time01, " (0 is the opening, 1 the closing)");
 }

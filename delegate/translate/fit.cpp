@@ -13,9 +13,9 @@ struct Priced {
   std::uint32_t cost;
 };
 
-// Keys at even fractions catch these bends by themselves.
-bool is_dyadic(const Bend& bend, std::uint32_t segments) {
-  const double scaled = bend.time01 * segments;
+// Keys at even fractions catch these breakpoints by themselves.
+bool is_dyadic(const Breakpoint& breakpoint, std::uint32_t segments) {
+  const double scaled = breakpoint.time01 * segments;
   return std::abs(scaled - std::round(scaled)) <= 1e-9 * segments;
 }
 
@@ -37,17 +37,17 @@ void add_repeating(double period01, const FitSettings& settings, std::vector<Pri
 
 }  // namespace
 
-std::vector<Candidate> candidates(std::span<const Bend> bends, const FitSettings& settings,
+std::vector<Candidate> candidates(std::span<const Breakpoint> breakpoints, const FitSettings& settings,
                                   std::span<const double> periods01) {
   const TrackChoice& choice = settings.choice;
-  const bool jumps = std::ranges::any_of(bends, &Bend::jump);
-  const bool dyadic = !jumps && std::ranges::all_of(bends, [&](const Bend& bend) {
-    return is_dyadic(bend, settings.max_segments);
+  const bool jumps = std::ranges::any_of(breakpoints, &Breakpoint::jump);
+  const bool dyadic = !jumps && std::ranges::all_of(breakpoints, [&](const Breakpoint& breakpoint) {
+    return is_dyadic(breakpoint, settings.max_segments);
   });
   std::vector<Priced> priced;
   if (!dyadic) {
     for (std::uint32_t split = 0;; ++split) {
-      const auto layout = TimeLayout::with_bends(bends, split, settings.max_segments);
+      const auto layout = TimeLayout::with_breakpoints(breakpoints, split, settings.max_segments);
       if (!layout) break;
       if (choice.segments == 0 || choice.segments == layout->segments()) {
         add_degrees(*layout, 2, choice, priced);
@@ -88,17 +88,18 @@ std::span<const double> dense_inside(const LayoutSegment& segment, std::span<con
 }
 
 std::vector<double> test_times01(const LayoutSegment& segment, std::uint32_t degree,
-                                 std::span<const Bend> bends, std::span<const double> dense01) {
+                                 std::span<const Breakpoint> breakpoints, std::span<const double> dense01) {
   std::vector<double> result;
   if (!segment.used) return result;
   for (const double place : test_places(degree)) result.push_back(segment.at(place));
   double before = segment.begin01;
   bool any = false;
-  for (const Bend& bend : bends) {
-    if (!(bend.time01 > segment.begin01 + kSameTime && bend.time01 < segment.end01 - kSameTime)) continue;
-    result.push_back(bend.time01);
-    result.push_back(0.5 * (before + bend.time01));
-    before = bend.time01;
+  for (const Breakpoint& breakpoint : breakpoints) {
+    if (!(breakpoint.time01 > segment.begin01 + kSameTime && breakpoint.time01 < segment.end01 - kSameTime))
+      continue;
+    result.push_back(breakpoint.time01);
+    result.push_back(0.5 * (before + breakpoint.time01));
+    before = breakpoint.time01;
     any = true;
   }
   if (any) result.push_back(0.5 * (before + segment.end01));

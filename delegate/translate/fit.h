@@ -56,11 +56,11 @@ struct Candidate {
   TrackForm form() const { return {layout.segments(), layout.segments() == 0 ? 1 : degree}; }
 };
 
-// By what they cost, the cheapest first: control points (bytes, in the end), twice where it takes a time remap
-// and with it a level of instancing; at equal cost the lower degree. Motion that jumps has layouts with
-// breakpoints only, as long as there are fewer breakpoints than a track has keys. `periods01`: after which the
-// motion may repeat; whether it does is for the caller to test.
-std::vector<Candidate> candidates(std::span<const Bend> bends, const FitSettings& settings,
+// By what they cost, the cheapest first: control points (bytes, in the end), twice where it takes a time
+// remap and with it a level of instancing; at equal cost the lower degree. Motion that jumps has layouts with
+// breakpoints only, as long as there are fewer breakpoints than a track has keys. `periods01`: after which
+// the motion may repeat; whether it does is for the caller to test.
+std::vector<Candidate> candidates(std::span<const Breakpoint> breakpoints, const FitSettings& settings,
                                   std::span<const double> periods01 = {});
 
 struct CandidateFit {
@@ -72,7 +72,8 @@ struct CandidateFit {
 inline constexpr double kFoundShare = 0.97;
 
 // The first candidate within the tolerance; where none is, the one whose blur is closest (blur.h). `error(i,
-// limit)` is the largest deviation at an instant, or any value above the limit; `blur(i)` how far the blur is off.
+// limit)` is the largest deviation at an instant, or any value above the limit; `blur(i)` how far the blur is
+// off.
 template <typename ErrorFunction, typename BlurFunction>
 CandidateFit cheapest_candidate(std::span<const Candidate> tracks, double tolerance,
                                 const ErrorFunction& error, const BlurFunction& blur) {
@@ -107,13 +108,13 @@ CandidateFit cheapest_candidate(std::span<const Candidate> tracks, double tolera
 // interpolation at fit_nodes() errs most.
 std::span<const double> test_places(std::uint32_t degree);
 // Between two neighbours of the times that a motion is sampled at it turns by a small part of a turn only. So
-// nothing that repeats hides from a test at all of them. A segment with no more than so many of them inside has
-// enough with its test places.
+// nothing that repeats hides from a test at all of them. A segment with no more than so many of them inside
+// has enough with its test places.
 inline constexpr std::size_t kFewSamples = 4;
 // All test times of a segment: its test places, the breakpoints inside with the middles between them, and
 // those of `dense01` (increasing) inside.
 std::vector<double> test_times01(const LayoutSegment& segment, std::uint32_t degree,
-                                 std::span<const Bend> bends, std::span<const double> dense01);
+                                 std::span<const Breakpoint> breakpoints, std::span<const double> dense01);
 // Those of increasing times that lie inside a segment; empty where they are few.
 std::span<const double> dense_inside(const LayoutSegment& segment, std::span<const double> dense01);
 
@@ -128,9 +129,9 @@ inline const char* advice(const TrackChoice& choice) {
 inline void report_fit(const Fit& fit, const FitSettings& settings, const std::string& attribute,
                        const char* what, PrimLog& log) {
   if (fit.error <= settings.tolerance) return;
-  log.warn(attribute, message(what, " deviates by up to ", fit.error, " pixels at ", fit.segments,
-                              " segments; expected at most ", settings.tolerance, "; ",
-                              advice(settings.choice)));
+  log.warn(attribute,
+           message(what, " deviates by up to ", fit.error, " pixels at ", fit.segments,
+                   " segments; expected at most ", settings.tolerance, "; ", advice(settings.choice)));
 }
 
 }  // namespace msbvh::translate

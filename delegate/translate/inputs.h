@@ -28,9 +28,9 @@ using Matrix4d = std::array<double, 16>;
 struct TransformSamples {
   std::vector<double> times01;
   std::vector<Matrix4d> matrices;
-  // Where the motion may bend: authored times. The other samples lie evenly on smooth curves between them
+  // Breakpoints of the motion: authored times. The other samples lie evenly on smooth curves between them
   // (smooth_times.h). None given: anywhere, and lines between samples.
-  std::optional<std::vector<double>> bends01{};
+  std::optional<std::vector<double>> breakpoints01{};
   bool held = false;
   double error_pixels = 0.0;  // by which interpolation of the samples may stray from the stage
   // After which the motion may repeat, as shares of the shutter: what a rotation at a constant rate suggests.
@@ -61,7 +61,7 @@ struct RateInput {
 };
 
 // What turns rates into positions at a time.
-struct RateClock {
+struct RateTimes {
   double frame01 = 0.0;            // where the frame lies: the base sample is the one at or before it
   double seconds_per_shutter = 0;  // the shutter's length in seconds, by timeCodesPerSecond
   float velocity_scale = 1.0f;     // motion:velocityScale: multiplies velocities
@@ -98,7 +98,7 @@ struct MeshInput {
   bool left_handed = false;
   ArraySamples points;
   RateInput rates;
-  RateClock clock;
+  RateTimes time_remap;
   bool topology_varies = false;                         // faces change within the shutter
   bool computed_points = false;                         // not authored: skinned, or of an implicit shape
   std::optional<std::vector<VisibleInterval>> visible;  // not given: always
@@ -136,18 +136,18 @@ struct PointInstancerInput {
   std::string orientations_name = "orientations";  // or orientationsf, for messages
   RateInput rates;
   ArraySamples angular_velocities;  // degrees per second
-  RateClock clock;
+  RateTimes time_remap;
 };
 
 // A level of instancing: maps that stand side by side. Either matrices or a point instancer's arrays.
 struct InstanceLevel {
   std::vector<double> times01;         // T increasing times
   std::span<const Matrix4d> matrices;  // [T][count], time-major
-  std::optional<std::vector<double>> bends01{};
+  std::optional<std::vector<double>> breakpoints01{};
   bool held = false;
 
   const PointInstancerInput* points = nullptr;
-  std::span<const int> selected;  // the instances of the arrays that count, by index; `points` only
+  std::span<const int> selected;    // the instances of the arrays that count, by index; `points` only
   std::vector<double> periods01{};  // as of TransformSamples; matrices only
 };
 
@@ -181,10 +181,10 @@ struct CameraInput {
   std::string path;
   Projection projection = Projection::kPerspective;
   std::vector<CameraSample> samples;  // increasing times, as dense as TransformSamples
-  // Where the motion may bend: authored times. The other samples lie on smooth curves. None given: anywhere.
-  std::optional<std::vector<double>> bends01{};
+  // Breakpoints of the motion: authored times. The other samples lie on smooth curves. None given: anywhere.
+  std::optional<std::vector<double>> breakpoints01{};
   std::vector<double> periods01{};  // as of TransformSamples
-  float near_clip = 1.0f;  // the nearest and the farthest of all samples
+  float near_clip = 1.0f;           // the nearest and the farthest of all samples
   float far_clip = 1.0e6f;
 };
 

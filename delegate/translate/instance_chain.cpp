@@ -19,18 +19,19 @@ class MatrixLevel final : public ChainLevel {
       : level_(level),
         count_(level.matrices.size() / level.times01.size()),
         range_(samples_of_shutter(level.times01, level.held)),
-        smooth_(std::span(level.times01).subspan(range_.first, range_.count()), level.bends01, level.held),
+        smooth_(std::span(level.times01).subspan(range_.first, range_.count()), level.breakpoints01,
+                level.held),
         still_(compare()) {}
 
   std::size_t count() const override { return count_; }
   bool is_still() const override { return still_; }
-  std::vector<Bend> bends() const override {
-    std::vector<Bend> result;
+  std::vector<Breakpoint> breakpoints() const override {
+    std::vector<Breakpoint> result;
     if (still_) return result;
-    for (const double time01 : level_.bends01 ? *level_.bends01 : level_.times01) {
+    for (const double time01 : level_.breakpoints01 ? *level_.breakpoints01 : level_.times01) {
       result.push_back({time01, level_.held});
     }
-    return normalized_bends(std::move(result));
+    return normalized_breakpoints(std::move(result));
   }
   std::vector<double> dense_times01() const override {
     if (still_) return {};
@@ -106,13 +107,13 @@ bool InstanceChain::is_still() const {
   return std::ranges::all_of(levels_, [](const auto& level) { return level->is_still(); });
 }
 
-std::vector<Bend> InstanceChain::bends() const {
-  std::vector<Bend> result;
+std::vector<Breakpoint> InstanceChain::breakpoints() const {
+  std::vector<Breakpoint> result;
   for (const auto& level : levels_) {
-    const std::vector<Bend> more = level->bends();
+    const std::vector<Breakpoint> more = level->breakpoints();
     result.insert(result.end(), more.begin(), more.end());
   }
-  return normalized_bends(std::move(result));
+  return normalized_breakpoints(std::move(result));
 }
 
 std::vector<double> InstanceChain::dense_times01() const {

@@ -34,7 +34,7 @@ class ChainLevel {
   virtual ~ChainLevel() = default;
   virtual std::size_t count() const = 0;
   virtual bool is_still() const = 0;
-  virtual std::vector<Bend> bends() const = 0;
+  virtual std::vector<Breakpoint> breakpoints() const = 0;
   // Increasing times of the shutter between which nothing turns by more than an eighth of a turn.
   virtual std::vector<double> dense_times01() const = 0;
   virtual bool has_dense_times() const = 0;  // cheaper than asking for them
@@ -65,7 +65,7 @@ class InstanceChain {
 
   std::size_t count() const { return count_; }
   bool is_still() const;
-  std::vector<Bend> bends() const;
+  std::vector<Breakpoint> breakpoints() const;
   // Of all levels; see ChainLevel.
   std::vector<double> dense_times01() const;
   std::size_t dense_stride(std::size_t instance) const;

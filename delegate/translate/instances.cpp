@@ -35,8 +35,9 @@ void report_left_out(const InstanceChain& chain, const std::vector<Verdict>& ver
   if (count == 0) return;
   const auto first = std::ranges::find_if(verdicts, is_such) - verdicts.begin();
   if (const auto blame = fate == Fate::kNotFinite ? chain.blame(std::size_t(first)) : std::nullopt) {
-    log.of_prim(blame->path).warn(blame->attribute, message(blame->found, "; expected ", expected, "; ", count, " of ",
-                                       verdicts.size(), " instances placed together are left out"));
+    log.of_prim(blame->path)
+        .warn(blame->attribute, message(blame->found, "; expected ", expected, "; ", count, " of ",
+                                        verdicts.size(), " instances placed together are left out"));
     return;
   }
   log.warn(kMatrices, message(count, " of ", verdicts.size(), " instances placed together (number ", first,
@@ -51,21 +52,21 @@ TrackReport report_track(const std::vector<Verdict>& verdicts, const InstanceCha
   report.rule = chain.rule();
   report.count = verdicts.size();
   std::size_t beyond = 0;
-  std::uint32_t dearest = 0;
+  std::uint32_t costliest = 0;
   for (const Verdict& verdict : verdicts) {
     if (verdict.fate != Fate::kDrawn) continue;
-    dearest = std::max(dearest, verdict.track);  // tracks are in the order of what they cost
+    costliest = std::max(costliest, verdict.track);  // tracks are in the order of what they cost
     report.error_pixels = std::max(report.error_pixels, verdict.error);
     report.bytes += fitter.form(verdict.track).controls() * sizeof(Affine3f);
     beyond += verdict.error > settings.tolerance;
   }
-  report.set_form(fitter.form(dearest), fitter.clock(dearest));
+  report.set_form(fitter.form(costliest), fitter.time_remap(costliest));
   report.moving_transform = report.segments > 0;
   if (beyond > 0) {
-    log.warn(kMatrices, message("the motion of ", beyond, " of ", verdicts.size(),
-                                " instances deviates by up to ", report.error_pixels, " pixels at ",
-                                report.segments, " segments; expected at most ", settings.tolerance, "; ",
-                                advice(settings.choice)));
+    log.warn(kMatrices,
+             message("the motion of ", beyond, " of ", verdicts.size(), " instances deviates by up to ",
+                     report.error_pixels, " pixels at ", report.segments, " segments; expected at most ",
+                     settings.tolerance, "; ", advice(settings.choice)));
   }
   return report;
 }
@@ -75,11 +76,11 @@ std::vector<TrackReport> report_prims(const InstancesInput& input, const std::ve
                                       const InstanceChain& chain, const TransformFitter& fitter,
                                       const FitSettings& settings, PrimLog& log) {
   std::vector<TrackReport> reports(input.paths.size());
-  std::vector<std::uint32_t> dearest(reports.size(), 0);
+  std::vector<std::uint32_t> costliest(reports.size(), 0);
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     if (verdicts[i].fate != Fate::kDrawn) continue;
     const std::size_t prim = i % reports.size();
-    dearest[prim] = std::max(dearest[prim], verdicts[i].track);
+    costliest[prim] = std::max(costliest[prim], verdicts[i].track);
     reports[prim].error_pixels = std::max(reports[prim].error_pixels, verdicts[i].error);
     reports[prim].bytes += fitter.form(verdicts[i].track).controls() * sizeof(Affine3f);
   }
@@ -87,7 +88,7 @@ std::vector<TrackReport> report_prims(const InstancesInput& input, const std::ve
   for (std::size_t prim = 0; prim < reports.size(); ++prim) {
     TrackReport& report = reports[prim];
     report.path = input.paths[prim];
-    report.set_form(fitter.form(dearest[prim]), fitter.clock(dearest[prim]));
+    report.set_form(fitter.form(costliest[prim]), fitter.time_remap(costliest[prim]));
     report.moving_transform = report.segments > 0;
     report.source = report.moving_transform ? "transform" : "points";
     report.rule = report.moving_transform ? rule : "still";
@@ -102,8 +103,8 @@ InstanceSet gather(const InstancesInput& input, const TransformFitter& fitter, s
                    const std::vector<std::size_t>& members, const PrimvarTrack<Vec3f>& colors,
                    std::size_t count) {
   const TrackForm form = fitter.form(track);
-  InstanceSet set{input.path, input.prototype, form.segments, {}, {}, form.degree, fitter.clock(track)};
-  if (input.visible) set.clock = with_visibility(set.clock, *input.visible);
+  InstanceSet set{input.path, input.prototype, form.segments, {}, {}, form.degree, fitter.time_remap(track)};
+  if (input.visible) set.time_remap = with_visibility(set.time_remap, *input.visible);
   set.world_from_prototype.resize(members.size() * form.controls());
   const bool colored = !colors.values.empty();
   set.color_segments = colors.segments;
@@ -153,15 +154,16 @@ PrimvarTrack<Vec3f> color_track(const InstancesInput& input, std::size_t count, 
   return {};
 }
 
-// When instances are looked at for how large they are seen: a few of the dense times, spread so that no period
-// meets them all.
+// When instances are looked at for how large they are seen: a few of the dense times, spread so that no
+// period meets them all.
 std::vector<double> times_of_size(const InstanceChain& chain) {
   constexpr std::size_t kMost = 64;
   if (chain.is_still()) return {0.5};
   std::vector<double> times01{0.0, 0.5, 1.0};
   const std::vector<double> dense01 = chain.dense_times01();
   for (std::size_t i = 0; i < std::min(dense01.size(), kMost); ++i) {
-    const double place = dense01.size() <= kMost ? double(i) : std::fmod(i * std::numbers::phi, 1.0) * dense01.size();
+    const double place =
+        dense01.size() <= kMost ? double(i) : std::fmod(i * std::numbers::phi, 1.0) * dense01.size();
     times01.push_back(dense01[std::size_t(place)]);
   }
   return times01;
@@ -176,8 +178,7 @@ TranslatedInstances translate_instances(const InstancesInput& input, const Insta
       !has_fitting_sizes(input, chain->count(), target.material_count, log)) {
     return {};
   }
-  const PrimvarTrack<Vec3f> colors =
-      color_track(input, chain->count(), target.settings.max_segments, log);
+  const PrimvarTrack<Vec3f> colors = color_track(input, chain->count(), target.settings.max_segments, log);
   const TransformFitter fitter(*chain, {target.prototype_origin, target.world_origin, target.box},
                                target.measure, target.settings);
   const std::vector<Verdict> verdicts = judge(*chain, fitter);

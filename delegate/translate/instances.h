@@ -28,7 +28,7 @@ struct InstanceTarget {
 struct TranslatedInstances {
   // By the cost of their tracks; instances in the order of the input.
   std::vector<InstanceSet> sets;
-  // Of all together: the dearest and the largest error of any; or of each of the input's paths.
+  // Of all together: the costliest and the largest error of any; or of each of the input's paths.
   std::vector<TrackReport> tracks;
 };
 

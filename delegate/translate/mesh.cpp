@@ -91,12 +91,12 @@ void add_primvars(const MeshInput& input, const Triangulation& topology, const N
   add_face_materials(input, topology, target.material_count, mesh, optional);
 }
 
-void set_clock(const MeshInput& input, const Clock& clock, TranslatedMesh& result) {
-  result.clock = clock;
+void set_time_remap(const MeshInput& input, const TimeRemap& time_remap, TranslatedMesh& result) {
+  result.time_remap = time_remap;
   if (!input.visible) return;
-  result.clock = with_visibility(clock, *input.visible);
+  result.time_remap = with_visibility(time_remap, *input.visible);
   result.track.hidden_partly = true;
-  result.never_seen = std::ranges::none_of(result.clock.pieces, &ClockPiece::visible);
+  result.never_seen = std::ranges::none_of(result.time_remap.pieces, &TimeRemapPiece::visible);
 }
 
 // The one input of both ways to keep a mesh's motion.
@@ -117,8 +117,13 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
     return std::nullopt;
   }
   const TransformSamples& samples = input.world_from_object;
-  const std::vector<InstanceLevel> levels{
-      {samples.times01, samples.matrices, samples.bends01, samples.held, nullptr, {}, samples.periods01}};
+  const std::vector<InstanceLevel> levels{{samples.times01,
+                                           samples.matrices,
+                                           samples.breakpoints01,
+                                           samples.held,
+                                           nullptr,
+                                           {},
+                                           samples.periods01}};
   const std::optional<InstanceChain> chain = InstanceChain::make(levels, log);
   if (!chain) return std::nullopt;
   const TransformFitter fitter(*chain, {shift, *target.origin, box, samples.error_pixels}, *target.measure,
@@ -138,13 +143,13 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
   const TimeLayout unmoved = TimeLayout::even(0);
   add_primvars(input, topology, {still.transform, unmoved, points.frame_only}, target, result.mesh, log);
   result.track = {input.path, "transform", chain->rule()};
-  result.track.set_form(form, fitter.clock(verdict.track));
+  result.track.set_form(form, fitter.time_remap(verdict.track));
   result.track.moving_transform = true;
   result.track.error_pixels = verdict.error;
   result.track.bytes = form.controls() * sizeof(Affine3f);
   result.world_from_mesh.resize(form.controls());
   fitter.controls(0, verdict.track, result.world_from_mesh.data());
-  set_clock(input, fitter.clock(verdict.track), result);
+  set_time_remap(input, fitter.time_remap(verdict.track), result);
   return result;
 }
 
@@ -177,10 +182,10 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
                log);
   const bool by_transform = points.track.is_still() && !transform.is_still();
   result.track = {input.path, by_transform ? "transform" : points.source, rule_of(points, transform)};
-  result.track.set_form(form, fit.track.layout.clock());
+  result.track.set_form(form, fit.track.layout.time_remap());
   result.track.error_pixels = fit.error;
   result.track.bytes = result.mesh.shape.position_count() * sizeof(Vec3f);
-  set_clock(input, fit.track.layout.clock(), result);
+  set_time_remap(input, fit.track.layout.time_remap(), result);
   return result;
 }
 

@@ -37,7 +37,7 @@ struct TranslatedMesh {
   // baked into the target.
   std::vector<Affine3f> world_from_mesh;
   // Of whichever of both moves, with visibility; the shutter's own where neither asks for another.
-  Clock clock;
+  TimeRemap time_remap;
   bool never_seen = false;  // invisible throughout the shutter
 };
 

@@ -73,11 +73,11 @@ TestedSegment nodes_of(const MovingArray& points, const Candidate& track, std::u
 }
 
 TestedSegment tested_segment(const MovingArray& points, const ScreenMeasure& measure, const Candidate& track,
-                             std::uint32_t index, std::span<const Bend> bends,
+                             std::uint32_t index, std::span<const Breakpoint> breakpoints,
                              std::span<const double> dense01) {
   const LayoutSegment segment = track.layout.segment(index);
   TestedSegment result = nodes_of(points, track, index);
-  for (const double time01 : test_times01(segment, track.degree, bends, dense01)) {
+  for (const double time01 : test_times01(segment, track.degree, breakpoints, dense01)) {
     const double w = (time01 - segment.begin01) / (segment.end01 - segment.begin01);
     const double within = track.layout.is_even() ? time01 : segment.middle();
     result.tests.push_back({w, point_instant(points, time01, within), measure.at(time01)});
@@ -108,19 +108,18 @@ double distance_of(const PointInstant& a, const PointInstant& b, const ScreenIns
 }
 
 // From the pose at the shutter's centre.
-double still_error(const MovingArray& points, const ScreenMeasure& measure, std::span<const Bend> bends,
-                   std::span<const double> dense01, double limit) {
+double still_error(const MovingArray& points, const ScreenMeasure& measure,
+                   std::span<const Breakpoint> breakpoints, std::span<const double> dense01, double limit) {
   const PointInstant centre = point_instant(points, 0.5, 0.5);
   std::vector<double> times01{0.0, 1.0, 0.25, 0.75, 0.113, 0.371, 0.629, 0.887};
-  for (const Bend& bend : bends) times01.push_back(bend.time01);
+  for (const Breakpoint& breakpoint : breakpoints) times01.push_back(breakpoint.time01);
   times01.insert(times01.end(), dense01.begin(), dense01.end());
   double worst = 0.0;
   for (const double time01 : times01) {
     const PointInstant other = point_instant(points, time01, time01);
     const ScreenInstant screen = measure.at(time01);
-    worst = std::max(worst, largest(points.size(), limit, [&](std::size_t i) {
-                       return distance_of(other, centre, screen, i);
-                     }));
+    worst = std::max(worst, largest(points.size(), limit,
+                                    [&](std::size_t i) { return distance_of(other, centre, screen, i); }));
     if (worst > limit) break;
   }
   return worst;
@@ -147,7 +146,7 @@ double period_error(const MovingArray& points, const ScreenMeasure& measure, dou
 }
 
 double track_error(const MovingArray& points, const ScreenMeasure& measure, const Candidate& track,
-                   std::span<const Bend> bends, std::span<const double> dense01, double limit) {
+                   std::span<const Breakpoint> breakpoints, std::span<const double> dense01, double limit) {
   double repeated = 0.0;
   if (track.layout.repeats()) {
     repeated = period_error(points, measure, track.layout.period01(), dense01, limit);
@@ -157,7 +156,7 @@ double track_error(const MovingArray& points, const ScreenMeasure& measure, cons
   double worst = 0.0;
   for (std::uint32_t s = 0; s < track.layout.segments() && worst <= allowed; ++s) {
     if (!track.layout.segment(s).used) continue;
-    const TestedSegment segment = tested_segment(points, measure, track, s, bends, dense01);
+    const TestedSegment segment = tested_segment(points, measure, track, s, breakpoints, dense01);
     worst =
         std::max(worst, largest(points.size(), allowed, [&](std::size_t i) { return segment.deviation(i); }));
   }
@@ -239,11 +238,11 @@ double normals_error(const MovingArray& normals, const TimeLayout& layout, std::
 
 }  // namespace
 
-std::vector<Bend> MovingArray::bends() const {
-  std::vector<Bend> result = values.bends();
-  const std::vector<Bend> more = transform.bends();
+std::vector<Breakpoint> MovingArray::breakpoints() const {
+  std::vector<Breakpoint> result = values.breakpoints();
+  const std::vector<Breakpoint> more = transform.breakpoints();
   result.insert(result.end(), more.begin(), more.end());
-  return normalized_bends(std::move(result));
+  return normalized_breakpoints(std::move(result));
 }
 
 std::vector<double> MovingArray::dense_times01() const {
@@ -273,21 +272,21 @@ Box3d bounds(const MovingArray& points) {
 PointFit fit_points(const MovingArray& points, const ScreenMeasure& measure, const FitSettings& settings) {
   PointFit result;
   if (points.is_still()) return result;
-  const std::vector<Bend> bends = points.bends();
+  const std::vector<Breakpoint> breakpoints = points.breakpoints();
   const std::vector<double> dense01 = points.dense_times01();
   const double still_limit = kStillShare * settings.tolerance;
-  result.error = still_error(points, measure, bends, dense01, still_limit);
+  result.error = still_error(points, measure, breakpoints, dense01, still_limit);
   if (result.error <= still_limit) return result;
   const double sampling = points.transform.error_pixels();
   const double tolerance = std::max(settings.tolerance - sampling, 0.5 * settings.tolerance);
   // Points that move on their own do not repeat with the transform.
   const std::vector<double> no_periods;
   std::vector<Candidate> tracks =
-      candidates(bends, settings, points.values.is_still() ? points.transform.periods01() : no_periods);
+      candidates(breakpoints, settings, points.values.is_still() ? points.transform.periods01() : no_periods);
   const CandidateFit fit = cheapest_candidate(
       tracks, tolerance,
       [&](std::size_t i, double limit) {
-        return track_error(points, measure, tracks[i], bends, dense01, limit);
+        return track_error(points, measure, tracks[i], breakpoints, dense01, limit);
       },
       [&](std::size_t i) { return track_blur(points, measure, tracks[i]); });
   return {std::move(tracks[fit.index]), fit.error + sampling};

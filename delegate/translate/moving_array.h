@@ -20,8 +20,9 @@ struct MovingArray {
 
   std::size_t size() const { return values.size(); }
   bool is_still() const { return values.is_still() && transform.is_still(); }
-  std::vector<Bend> bends() const;
-  // Increasing times of the shutter between which the transform does not turn by more than an eighth of a turn.
+  std::vector<Breakpoint> breakpoints() const;
+  // Increasing times of the shutter between which the transform does not turn by more than an eighth of a
+  // turn.
   std::vector<double> dense_times01() const;
 };
 

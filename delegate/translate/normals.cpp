@@ -83,7 +83,7 @@ Primvar<Vec3f> authored_normals(const MeshInput& input, const Triangulation& mes
   PrimLog optional = log.of_optional_part();
   ArraySamples samples = input.normals;
   if (!check_times(times_of(samples).times01, kAttribute, optional)) return {};
-  const std::size_t base = base_sample(times_of(samples), input.clock.frame01);
+  const std::size_t base = base_sample(times_of(samples), input.time_remap.frame01);
   const std::size_t count = samples.samples[base].values.size();
   if (motion.frame_only) samples.samples = {samples.samples[base]};
   if (!check_array(samples, kAttribute, optional)) return {};

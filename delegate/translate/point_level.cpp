@@ -90,10 +90,11 @@ class PointLevel final : public ChainLevel {
       keep_fitting_orientations(log);
     } else {
       const ArraySample& base = base_of(points_.positions);
-      positions_.emplace(ArrayTrack(base, velocities_, accelerations_, points_.clock));
+      positions_.emplace(ArrayTrack(base, velocities_, accelerations_, points_.time_remap));
       if (size_of(points_.scales) > 0) scales_.emplace(ArrayTrack(only(base_of(points_.scales))));
       if (!orientations_.empty()) {
-        orientations_ = {orientations_[base_sample(times_of(points_.orientations), points_.clock.frame01)]};
+        orientations_ = {
+            orientations_[base_sample(times_of(points_.orientations), points_.time_remap.frame01)]};
       }
     }
     warn_of_no_turn(log);
@@ -106,18 +107,18 @@ class PointLevel final : public ChainLevel {
     return positions_->is_still() && (!scales_ || scales_->is_still()) && orientations_.size() < 2 &&
            angular_velocities_.empty();
   }
-  std::vector<Bend> bends() const override {
-    std::vector<Bend> result = positions_->bends();
+  std::vector<Breakpoint> breakpoints() const override {
+    std::vector<Breakpoint> result = positions_->breakpoints();
     if (scales_) {
-      const std::vector<Bend> more = scales_->bends();
+      const std::vector<Breakpoint> more = scales_->breakpoints();
       result.insert(result.end(), more.begin(), more.end());
     }
     if (orientations_.size() > 1) {
       for (const QuaternionSample& s : orientations_) result.push_back({s.time01, points_.orientations.held});
     }
-    return normalized_bends(std::move(result));
+    return normalized_breakpoints(std::move(result));
   }
-  // Interpolated orientations turn by half a turn at most between their samples, which are bends.
+  // Interpolated orientations turn by half a turn at most between their samples, which are breakpoints.
   std::vector<double> dense_times01() const override {
     const auto count = has_dense_times() ? std::size_t(std::ceil(kTimesPerTurn * most_turns_)) : 0;
     std::vector<double> result;
@@ -148,7 +149,7 @@ class PointLevel final : public ChainLevel {
     if (scales_) instant->scales = scales_->at(time01, within);
     if (!orientations_.empty()) instant->orientations = orientations_at(time01, within);
     if (!angular_velocities_.empty())
-      instant->angular_dt = (time01 - angular_base01_) * points_.clock.seconds_per_shutter;
+      instant->angular_dt = (time01 - angular_base01_) * points_.time_remap.seconds_per_shutter;
     return instant;
   }
   std::string rule() const override {
@@ -167,7 +168,8 @@ class PointLevel final : public ChainLevel {
     std::optional<Blame> result;
     const auto look = [&](const std::string& name, double time01, const auto& values) {
       if (result || values.empty() || is_usable(values[i])) return;
-      result = {name, message("value ", i, " ", at_shutter_time(time01), " is ", text(values[i])), points_.path};
+      result = {name, message("value ", i, " ", at_shutter_time(time01), " is ", text(values[i])),
+                points_.path};
     };
     const auto look_through = [&](const char* name, const ArrayTrack& track) {
       for (std::size_t s = 0; s < track.times01().size(); ++s)
@@ -192,7 +194,8 @@ class PointLevel final : public ChainLevel {
       if (orientations) {
         result = rotation((*orientations)[i]);
         if (!level.angular_velocities_.empty()) {
-          const Vec3d rate = Vec3d(level.angular_velocities_[i]) * double(level.points_.clock.velocity_scale);
+          const Vec3d rate =
+              Vec3d(level.angular_velocities_[i]) * double(level.points_.time_remap.velocity_scale);
           result = rotation(turn_about(rate, angular_dt * length(rate))) * result;
         }
       }
@@ -214,12 +217,12 @@ class PointLevel final : public ChainLevel {
   double turns(std::size_t index) const {
     if (angular_velocities_.empty()) return 0.0;
     const Vec3d rate = Vec3d(angular_velocities_[std::size_t(selected_[index])]);
-    const double degrees =
-        length(rate) * std::abs(double(points_.clock.velocity_scale) * points_.clock.seconds_per_shutter);
+    const double degrees = length(rate) * std::abs(double(points_.time_remap.velocity_scale) *
+                                                   points_.time_remap.seconds_per_shutter);
     return std::isfinite(degrees) ? degrees / 360.0 : 0.0;
   }
   const ArraySample& base_of(const ArraySamples& samples) const {
-    return samples.samples[base_sample(times_of(samples), points_.clock.frame01)];
+    return samples.samples[base_sample(times_of(samples), points_.time_remap.frame01)];
   }
   std::size_t size_of(const ArraySamples& samples) const {
     return samples.empty() ? 0 : base_of(samples).values.size();
@@ -231,19 +234,19 @@ class PointLevel final : public ChainLevel {
     const RateCheck velocities{
         times_of(points_.positions), times_of(rates.velocities), "positions", "velocities",
         size_of(points_.positions),  size_of(rates.velocities)};
-    if (!rate_applies(velocities, points_.clock.frame01, log)) return;
+    if (!rate_applies(velocities, points_.time_remap.frame01, log)) return;
     velocities_ = base_of(rates.velocities).values;
     const RateCheck accelerations{velocities.rate,      times_of(rates.accelerations),
                                   "velocities",         "accelerations",
                                   velocities.rate_size, size_of(rates.accelerations)};
-    if (rate_applies(accelerations, points_.clock.frame01, log))
+    if (rate_applies(accelerations, points_.time_remap.frame01, log))
       accelerations_ = base_of(rates.accelerations).values;
   }
   void decide_orientations(PrimLog& log) {
     const QuaternionSamples& q = points_.orientations;
     if (q.samples.empty()) return;
     const SampleTimes times = times_of(q);
-    const std::size_t base = base_sample(times, points_.clock.frame01);
+    const std::size_t base = base_sample(times, points_.time_remap.frame01);
     if (q.samples[base].values.empty()) return;
     const RateCheck angular{times,
                             times_of(points_.angular_velocities),
@@ -251,7 +254,7 @@ class PointLevel final : public ChainLevel {
                             "angularVelocities",
                             q.samples[base].values.size(),
                             size_of(points_.angular_velocities)};
-    if (rate_applies(angular, points_.clock.frame01, log)) {
+    if (rate_applies(angular, points_.time_remap.frame01, log)) {
       angular_velocities_ = base_of(points_.angular_velocities).values;
       angular_base01_ = base_of(points_.angular_velocities).time01;
     }
@@ -259,7 +262,7 @@ class PointLevel final : public ChainLevel {
   }
   // Samples with other counts than the frame's do not count (USD takes the base sample there).
   ArrayTrack sampled(const ArraySamples& samples, const char* name, PrimLog& log) const {
-    const std::size_t base = base_sample(times_of(samples), points_.clock.frame01);
+    const std::size_t base = base_sample(times_of(samples), points_.time_remap.frame01);
     const ArraySamples fitting = samples_of_size(samples, base, points_.count);
     if (fitting.samples.size() < samples.samples.size()) warn_of_count(name, log);
     return ArrayTrack(fitting);
@@ -267,7 +270,7 @@ class PointLevel final : public ChainLevel {
   void keep_fitting_orientations(PrimLog& log) {
     if (orientations_.empty()) return;
     const std::size_t before = orientations_.size();
-    const std::size_t base = base_sample(times_of(points_.orientations), points_.clock.frame01);
+    const std::size_t base = base_sample(times_of(points_.orientations), points_.time_remap.frame01);
     const auto fits = [&](std::size_t i) { return orientations_[i].values.size() == points_.count; };
     std::size_t first = base, last = base;
     while (first > 0 && fits(first - 1)) --first;
@@ -325,7 +328,7 @@ bool check_base(const Samples& samples, const std::string& name, bool optional,
   if (samples.samples.empty() && optional) return true;
   const SampleTimes times = times_of(samples);
   if (!check_times(times.times01, name, log)) return false;
-  const std::size_t found = samples.samples[base_sample(times, points.clock.frame01)].values.size();
+  const std::size_t found = samples.samples[base_sample(times, points.time_remap.frame01)].values.size();
   if (found == points.count || (found == 0 && optional)) return true;
   return log.reject(name, message("found ", found, " values, expected ", points.count, ", one an instance"));
 }

@@ -22,7 +22,7 @@ struct Carriers {
 };
 
 Carriers carriers_of(const MeshInput& input, PrimLog& log) {
-  const double frame01 = input.clock.frame01;
+  const double frame01 = input.time_remap.frame01;
   const RateInput& rates = input.rates;
   const RateCheck velocities{
       times_of(input.points), times_of(rates.velocities),       kPoints,
@@ -39,14 +39,14 @@ Carriers carriers_of(const MeshInput& input, PrimLog& log) {
 }
 
 std::optional<PointMotion> carried(const MeshInput& input, const Carriers& by, PrimLog& log) {
-  const ArraySample& base = base_of(input.points, input.clock.frame01);
+  const ArraySample& base = base_of(input.points, input.time_remap.frame01);
   const bool usable = check_finite(base, kPoints, log) &&
                       check_finite({base.time01, by.velocities}, "velocities", log) &&
                       check_finite({base.time01, by.accelerations}, "accelerations", log);
   if (!usable) return std::nullopt;
   const bool straight = by.accelerations.empty();
   return PointMotion{
-      ArrayTrack(base, by.velocities, by.accelerations, input.clock),
+      ArrayTrack(base, by.velocities, by.accelerations, input.time_remap),
       straight ? "velocities" : "accelerations",
       message("velocities", straight ? "" : " and accelerations",
               " win: one base sample carried through the shutter", straight ? "" : ", quadratic"),
@@ -57,7 +57,7 @@ std::optional<PointMotion> carried(const MeshInput& input, const Carriers& by, P
 std::optional<PointMotion> held_at_frame(const MeshInput& input, const ArraySamples& fitting, PrimLog& log) {
   log.warn(kPoints, "the topology changes within the shutter and no velocities apply; held the frame's pose");
   const std::vector<double> times01 = times_of(fitting).times01;
-  const Bracket at = bracket(times01, input.clock.frame01, fitting.held);
+  const Bracket at = bracket(times01, input.time_remap.frame01, fitting.held);
   for (const std::size_t sample : {at.first, at.second}) {
     if (!check_finite(fitting.samples[sample], kPoints, log)) return std::nullopt;
   }
@@ -93,7 +93,7 @@ std::optional<PointMotion> point_motion(const MeshInput& input, PrimLog& log) {
   const Carriers carriers = carriers_of(input, log);
   if (!carriers.velocities.empty()) return carried(input, carriers, log);
 
-  const std::size_t base = base_sample(times_of(input.points), input.clock.frame01);
+  const std::size_t base = base_sample(times_of(input.points), input.time_remap.frame01);
   const std::size_t count = input.points.samples[base].values.size();
   const ArraySamples fitting = samples_of_size(input.points, base, count);
   if (input.topology_varies) return held_at_frame(input, fitting, log);

@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::size_t kCubic = 4;
 
-bool is_bend(std::span<const double> bends01, double time01) {
-  const auto at = std::ranges::lower_bound(bends01, time01 - kSameTime);
-  return at != bends01.end() && *at <= time01 + kSameTime;
+bool is_breakpoint(std::span<const double> breakpoints01, double time01) {
+  const auto at = std::ranges::lower_bound(breakpoints01, time01 - kSameTime);
+  return at != breakpoints01.end() && *at <= time01 + kSameTime;
 }
 
 // Of the polynomial through samples at four times, at another.
@@ -29,14 +29,14 @@ std::array<double, 4> lagrange(std::span<const double> times01, double time01) {
 
 }  // namespace
 
-SmoothTimes::SmoothTimes(std::span<const double> times01, const std::optional<std::vector<double>>& bends01,
-                         bool held)
+SmoothTimes::SmoothTimes(std::span<const double> times01,
+                         const std::optional<std::vector<double>>& breakpoints01, bool held)
     : times01_(times01.begin(), times01.end()), held_(held) {
-  if (!bends01 || held || times01_.size() < kCubic) return;
-  std::vector<double> sorted = *bends01;
+  if (!breakpoints01 || held || times01_.size() < kCubic) return;
+  std::vector<double> sorted = *breakpoints01;
   std::ranges::sort(sorted);
   for (std::size_t i = 0; i < times01_.size(); ++i) {
-    if (i == 0 || i + 1 == times01_.size() || is_bend(sorted, times01_[i])) ends_.push_back(i);
+    if (i == 0 || i + 1 == times01_.size() || is_breakpoint(sorted, times01_[i])) ends_.push_back(i);
   }
 }
 

@@ -1,9 +1,9 @@
-// Interpolation between samples of a transform that lie on curves between bends.
+// Interpolation between samples of a transform that lie on curves between breakpoints.
 //
-// Between two bends motion is smooth and its samples lie evenly: the cubic through the four around a time
-// errs by the fourth power of their distance, so that a turn takes dozens of samples and not thousands. Where
-// a stretch has fewer than four samples, or samples are bends themselves, straight lines say what the stage
-// says.
+// Between two breakpoints motion is smooth and its samples lie evenly: the cubic through the four around a
+// time errs by the fourth power of their distance, so that a turn takes dozens of samples and not thousands.
+// Where a stretch has fewer than four samples, or samples are breakpoints themselves, straight lines say what
+// the stage says.
 #pragma once
 
 #include <array>
@@ -18,8 +18,10 @@ namespace msbvh::translate {
 
 class SmoothTimes {
  public:
-  // Increasing times; `bends01` not given: every sample is one. `held`: each sample holds until the next.
-  SmoothTimes(std::span<const double> times01, const std::optional<std::vector<double>>& bends01, bool held);
+  // Increasing times; `breakpoints01` not given: every sample is one. `held`: each sample holds until the
+  // next.
+  SmoothTimes(std::span<const double> times01, const std::optional<std::vector<double>>& breakpoints01,
+              bool held);
 
   // A weighted sum of `count` neighbouring samples, the first of them number `first`; held outside all times.
   struct Mix {

@@ -7,14 +7,14 @@
 namespace msbvh::translate {
 namespace {
 
-// Stretches between bends, with an unused one at each jump.
-std::vector<LayoutSegment> stretches(std::span<const Bend> bends) {
+// Stretches between breakpoints, with an unused one at each jump.
+std::vector<LayoutSegment> stretches(std::span<const Breakpoint> breakpoints) {
   std::vector<LayoutSegment> result;
   double begin = 0.0;
-  for (const Bend& bend : bends) {
-    result.push_back({begin, bend.time01});
-    if (bend.jump) result.push_back({bend.time01, bend.after01, false});
-    begin = bend.after01;
+  for (const Breakpoint& breakpoint : breakpoints) {
+    result.push_back({begin, breakpoint.time01});
+    if (breakpoint.jump) result.push_back({breakpoint.time01, breakpoint.after01, false});
+    begin = breakpoint.after01;
   }
   result.push_back({begin, 1.0});
   return result;
@@ -44,9 +44,9 @@ std::vector<LayoutSegment> split_evenly(const std::vector<LayoutSegment>& segmen
 
 }  // namespace
 
-std::optional<TimeLayout> TimeLayout::with_bends(std::span<const Bend> bends, std::uint32_t split,
-                                                 std::uint32_t max_segments) {
-  std::vector<LayoutSegment> segments = stretches(bends);
+std::optional<TimeLayout> TimeLayout::with_breakpoints(std::span<const Breakpoint> breakpoints,
+                                                       std::uint32_t split, std::uint32_t max_segments) {
+  std::vector<LayoutSegment> segments = stretches(breakpoints);
   const std::size_t count = std::bit_ceil(segments.size());
   if ((count << split) > max_segments) return std::nullopt;
   split_longest(segments, count);
@@ -84,36 +84,36 @@ TimeLayout::Place TimeLayout::place(double local01) const {
 namespace {
 
 // A piece for every period; the last one ends where the shutter closes.
-Clock repeating_clock(double period01) {
-  Clock clock;
+TimeRemap repeating_time_remap(double period01) {
+  TimeRemap time_remap;
   const double periods = 1.0 / period01;
   const auto whole = std::uint32_t(std::ceil(periods - kSameTime * periods));
   for (std::uint32_t i = 0; i < whole; ++i) {
     const float to = i + 1 < whole ? 1.0f : std::min(1.0f, float(periods - i));
-    clock.pieces.push_back({float(i * period01), 0.0f, to});
+    time_remap.pieces.push_back({float(i * period01), 0.0f, to});
   }
-  return clock;
+  return time_remap;
 }
 
 }  // namespace
 
-Clock TimeLayout::clock() const {
-  if (repeats()) return repeating_clock(period01_);
-  Clock clock;
+TimeRemap TimeLayout::time_remap() const {
+  if (repeats()) return repeating_time_remap(period01_);
+  TimeRemap time_remap;
   for (std::uint32_t i = 0; !is_even() && i < segments_; ++i) {
     const LayoutSegment& s = uneven_[i];
     if (!s.used) continue;
     const auto begin = static_cast<float>(s.begin01);
     // The one before is shorter than time resolves: a step.
-    if (!clock.pieces.empty() && begin <= clock.pieces.back().begin) clock.pieces.pop_back();
-    clock.pieces.push_back({begin, float(i) / float(segments_), float(i + 1) / float(segments_)});
+    if (!time_remap.pieces.empty() && begin <= time_remap.pieces.back().begin) time_remap.pieces.pop_back();
+    time_remap.pieces.push_back({begin, float(i) / float(segments_), float(i + 1) / float(segments_)});
   }
-  return clock;
+  return time_remap;
 }
 
-Clock with_visibility(const Clock& clock, std::span<const VisibleInterval> visible) {
+TimeRemap with_visibility(const TimeRemap& time_remap, std::span<const VisibleInterval> visible) {
   std::vector<float> begins{0.0f};
-  for (const ClockPiece& piece : clock.pieces) begins.push_back(piece.begin);
+  for (const TimeRemapPiece& piece : time_remap.pieces) begins.push_back(piece.begin);
   for (const VisibleInterval& v : visible) {
     begins.push_back(std::clamp(float(v.begin01), 0.0f, 1.0f));
     begins.push_back(std::clamp(float(v.end01), 0.0f, 1.0f));
@@ -121,18 +121,18 @@ Clock with_visibility(const Clock& clock, std::span<const VisibleInterval> visib
   std::ranges::sort(begins);
   begins.erase(std::ranges::unique(begins).begin(), begins.end());
   if (begins.size() > 1 && begins.back() == 1.0f) begins.pop_back();  // u = 1 belongs to the piece before
-  // Local times on both sides of a boundary, which is inside of one of the clock's pieces.
+  // Local times on both sides of a boundary, which is inside of one of the time remap's pieces.
   const auto local = [&](float u, std::size_t piece) {
-    if (clock.is_shutter()) return u;
-    const ClockPiece& p = clock.pieces[piece];
-    const double length = clock.end_of(piece) - p.begin;
+    if (time_remap.is_shutter()) return u;
+    const TimeRemapPiece& p = time_remap.pieces[piece];
+    const double length = time_remap.end_of(piece) - p.begin;
     const double w = length > 0.0 ? (double(u) - p.begin) / length : 0.0;
     return float((1.0 - w) * p.from + w * p.to);
   };
-  Clock result;
+  TimeRemap result;
   for (std::size_t i = 0; i < begins.size(); ++i) {
     const float begin = begins[i], end = i + 1 < begins.size() ? begins[i + 1] : 1.0f;
-    const std::size_t piece = clock.is_shutter() ? 0 : clock.piece_at(begin);
+    const std::size_t piece = time_remap.is_shutter() ? 0 : time_remap.piece_at(begin);
     const double middle = 0.5 * (double(begin) + double(end));
     const bool shown = std::ranges::any_of(
         visible, [&](const VisibleInterval& v) { return v.begin01 <= middle && middle < v.end01; });
@@ -141,18 +141,18 @@ Clock with_visibility(const Clock& clock, std::span<const VisibleInterval> visib
   return result;
 }
 
-std::vector<Bend> normalized_bends(std::vector<Bend> bends) {
-  std::ranges::sort(bends, {}, &Bend::time01);
-  std::vector<Bend> result;
-  for (const Bend& bend : bends) {
-    if (!(bend.time01 > kSameTime && bend.time01 < 1.0 - kSameTime)) continue;
-    const double distance = result.empty() ? 1.0 : bend.time01 - result.back().time01;
+std::vector<Breakpoint> normalized_breakpoints(std::vector<Breakpoint> breakpoints) {
+  std::ranges::sort(breakpoints, {}, &Breakpoint::time01);
+  std::vector<Breakpoint> result;
+  for (const Breakpoint& breakpoint : breakpoints) {
+    if (!(breakpoint.time01 > kSameTime && breakpoint.time01 < 1.0 - kSameTime)) continue;
+    const double distance = result.empty() ? 1.0 : breakpoint.time01 - result.back().time01;
     if (distance <= kTimeResolution) {
-      Bend& last = result.back();
-      last.jump = last.jump || bend.jump || distance > kSameTime;
-      last.after01 = std::max(last.after01, bend.after01);
+      Breakpoint& last = result.back();
+      last.jump = last.jump || breakpoint.jump || distance > kSameTime;
+      last.after01 = std::max(last.after01, breakpoint.after01);
     } else {
-      result.push_back(bend);
+      result.push_back(breakpoint);
     }
   }
   return result;

@@ -1,8 +1,8 @@
 // How a track's segments lie in the shutter, and which layouts a fit may choose from.
 //
-// Even layouts have keys at i / 2^k. A layout with bends puts keys where the motion bends, at whatever times
-// that is, and leaves out the segment between two keys where it jumps; it comes with the clock that the
-// renderer then needs (core/motion/clock.h).
+// Even layouts have keys at i / 2^k. A layout with breakpoints puts keys at those, at whatever times
+// that is, and leaves out the segment between two keys where it jumps; it comes with the time remap that the
+// renderer then needs (core/motion/time_remap.h).
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "core/motion/clock.h"
+#include "core/motion/time_remap.h"
 #include "core/motion/track.h"
 #include "delegate/translate/inputs.h"
 
@@ -19,8 +19,8 @@ namespace msbvh::translate {
 
 // A time within (0, 1) at which motion changes its direction or, `jump`, its place. What follows a jump
 // starts at `after01`, closer to it than a ray's time can tell apart.
-struct Bend {
-  Bend(double time, bool jumps = false) : time01(time), after01(time), jump(jumps) {}
+struct Breakpoint {
+  Breakpoint(double time, bool jumps = false) : time01(time), after01(time), jump(jumps) {}
 
   double time01, after01;
   bool jump;
@@ -38,9 +38,9 @@ struct LayoutSegment {
 class TimeLayout {
  public:
   static TimeLayout even(std::uint32_t segments) { return TimeLayout(segments); }
-  // Each stretch between bends takes 2^split segments. Nothing if that takes more than `max_segments`.
-  static std::optional<TimeLayout> with_bends(std::span<const Bend> bends, std::uint32_t split,
-                                              std::uint32_t max_segments);
+  // Each stretch between breakpoints takes 2^split segments. Nothing if that takes more than `max_segments`.
+  static std::optional<TimeLayout> with_breakpoints(std::span<const Breakpoint> breakpoints,
+                                                    std::uint32_t split, std::uint32_t max_segments);
   // One period of a motion that repeats, on 2^split segments; the time remap runs through it again and again.
   // `period01` as is_period() has it.
   static TimeLayout repeating(double period01, std::uint32_t split);
@@ -58,7 +58,7 @@ class TimeLayout {
   };
   Place place(double local01) const;
   // The shutter's own for even layouts.
-  Clock clock() const;
+  TimeRemap time_remap() const;
 
  private:
   explicit TimeLayout(std::uint32_t segments) : segments_(segments) {}
@@ -77,13 +77,13 @@ constexpr bool is_period(double period01) {
   return period01 >= kShortestPeriod01 && period01 <= kLongestPeriod01;
 }
 
-// `clock`, hidden outside the intervals.
-Clock with_visibility(const Clock& clock, std::span<const VisibleInterval> visible);
+// `time_remap`, hidden outside the intervals.
+TimeRemap with_visibility(const TimeRemap& time_remap, std::span<const VisibleInterval> visible);
 
 // Sorted, within (0, 1). Those within kSameTime of each other are one, those within kTimeResolution of each
 // other, which single precision does not tell apart, a jump.
 inline constexpr double kSameTime = 1e-12;
 inline constexpr double kTimeResolution = 0x1p-24;
-std::vector<Bend> normalized_bends(std::vector<Bend> bends);
+std::vector<Breakpoint> normalized_breakpoints(std::vector<Breakpoint> breakpoints);
 
 }  // namespace msbvh::translate

@@ -50,10 +50,10 @@ TransformFitter::TransformFitter(const InstanceChain& chain, const MapTarget& ta
       corners_(corners_of(target.box)),
       measure_(measure),
       settings_(settings),
-      bends_(chain.bends()),
+      breakpoints_(chain.breakpoints()),
       dense01_(chain.is_still() ? std::vector<double>() : chain.dense_times01()),
       candidates_(chain.is_still() ? std::vector<Candidate>()
-                                   : candidates(bends_, settings, chain.periods01())),
+                                   : candidates(breakpoints_, settings, chain.periods01())),
       prepared_(candidates_.size()) {
   settings_.tolerance = fit_tolerance(settings, target);
   const auto add = [&](double time01) {
@@ -65,10 +65,10 @@ TransformFitter::TransformFitter(const InstanceChain& chain, const MapTarget& ta
   }
   for (const double time01 : kProbes) add(time01);
   double before = 0.0;
-  for (const Bend& bend : bends_) {
-    add(bend.time01);
-    add(0.5 * (before + bend.time01));
-    before = bend.time01;
+  for (const Breakpoint& breakpoint : breakpoints_) {
+    add(breakpoint.time01);
+    add(0.5 * (before + breakpoint.time01));
+    before = breakpoint.time01;
   }
   for (const double time01 : dense01_) dense_.push_back({chain_.at(time01, time01), measure_.at(time01)});
   for (const double period01 : chain.periods01()) add_period(period01);
@@ -81,7 +81,7 @@ void TransformFitter::add_period(double period01) {
     period.echoes.push_back({chain_.at(time01, time01), chain_.at(place, place), measure_.at(time01)});
   };
   add(1.0);
-  for (const Bend& bend : bends_) add(bend.time01);
+  for (const Breakpoint& breakpoint : breakpoints_) add(breakpoint.time01);
   for (const double time01 : dense01_) {
     if (time01 > period01) add(time01);
   }
@@ -91,8 +91,8 @@ TrackForm TransformFitter::form(std::uint32_t track) const {
   return track == 0 ? TrackForm{} : candidates_[track - 1].form();
 }
 
-Clock TransformFitter::clock(std::uint32_t track) const {
-  return track == 0 ? Clock{} : candidates_[track - 1].layout.clock();
+TimeRemap TransformFitter::time_remap(std::uint32_t track) const {
+  return track == 0 ? TimeRemap{} : candidates_[track - 1].layout.time_remap();
 }
 
 const std::vector<TransformFitter::Segment>& TransformFitter::prepared(std::size_t candidate) const {
@@ -114,7 +114,7 @@ void TransformFitter::prepare(std::size_t candidate) const {
       const double within = layout.is_even() ? time01 : segment.middle();
       out.tests.push_back({w, chain_.at(time01, within), measure_.at(time01), dense});
     };
-    for (const double time01 : test_times01(segment, degree, bends_, {})) add(time01, 0);
+    for (const double time01 : test_times01(segment, degree, breakpoints_, {})) add(time01, 0);
     if (segment.used) {
       const std::span<const double> dense = dense_inside(segment, dense01_);
       for (const double& time01 : dense) add(time01, std::size_t(&time01 - dense01_.data()));
@@ -218,7 +218,8 @@ double TransformFitter::blur(std::size_t instance, std::size_t candidate) const 
     }
   }
   double worst = 0.0;
-  for (std::size_t c = 0; c < corners_.size(); ++c) worst = std::max(worst, blur_distance(truth[c], track[c]));
+  for (std::size_t c = 0; c < corners_.size(); ++c)
+    worst = std::max(worst, blur_distance(truth[c], track[c]));
   return probes_[0].screen.in_box(worst, bounds_of(corners_, map(probes_[0].instant, instance)));
 }
 

@@ -47,7 +47,7 @@ class TransformFitter {
 
   std::uint32_t track_count() const { return std::uint32_t(candidates_.size() + 1); }
   TrackForm form(std::uint32_t track) const;
-  Clock clock(std::uint32_t track) const;
+  TimeRemap time_remap(std::uint32_t track) const;
   // form(track).controls() maps.
   void controls(std::size_t instance, std::uint32_t track, Affine3f* out) const;
 
@@ -100,7 +100,7 @@ class TransformFitter {
   BoxCorners corners_;
   const ScreenMeasure& measure_;
   FitSettings settings_;
-  std::vector<Bend> bends_;
+  std::vector<Breakpoint> breakpoints_;
   std::vector<double> dense01_;
   std::vector<Candidate> candidates_;
   std::vector<Probe> probes_;  // the first is the shutter's centre

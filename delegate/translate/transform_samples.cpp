@@ -14,8 +14,8 @@ namespace {
 // lengths.
 constexpr double kSingular = 1e-6;
 
-// What rounding leaves in the last column of a matrix that was multiplied, inverted, or stored in single precision:
-// the point at distance 1 moves by less than that share of the distance.
+// What rounding leaves in the last column of a matrix that was multiplied, inverted, or stored in single
+// precision: the point at distance 1 moves by less than that share of the distance.
 constexpr double kAffineRounding = 1e-6;
 
 bool is_affine(const Matrix4d& m) {
@@ -50,7 +50,7 @@ Affine3d rebased(Affine3d map, const Vec3d& from, const Vec3d& to) {
 
 TransformTrack::TransformTrack(const TransformSamples& samples)
     : smooth_({}, {}, false),
-      bends01_(samples.bends01.value_or(samples.times01)),
+      breakpoints01_(samples.breakpoints01.value_or(samples.times01)),
       held_(samples.held),
       error_pixels_(samples.error_pixels),
       periods01_(samples.periods01) {
@@ -59,7 +59,7 @@ TransformTrack::TransformTrack(const TransformSamples& samples)
     times01_.push_back(samples.times01[i]);
     maps_.push_back(affine_from(samples.matrices[i]));
   }
-  smooth_ = SmoothTimes(times01_, samples.bends01, held_);
+  smooth_ = SmoothTimes(times01_, samples.breakpoints01, held_);
 }
 
 TransformTrack::TransformTrack(const Affine3d& still)
@@ -79,11 +79,11 @@ bool TransformTrack::is_still() const {
   return std::all_of(maps_.begin(), maps_.end(), [&](const Affine3d& map) { return map == maps_.front(); });
 }
 
-std::vector<Bend> TransformTrack::bends() const {
-  std::vector<Bend> result;
+std::vector<Breakpoint> TransformTrack::breakpoints() const {
+  std::vector<Breakpoint> result;
   if (is_still()) return result;
-  for (const double time01 : bends01_) result.push_back({time01, held_});
-  return normalized_bends(std::move(result));
+  for (const double time01 : breakpoints01_) result.push_back({time01, held_});
+  return normalized_breakpoints(std::move(result));
 }
 
 bool TransformTrack::is_singular_somewhere() const {

@@ -40,7 +40,7 @@ class TransformTrack {
   bool is_singular_somewhere() const;
   const std::vector<double>& times01() const { return times01_; }
   const std::vector<Affine3d>& maps() const { return maps_; }
-  std::vector<Bend> bends() const;
+  std::vector<Breakpoint> breakpoints() const;
   double error_pixels() const { return error_pixels_; }
   const std::vector<double>& periods01() const { return periods01_; }
 
@@ -48,7 +48,7 @@ class TransformTrack {
   std::vector<double> times01_;
   std::vector<Affine3d> maps_;
   SmoothTimes smooth_;
-  std::vector<double> bends01_;
+  std::vector<double> breakpoints01_;
   bool held_ = false;
   double error_pixels_ = 0.0;
   std::vector<double> periods01_;

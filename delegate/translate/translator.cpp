@@ -36,7 +36,7 @@ struct PrototypeState {
   std::string path;
   MeshTarget target;
   Box3d box;  // of its meshes at all their controls
-  // The scene's prototypes that it takes: one for each clock among its meshes.
+  // The scene's prototypes that it takes: one for each time remap among its meshes.
   std::vector<std::uint32_t> parts{};
 };
 
@@ -75,7 +75,7 @@ struct Translator::Data {
   MeshTarget target(const ScreenMeasure* in_world);
   std::uint32_t add(Mesh mesh);
   void add_instanced(TranslatedMesh translated);
-  std::uint32_t part_with(const Clock& clock, PrototypeState& state);
+  std::uint32_t part_with(const TimeRemap& time_remap, PrototypeState& state);
 
   TranslatorSettings settings;
   FitSettings fit;
@@ -89,7 +89,8 @@ struct Translator::Data {
 };
 
 MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
-  MeshTarget result{in_world, 0.0, std::nullopt, settings.width, settings.height, fit, 0, settings.keep_faces};
+  MeshTarget result{in_world, 0.0, std::nullopt,       settings.width, settings.height,
+                    fit,      0,   settings.keep_faces};
   if (in_world) result.origin = origin;
   return result;
 }
@@ -111,28 +112,29 @@ std::uint32_t Translator::Data::add(Mesh mesh) {
   return std::uint32_t(scene.meshes.size() - 1);
 }
 
-// One instance, which carries the transform's track or, of a baked mesh, only brings it into the clock's
+// One instance, which carries the transform's track or, of a baked mesh, only brings it into the time remap's
 // time.
 void Translator::Data::add_instanced(TranslatedMesh translated) {
   const std::string name = translated.mesh.shape.name;
   const auto prototype = std::uint32_t(scene.prototypes.size());
   const bool baked = translated.world_from_mesh.empty();
-  scene.prototypes.push_back({name, {add(std::move(translated.mesh))}, baked ? translated.clock : Clock{}});
+  scene.prototypes.push_back(
+      {name, {mesh_id(add(std::move(translated.mesh)))}, baked ? translated.time_remap : TimeRemap{}});
   InstanceSet set{name, prototype, 0, {Affine3f{}}, {}};
   if (!baked) {
     set.segments = translated.track.segments;
     set.degree = translated.track.degree;
     set.world_from_prototype = std::move(translated.world_from_mesh);
-    set.clock = translated.clock;
+    set.time_remap = translated.time_remap;
   }
   scene.instances.push_back(std::move(set));
 }
 
-std::uint32_t Translator::Data::part_with(const Clock& clock, PrototypeState& state) {
+std::uint32_t Translator::Data::part_with(const TimeRemap& time_remap, PrototypeState& state) {
   for (const std::uint32_t part : state.parts) {
-    if (scene.prototypes[part].clock == clock) return part;
+    if (scene.prototypes[part].time_remap == time_remap) return part;
   }
-  scene.prototypes.push_back({state.path, {}, clock});
+  scene.prototypes.push_back({state.path, {}, time_remap});
   state.parts.push_back(std::uint32_t(scene.prototypes.size() - 1));
   return state.parts.back();
 }
@@ -157,8 +159,8 @@ void Translator::add_mesh(const MeshInput& input) {
   MeshTarget world = data_->target(&data_->measure);
   std::optional<TranslatedMesh> translated = data_->translated(input, world);
   if (!translated || translated->never_seen) return;
-  if (translated->world_from_mesh.empty() && translated->clock.is_shutter()) {
-    data_->scene.world_meshes.push_back(data_->add(std::move(translated->mesh)));
+  if (translated->world_from_mesh.empty() && translated->time_remap.is_shutter()) {
+    data_->scene.world.push_back(mesh_id(data_->add(std::move(translated->mesh))));
   } else {
     data_->add_instanced(std::move(*translated));
   }
@@ -184,8 +186,8 @@ void Translator::add_prototype_mesh(std::uint32_t prototype, const MeshInput& in
   std::optional<TranslatedMesh> translated = data_->translated(input, state.target);
   if (!translated || translated->never_seen) return;
   state.box.grow(box_of(translated->mesh.shape));
-  const std::uint32_t part = data_->part_with(translated->clock, state);
-  data_->scene.prototypes[part].meshes.push_back(data_->add(std::move(translated->mesh)));
+  const std::uint32_t part = data_->part_with(translated->time_remap, state);
+  data_->scene.prototypes[part].geometry.push_back(mesh_id(data_->add(std::move(translated->mesh))));
 }
 
 void Translator::add_instances(const InstancesInput& input) {
@@ -226,7 +228,7 @@ void Translator::add_light(const LightInput& input) {
   if (light) data_->scene.lights.push_back(std::move(*light));
 }
 
-bool Translator::empty() const { return data_->scene.world_meshes.empty() && data_->scene.instances.empty(); }
+bool Translator::empty() const { return data_->scene.world.empty() && data_->scene.instances.empty(); }
 
 std::size_t Translator::empty_meshes() const { return data_->empty_meshes; }
 

@@ -24,7 +24,7 @@ struct TranslatorSettings {
   std::uint32_t width = 960, height = 540;  // pixels, for the tolerance
   double motion_tolerance_pixels = 0.1;
   std::uint32_t max_segments = kMaxSegments;
-  TrackChoice choice{};  // which tracks may be used
+  TrackChoice choice{};     // which tracks may be used
   bool keep_faces = false;  // for the AOV elementId: which face each triangle is of
 };
 
@@ -38,16 +38,16 @@ struct TrackReport {
   std::uint32_t segments = 0;
   std::uint32_t degree = 1;
   bool moving_transform = false;  // a still mesh under a moving transform, or instances; not baked
-  bool clock = false;             // keys where the motion bends or jumps, not at even times
+  bool time_remap = false;        // keys at the breakpoints of the motion, not at even times
   bool hidden_partly = false;     // visible for a part of the shutter
   double error_pixels = 0.0;      // largest deviation found from the stage's motion
   std::size_t bytes = 0;          // of the controls
   std::size_t count = 1;          // of instances
 
-  void set_form(const TrackForm& form, const Clock& own) {
+  void set_form(const TrackForm& form, const TimeRemap& own) {
     segments = form.segments;
     degree = form.degree;
-    clock = !own.is_shutter();
+    time_remap = !own.is_shutter();
   }
 };
 

@@ -24,7 +24,7 @@ from pxr import Usd, UsdGeom
 SUITE = Path(__file__).resolve().parent
 sys.path.insert(0, str(SUITE.parents[1] / "tests" / "python"))
 
-from projection_oracle import Sampling, coverage  # noqa: E402
+from projection_oracle import Sampling, coverage
 
 SAMPLING = Sampling(times=512, subpixels=4)
 
@@ -50,9 +50,7 @@ def write(path: Path, pixels: np.ndarray) -> None:
     """A 16-bit grey PNG."""
     output = oiio.ImageOutput.create(str(path))
     spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], 1, oiio.UINT16)
-    if not (
-        output and output.open(str(path), spec) and output.write_image(pixels[..., None]) and output.close()
-    ):
+    if not (output and output.open(str(path), spec) and output.write_image(pixels[..., None]) and output.close()):
         raise OSError(f"{path}: {output.geterror() if output else oiio.geterror()}")
 
 

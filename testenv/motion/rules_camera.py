@@ -21,10 +21,7 @@ def camera_rolls(scene: Scene) -> None:
     if scene.mistaken:
         samples(
             UsdGeom.Xformable(bar).AddTransformOp(),
-            {
-                t: Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d.ZAxis(), -a))
-                for t, a in {9.5: 0, 10.5: 150}.items()
-            },
+            {t: Gf.Matrix4d().SetRotate(Gf.Rotation(Gf.Vec3d.ZAxis(), -a)) for t, a in {9.5: 0, 10.5: 150}.items()},
         )
     else:
         turn(scene.camera, {9.0: -75.0, 11.0: 225.0})

@@ -324,9 +324,7 @@ def instancer_velocity_scale(scene: Scene) -> None:
 def instancer_prototypes(scene: Scene) -> None:
     scene.wedge("/Instancer/Wedge")
     scene.bar("/Instancer/Bar")
-    instancer = point_instancer(
-        scene, [(-3, 1), (1, -1), (2, 1.5)], prototypes=["/Instancer/Wedge", "/Instancer/Bar"]
-    )
+    instancer = point_instancer(scene, [(-3, 1), (1, -1), (2, 1.5)], prototypes=["/Instancer/Wedge", "/Instancer/Bar"])
     instancer.GetProtoIndicesAttr().Set([0, 0, 0] if scene.mistaken else [1, 0, 1])
     instancer.CreateVelocitiesAttr().Set(spatial([(24 * 4, 0)] * 3), FRAME)
 
@@ -335,9 +333,7 @@ def instancer_prototypes(scene: Scene) -> None:
 def instancer_indices_change(scene: Scene) -> None:
     scene.square("/Instancer/Square", 0, 0, 2.0)
     scene.bar("/Instancer/Bar")
-    instancer = point_instancer(
-        scene, [(0, 0)] * 3, prototypes=["/Instancer/Square", "/Instancer/Bar"]
-    )
+    instancer = point_instancer(scene, [(0, 0)] * 3, prototypes=["/Instancer/Square", "/Instancer/Bar"])
     positions_between(instancer, {9.0: [(-5, 1), (0, 0), (4, -2)], 11.0: [(-3, 0), (1, 1), (4, -1)]})
     indices = instancer.GetProtoIndicesAttr()
     indices.Clear()

@@ -10,15 +10,11 @@ ACROSS = {9.0: (-8, 0), 11.0: (8, 0)}
 
 
 def seen(prim: UsdGeom.Imageable, times: dict[float, bool]) -> None:
-    tokens = {
-        t: UsdGeom.Tokens.inherited if is_on else UsdGeom.Tokens.invisible for t, is_on in times.items()
-    }
+    tokens = {t: UsdGeom.Tokens.inherited if is_on else UsdGeom.Tokens.invisible for t, is_on in times.items()}
     samples(prim.CreateVisibilityAttr(), tokens)
 
 
-@rule(
-    VISIBILITY, "What turns invisible within the shutter is seen until then", "the frame's visibility for all"
-)
+@rule(VISIBILITY, "What turns invisible within the shutter is seen until then", "the frame's visibility for all")
 def visibility_ends(scene: Scene) -> None:
     square = scene.square("/Square")
     slide(square, ACROSS)

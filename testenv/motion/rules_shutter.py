@@ -10,9 +10,7 @@ ACROSS = {9.0: (-8, 0), 11.0: (8, 0)}
 """Eight units a frame, in the middle at frame 10."""
 
 
-@rule(
-    SHUTTER, "An asymmetric shutter opens and closes where it says", "a centred shutter", shutter=(0.0, 0.5)
-)
+@rule(SHUTTER, "An asymmetric shutter opens and closes where it says", "a centred shutter", shutter=(0.0, 0.5))
 def shutter_asymmetric(scene: Scene) -> None:
     slide(scene.square("/Square"), ACROSS)
     if scene.mistaken:
@@ -108,9 +106,7 @@ def uneven_samples(scene: Scene) -> None:
     slide(scene.square("/Square", side=1.0), ends if scene.mistaken else path)
 
 
-@rule(
-    SAMPLING, "A path of many samples within the shutter is followed", "its ends alone", shutter=(-0.5, 0.5)
-)
+@rule(SAMPLING, "A path of many samples within the shutter is followed", "its ends alone", shutter=(-0.5, 0.5))
 def many_samples(scene: Scene) -> None:
     zigzag = {9.5 + i / 8: (-3 + i * 6 / 8, 2.0 if i % 2 else -2.0) for i in range(9)}
     ends = {time: zigzag[time] for time in (9.5, 10.5)}
@@ -143,9 +139,7 @@ def nearly_coincident_samples(scene: Scene) -> None:
 @rule(SAMPLING, "Equal samples within the shutter are still, whatever follows", "the outer samples count")
 def constant_samples(scene: Scene) -> None:
     equal = {8.0 + i / 8: (0, 0) for i in range(25)}
-    slide(
-        scene.square("/Square"), {9.5: (-4, 0), 10.5: (4, 0)} if scene.mistaken else {**equal, 12.0: (8, 0)}
-    )
+    slide(scene.square("/Square"), {9.5: (-4, 0), 10.5: (4, 0)} if scene.mistaken else {**equal, 12.0: (8, 0)})
 
 
 @rule(SAMPLING, "Samples win over a default value on the same attribute", "the default value")
@@ -187,9 +181,7 @@ def spline_held(scene: Scene) -> None:
     operation.GetAttr().SetSpline(spline({9.5: -4.0, 10.0: 3.0, 10.5: 0.0}, kind))
 
 
-@rule(
-    SAMPLING, "A blocked sample ends the value of the one before it, which holds until there", "it glides on"
-)
+@rule(SAMPLING, "A blocked sample ends the value of the one before it, which holds until there", "it glides on")
 def block_holds_points(scene: Scene) -> None:
     square = scene.square("/Square")
     scene.points_between(square, {9.5: (-3, 0), 12.5: (21, 0)})
@@ -210,29 +202,21 @@ def moving_layer(scene: Scene, name: str, time_codes_per_second: float = 24.0) -
     other.stage.RemovePrim(str(other.camera.GetPath()))
     slide(other.square("/Square"), {0.0: (-4, -2), 1.0: (-4, 2), 2.0: (4, 2), 3.0: (4, -2)})
     (scene.folder / "layers").mkdir(parents=True, exist_ok=True)
-    other.stage.GetRootLayer().Export(
-        str(scene.folder / "layers" / name), comment="Written by make_scenes.py."
-    )
+    other.stage.GetRootLayer().Export(str(scene.folder / "layers" / name), comment="Written by make_scenes.py.")
     return f"./layers/{name}"
 
 
-@rule(
-    SAMPLING, "A reference's layer offset shifts and scales its samples", "samples as they stand in the layer"
-)
+@rule(SAMPLING, "A reference's layer offset shifts and scales its samples", "samples as they stand in the layer")
 def layer_offset(scene: Scene) -> None:
     path = moving_layer(scene, "layer_offset.usda")
     offset = Sdf.LayerOffset(9.75, 1.0) if scene.mistaken else Sdf.LayerOffset(9.75, 0.25)
     scene.stage.DefinePrim("/Square").GetReferences().AddReference(path, "/Square", offset)
 
 
-@rule(
-    SAMPLING, "A layer of another timeCodesPerSecond is read in the stage's", "its time codes as they stand"
-)
+@rule(SAMPLING, "A layer of another timeCodesPerSecond is read in the stage's", "its time codes as they stand")
 def layer_of_other_rate(scene: Scene) -> None:
     path = moving_layer(scene, "layer_of_other_rate.usda", 24.0 if scene.mistaken else 96.0)
-    scene.stage.DefinePrim("/Square").GetReferences().AddReference(
-        path, "/Square", Sdf.LayerOffset(9.75, 1.0)
-    )
+    scene.stage.DefinePrim("/Square").GetReferences().AddReference(path, "/Square", Sdf.LayerOffset(9.75, 1.0))
 
 
 @rule(SAMPLING, "Value clips are read where they are active", STILL)

@@ -47,9 +47,7 @@ def animate(
     animation.CreateJointsAttr(["Upper", "Upper/Lower"])
     animation.CreateTranslationsAttr([Gf.Vec3f(-2, 0, 0), Gf.Vec3f(2, 0, 0)])
     animation.CreateScalesAttr([Gf.Vec3h(1)] * 2)
-    turns = {
-        t: [Gf.Quatf(Gf.Rotation(Gf.Vec3d(*axis), a).GetQuat()) for a in pair] for t, pair in angles.items()
-    }
+    turns = {t: [Gf.Quatf(Gf.Rotation(Gf.Vec3d(*axis), a).GetQuat()) for a in pair] for t, pair in angles.items()}
     samples(animation.CreateRotationsAttr(), turns)
     bind(scene, f"{path}/Skeleton", animation)
     return animation
@@ -109,9 +107,7 @@ def skin_moving_skeleton(scene: Scene) -> None:
 def skin_geom_bind_transform(scene: Scene) -> None:
     mesh = arm(scene)
     if not scene.mistaken:
-        bind_space = Gf.Matrix4d().SetScale(Gf.Vec3d(1, 2, 1)) * Gf.Matrix4d().SetTranslate(
-            Gf.Vec3d(0.5, -1, 0)
-        )
+        bind_space = Gf.Matrix4d().SetScale(Gf.Vec3d(1, 2, 1)) * Gf.Matrix4d().SetTranslate(Gf.Vec3d(0.5, -1, 0))
         UsdSkel.BindingAPI(mesh).CreateGeomBindTransformAttr(bind_space)
     animate(scene, {9.5: (-20.0, 0.0), 10.5: (20.0, 90.0)})
 

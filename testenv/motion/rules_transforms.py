@@ -118,9 +118,7 @@ def pivot_moves(scene: Scene) -> None:
     bar = scene.bar("/Bar")
     xformable = UsdGeom.Xformable(bar)
     about = xformable.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble, "pivot")
-    path = (
-        {10.0: Gf.Vec3d(-1, 0, 0)} if scene.mistaken else {9.0: Gf.Vec3d(-5, 0, 0), 11.0: Gf.Vec3d(3, 0, 0)}
-    )
+    path = {10.0: Gf.Vec3d(-1, 0, 0)} if scene.mistaken else {9.0: Gf.Vec3d(-5, 0, 0), 11.0: Gf.Vec3d(3, 0, 0)}
     samples(about, path)
     turn(bar, {9.0: -90.0, 11.0: 90.0})
     xformable.AddTranslateOp(UsdGeom.XformOp.PrecisionDouble, "pivot", True)

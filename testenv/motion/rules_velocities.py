@@ -68,9 +68,7 @@ def velocity_wins(scene: Scene) -> None:
         samples(mesh.CreateVelocitiesAttr(), {t: [Gf.Vec3f(24 * 6, 0, 0)] * 4 for t in (10.0, 11.0)})
 
 
-@rule(
-    TOPIC, "All positions come from the sample at or before the frame", "each from its own", frames=(10.25,)
-)
+@rule(TOPIC, "All positions come from the sample at or before the frame", "each from its own", frames=(10.25,))
 def velocity_base_sample(scene: Scene) -> None:
     """The shutter passes the sample at 10.5."""
     mesh = scene.square("/Square")
@@ -242,9 +240,7 @@ def varying_with_velocities(scene: Scene) -> None:
     samples(mesh.CreateVelocitiesAttr(), {9.9: [velocity] * 4, 10.2: [-velocity] * 8})
 
 
-@rule(
-    VARYING, "Without velocities the frame's pose is held where the topology changes", "both poses are seen"
-)
+@rule(VARYING, "Without velocities the frame's pose is held where the topology changes", "both poses are seen")
 def varying_without_velocities(scene: Scene) -> None:
     one, two = [box(-1, 0, 2, 2)], [box(3, 0, 2, 2), box(3, -2.2, 1, 1)]
     if not scene.mistaken:

@@ -131,9 +131,7 @@ def add_throws(stage: Usd.Stage) -> None:
         add_mesh(stage, f"/showcase/throws/prototypes/{name}", *sphere(0.2, 40, 20), color)
     add_mesh(stage, "/showcase/throws/prototypes/die", *cube(0.17), (0.62, 0.05, 0.04))
     names = [*colors, "die"]
-    instancer.CreatePrototypesRel().SetTargets(
-        [Sdf.Path(f"/showcase/throws/prototypes/{name}") for name in names]
-    )
+    instancer.CreatePrototypesRel().SetTargets([Sdf.Path(f"/showcase/throws/prototypes/{name}") for name in names])
     count = 10
     instancer.CreateProtoIndicesAttr(Vt.IntArray([(0, 3, 1, 2)[i % 4] for i in range(count)]))
     tumble = np.array([(220.0 + 90 * i, 160.0 - 60 * i, 310.0) for i in range(count)])  # degrees a second
@@ -214,9 +212,7 @@ def grid_faces(rows: int, columns: int) -> Faces:
 
 def torus(major: float, minor: float, around: int, across: int) -> tuple[Array, Faces]:
     """About the z axis."""
-    a, b = np.meshgrid(
-        np.arange(around) * 2 * np.pi / around, np.arange(across) * 2 * np.pi / across, indexing="ij"
-    )
+    a, b = np.meshgrid(np.arange(around) * 2 * np.pi / around, np.arange(across) * 2 * np.pi / across, indexing="ij")
     radius = major + minor * np.cos(b)
     points = np.stack([radius * np.cos(a), radius * np.sin(a), minor * np.sin(b)], axis=-1).reshape(-1, 3)
     faces = [
@@ -283,9 +279,7 @@ def smooth_normals(points: Array, faces: Faces) -> Array:
     normals = np.zeros_like(points)
     for face in faces:
         corners = points[list(face)]
-        normals[list(face)] += np.cross(corners - corners[0], np.roll(corners, -1, axis=0) - corners[0]).sum(
-            axis=0
-        )
+        normals[list(face)] += np.cross(corners - corners[0], np.roll(corners, -1, axis=0) - corners[0]).sum(axis=0)
     return normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 

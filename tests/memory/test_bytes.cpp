@@ -7,9 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "core/api/accel.h"
-#include "tests/memory/counting_allocator.h"
 #include "bench/procedural.h"
+#include "core/api/accel.h"
+#include "core/bvh/bvh.h"
+#include "core/bvh/statistics.h"
+#include "tests/memory/counting_allocator.h"
 
 using namespace msbvh;
 using namespace msbvh::procedural;
@@ -104,7 +106,7 @@ TEST_CASE("of large ones, and their builds stay within the bound") {
   check_meshes("incoherent", {shared(debris(200'000, 1, 2.0f, 4))});
 }
 
-TEST_CASE("of instances, moving and under clocks") {
+TEST_CASE("of instances, moving and under time remaps") {
   auto object = std::make_shared<Accel>();
   object->add_mesh(shared(turning(sphere(8), 2)));
   object->commit();
@@ -119,7 +121,8 @@ TEST_CASE("of instances, moving and under clocks") {
     }
     check_bytes(
         [&](Accel& accel) {
-          accel.add_instances(object, {segments, 1}, maps, Clock{{{0.0f, 0.0f, 0.5f}, {0.5f, 0.5f, 1.0f}}});
+          accel.add_instances(object, {segments, 1}, maps,
+                              TimeRemap{{{0.0f, 0.0f, 0.5f}, {0.5f, 0.5f, 1.0f}}});
         },
         {});
   }

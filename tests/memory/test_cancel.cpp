@@ -8,11 +8,13 @@
 #include <string>
 #include <vector>
 
+#include "bench/procedural.h"
 #include "core/api/accel.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/bvh/bvh.h"
+#include "core/bvh/statistics.h"
 #include "tests/memory/counting_allocator.h"
-#include "bench/procedural.h"
 
 using namespace msbvh;
 using namespace msbvh::procedural;

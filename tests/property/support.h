@@ -7,9 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/api/accel.h"
-#include "core/trace/oracle.h"
 #include "bench/procedural.h"
+#include "core/api/accel.h"
+#include "core/bvh/bvh.h"
+#include "core/bvh/statistics.h"
+#include "core/trace/oracle.h"
+#include "core/trace/tracer.h"
 
 namespace msbvh::property {
 

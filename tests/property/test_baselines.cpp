@@ -49,11 +49,11 @@ TEST_CASE("baselines equal the oracle where tracks of all forms meet") {
   }
 }
 
-TEST_CASE("baselines of moving instances of moving objects, also under clocks, equal the oracle") {
-  const Clock bends{{{0.0f, 0.0f, 0.25f}, {0.3f, 0.25f, 0.5f}, {0.9f, 0.5f, 1.0f}}};
+TEST_CASE("baselines of moving instances of moving objects, also under time remaps, equal the oracle") {
+  const TimeRemap breakpoints{{{0.0f, 0.0f, 0.25f}, {0.3f, 0.25f, 0.5f}, {0.9f, 0.5f, 1.0f}}};
   for (const Builder builder : kBaselines) {
     for (const TrackForm object_form : {TrackForm{0, 1}, {4, 1}, {2, 3}}) {
-      for (const Clock& clock : {Clock{}, bends}) {
+      for (const TimeRemap& time_remap : {TimeRemap{}, breakpoints}) {
         CAPTURE(object_form.segments);
         BuildSettings settings;
         settings.builder = builder;
@@ -66,7 +66,7 @@ TEST_CASE("baselines of moving instances of moving objects, also under clocks, e
         for (int i = 0; i < 8 * 3; ++i) {
           controls.push_back({{1, 0.3f, 0}, {0, 1, 0}, {0, 0, -1}, random.in_box({-4, -4, -4}, {4, 4, 4})});
         }
-        world.add_instances(object, {2, 1}, controls, clock);
+        world.add_instances(object, {2, 1}, controls, time_remap);
         world.commit(settings);
         CHECK_NOTHROW(world.verify());
         CHECK_NOTHROW(object->verify());

@@ -147,7 +147,7 @@ void check_bounded(const Shape& shape, int triangles, std::uint32_t segments, co
   const Accel accel = built(std::move(mesh), settings);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   const std::uint64_t references = allowed(accel, settings, segments);
-  // More keys make each reference dearer, too.
+  // More keys make each reference cost more, too.
   const double work = static_cast<double>(references) *
                       (segments > 1 && trees(settings.builder, segments) == 1 ? 1.0 + segments / 8.0 : 1.0);
   CHECK(seconds < kSeconds + kSecondsATriangle * work);
@@ -205,9 +205,9 @@ TEST_CASE("degenerate sets build in bounded time and memory") {
   for (const Shape& shape : kShapes) {
     for (const std::uint32_t segments : kSegments) {
       for (const BuilderName& builder : kBuilders) {
-        const bool dear = builder.builder == Builder::kTimeSplit && segments > 8;
+        const bool expensive = builder.builder == Builder::kTimeSplit && segments > 8;
         check_bounded(shape,
-                      dear           ? 200
+                      expensive      ? 200
                       : segments > 8 ? 2'000
                                      : 10'000,
                       segments, settings_for(builder.builder));

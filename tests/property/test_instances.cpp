@@ -1,4 +1,4 @@
-// Instances whose transforms, or whose objects, move on curves, and under clocks of their own.
+// Instances whose transforms, or whose objects, move on curves, and under time remaps of their own.
 #include <cmath>
 
 #include "core/motion/bezier_fit.h"
@@ -43,19 +43,19 @@ std::vector<Affine3f> spinning(const TrackForm& form, std::uint64_t seed) {
   return controls;
 }
 
-void check(const TrackForm& object_form, const TrackForm& form, const Clock& object_clock,
-           const Clock& clock) {
+void check(const TrackForm& object_form, const TrackForm& form, const TimeRemap& object_time_remap,
+           const TimeRemap& time_remap) {
   CAPTURE(object_form.segments);
   CAPTURE(object_form.degree);
   CAPTURE(form.segments);
   CAPTURE(form.degree);
   auto object = std::make_shared<Accel>();
   object->add_mesh(moved(sticks(30, 9), object_form, rotation({0, 0, 1}, 1.2)));
-  object->set_clock(object_clock);
+  object->set_time_remap(object_time_remap);
   object->commit();
   Accel world;
   world.add_mesh(moved(grid(6), 0, translation({})));
-  world.add_instances(object, form, spinning(form, 4), clock);
+  world.add_instances(object, form, spinning(form, 4), time_remap);
   world.commit();
   CHECK_NOTHROW(world.verify());
   CHECK_NOTHROW(object->verify());
@@ -72,12 +72,12 @@ TEST_CASE("instances and objects on curves equal the oracle") {
   }
 }
 
-TEST_CASE("instances and objects under clocks equal the oracle") {
-  const Clock bends{{{0.0f, 0.0f, 0.25f}, {0.3f, 0.25f, 0.5f}, {0.9f, 0.5f, 1.0f}}};
-  const Clock jumps{{{0.0f, 0.0f, 0.0f}, {0.4f, 0.5f, 0.75f}, {0.7f, 1.0f, 1.0f}}};
-  const Clock blinks{{{0.0f, 0.0f, 0.3f, false}, {0.35f, 0.3f, 0.6f, true}, {0.65f, 0.6f, 1.0f, false}}};
-  for (const Clock& own : {Clock{}, bends, jumps, blinks}) {
-    for (const Clock& inside : {Clock{}, bends, jumps, blinks}) {
+TEST_CASE("instances and objects under time remaps equal the oracle") {
+  const TimeRemap breakpoints{{{0.0f, 0.0f, 0.25f}, {0.3f, 0.25f, 0.5f}, {0.9f, 0.5f, 1.0f}}};
+  const TimeRemap jumps{{{0.0f, 0.0f, 0.0f}, {0.4f, 0.5f, 0.75f}, {0.7f, 1.0f, 1.0f}}};
+  const TimeRemap blinks{{{0.0f, 0.0f, 0.3f, false}, {0.35f, 0.3f, 0.6f, true}, {0.65f, 0.6f, 1.0f, false}}};
+  for (const TimeRemap& own : {TimeRemap{}, breakpoints, jumps, blinks}) {
+    for (const TimeRemap& inside : {TimeRemap{}, breakpoints, jumps, blinks}) {
       check({4, 1}, {8, 1}, inside, own);
       check({2, 3}, {1, 3}, inside, own);
       check({0, 1}, {0, 1}, inside, own);
@@ -90,7 +90,7 @@ TEST_CASE("what is hidden is not hit, to the instant") {
   Accel world;
   const Affine3f identity;
   world.add_instances(object, {}, {&identity, 1},
-                      Clock{{{0.0f, 0.0f, 0.5f, false}, {0.5f, 0.5f, 1.0f, true}}});
+                      TimeRemap{{{0.0f, 0.0f, 0.5f, false}, {0.5f, 0.5f, 1.0f, true}}});
   world.commit();
   for (const InstructionSet set : supported_instruction_sets()) {
     const Tracer tracer(world.bvh(), set);
@@ -108,7 +108,7 @@ TEST_CASE("an object that is never there is in no leaf") {
   auto object = std::make_shared<Accel>(accel_of({moved(grid(2), 1, translation({1, 0, 0}))}));
   Accel world;
   const Affine3f identity;
-  world.add_instances(object, {}, {&identity, 1}, Clock{{{0.0f, 0.0f, 1.0f, false}}});
+  world.add_instances(object, {}, {&identity, 1}, TimeRemap{{{0.0f, 0.0f, 1.0f, false}}});
   world.commit();
   CHECK_NOTHROW(world.verify());
   CHECK_FALSE(world.occluded({.org = {0, 3, 0}, .dir = {0, -1, 0}, .time = 0.5f}));

@@ -34,8 +34,8 @@ struct Extent {
 // The scene somewhere else: what is in the world, and the camera. Rounded to where floats are there.
 BenchScene at(const BenchScene& made, const Vec3d& offset, std::size_t instances) {
   auto scene = std::make_shared<Scene>(*made.scene);
-  for (const std::uint32_t i : scene->world_meshes) {
-    TriangleMesh& mesh = scene->meshes[i].shape;
+  for (const GeometryId i : scene->world) {
+    TriangleMesh& mesh = scene->meshes[i.index()].shape;
     for (std::size_t p = 0; p < mesh.position_count(); ++p)
       mesh.positions[p] = Vec3f(Vec3d(mesh.positions[p]) + offset);
   }

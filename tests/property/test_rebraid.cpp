@@ -11,8 +11,8 @@ using msbvh::property::check_against_oracle;
 namespace {
 
 constexpr std::uint32_t kInstances = 24;
-const Clock kBends{{{0.0f, 0.0f, 0.25f}, {0.3f, 0.25f, 0.5f}, {0.9f, 0.5f, 1.0f}}};
-const Clock kBlinks{{{0.0f, 0.0f, 0.3f, false}, {0.35f, 0.3f, 0.6f, true}, {0.65f, 0.6f, 1.0f, false}}};
+const TimeRemap kBends{{{0.0f, 0.0f, 0.25f}, {0.3f, 0.25f, 0.5f}, {0.9f, 0.5f, 1.0f}}};
+const TimeRemap kBlinks{{{0.0f, 0.0f, 0.3f, false}, {0.35f, 0.3f, 0.6f, true}, {0.65f, 0.6f, 1.0f, false}}};
 
 BuildSettings braiding(float budget) {
   BuildSettings settings;
@@ -23,13 +23,14 @@ BuildSettings braiding(float budget) {
 }
 
 // A long closed body that swings: what parts of it are worth is plain.
-std::shared_ptr<Accel> rod(const TrackForm& form, const Clock& clock, Builder builder = Builder::kMsbvh) {
+std::shared_ptr<Accel> rod(const TrackForm& form, const TimeRemap& time_remap,
+                           Builder builder = Builder::kMsbvh) {
   const Motion swing = rotation({0, 1, 0}, 0.5);
   auto object = std::make_shared<Accel>();
   object->add_mesh(moved(sphere(7), form, [=](const Vec3d& p, double u) {
     return swing({0.1 * p.x, 0.1 * p.y, 3.0 * p.z}, u);
   }));
-  object->set_clock(clock);
+  object->set_time_remap(time_remap);
   BuildSettings settings;
   settings.builder = builder;
   object->commit(settings);
@@ -56,11 +57,11 @@ std::vector<Affine3f> crossing(const TrackForm& form, std::uint64_t seed, double
 struct Crossing {
   std::shared_ptr<Accel> object;
   TrackForm form;
-  Clock clock = {};
+  TimeRemap time_remap = {};
 
   Accel world(double shift = 0.0) const {
     Accel accel;
-    accel.add_instances(object, form, crossing(form, 4, shift), clock);
+    accel.add_instances(object, form, crossing(form, 4, shift), time_remap);
     return accel;
   }
   Accel committed(float budget) const {
@@ -81,11 +82,11 @@ void check_same_hits(const Accel& a, const Accel& b) {
   }
 }
 
-void check(const TrackForm& object_form, const TrackForm& form, const Clock& object_clock,
-           const Clock& clock) {
+void check(const TrackForm& object_form, const TrackForm& form, const TimeRemap& object_time_remap,
+           const TimeRemap& time_remap) {
   CAPTURE(object_form.segments);
   CAPTURE(form.segments);
-  const Crossing scene{rod(object_form, object_clock), form, clock};
+  const Crossing scene{rod(object_form, object_time_remap), form, time_remap};
   const Accel whole = scene.committed(0.0f);
   CHECK(whole.statistics().references == kInstances);
   for (const float budget : {1.0f, 20.0f}) {
@@ -107,9 +108,9 @@ TEST_CASE("instances in parts equal the oracle, and themselves as a whole") {
   }
 }
 
-TEST_CASE("instances in parts under clocks equal the oracle") {
-  for (const Clock& own : {Clock{}, kBends, kBlinks}) {
-    for (const Clock& inside : {Clock{}, kBends, kBlinks}) check({4, 1}, {2, 1}, inside, own);
+TEST_CASE("instances in parts under time remaps equal the oracle") {
+  for (const TimeRemap& own : {TimeRemap{}, kBends, kBlinks}) {
+    for (const TimeRemap& inside : {TimeRemap{}, kBends, kBlinks}) check({4, 1}, {2, 1}, inside, own);
   }
 }
 

@@ -57,9 +57,9 @@ Motion frame_motion(std::uint64_t frame, double size = 1.0) {
   Random random(frame + 100);
   const Motion turn = rotation(Vec3d(random.direction()), 1.0 + double(frame));
   const Vec3d slide(random.in_box({-1, -1, -1}, {1, 1, 1}));
-  const Motion bend = wave(0.3, 2.0);
+  const Motion breakpoint = wave(0.3, 2.0);
   return [=](const Vec3d& p, double u) {
-    return (bend(turn(p, 0.5 + 0.4 * double(frame) + u), u) + slide * u) * size;
+    return (breakpoint(turn(p, 0.5 + 0.4 * double(frame) + u), u) + slide * u) * size;
   };
 }
 
@@ -80,7 +80,7 @@ void check_same_hits(const Accel& a, const Accel& b, float radius) {
     const bool found = a.intersect(ray, x);
     REQUIRE(found == b.intersect(ray, y));
     if (found)
-      CHECK((x.t == y.t && x.mesh == y.mesh && x.triangle == y.triangle && x.instance == y.instance));
+      CHECK((x.t == y.t && x.geometry == y.geometry && x.triangle == y.triangle && x.instance == y.instance));
     CHECK(a.occluded(ray) == b.occluded(ray));
   }
 }
@@ -230,7 +230,7 @@ TEST_CASE("another topology, or none that was kept, is built anew") {
   CHECK_NOTHROW(before.verify());
 }
 
-TEST_CASE("a tree that has become dear is rebuilt, unless it is to be refitted always") {
+TEST_CASE("a tree that has become expensive is rebuilt, unless it is to be refitted always") {
   const auto thrown = [](double far) {
     return Meshes{moved(soup(2000, 0.05f, 4), 1, [=](const Vec3d& p, double u) {
       const double phase = 40.0 * (p.x + 3.0 * p.y + 7.0 * p.z);  // neighbours part
@@ -270,7 +270,7 @@ struct World {
     };
     accel.add_instances(object, {}, maps(instances));
     accel.add_instances(object, {1, 1}, maps(2 * instances),
-                        hidden ? Clock{{{0.0f, 0.0f, 1.0f, false}}} : Clock{});
+                        hidden ? TimeRemap{{{0.0f, 0.0f, 1.0f, false}}} : TimeRemap{});
     before ? accel.commit_from(before->accel, settings) : accel.commit(settings);
   }
 

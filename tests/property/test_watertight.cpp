@@ -27,7 +27,7 @@ std::uint64_t count_misses(const Accel& accel, InstructionSet set, const Motion&
       ray.org = Vec3f(inside + offset);
       ray.dir = random.direction();
     }
-    std::vector<Hit> hits(kChunk);  // by turns one by one and all at once
+    std::vector<Hit> hits(kChunk);  // alternately one by one and all at once
     if (chunk % 2 == 0) {
       tracer.intersect(batch, hits.data());
     } else {

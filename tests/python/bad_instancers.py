@@ -22,9 +22,7 @@ def row(count: int = 4) -> Vt.Vec3fArray:
 
 
 def quaternions(attribute: Usd.Attribute, count: int = 4, bad: tuple | None = None) -> object:
-    kind, array = (
-        (Gf.Quath, Vt.QuathArray) if attribute.GetName() == "orientations" else (Gf.Quatf, Vt.QuatfArray)
-    )
+    kind, array = (Gf.Quath, Vt.QuathArray) if attribute.GetName() == "orientations" else (Gf.Quatf, Vt.QuatfArray)
     return array([kind(*(bad if bad and i == 1 else (1.0, 0.0, 0.0, 0.0))) for i in range(count)])
 
 

@@ -23,9 +23,7 @@ def bad_arm(shot: Shot) -> tuple[UsdGeom.Mesh, UsdSkel.Animation]:
     mesh = square(shot, "/World/Arm/Bad", -4.0)
     binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
     binding.CreateSkeletonRel().SetTargets(["/World/Arm/Skeleton"])
-    UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets(
-        ["/World/Arm/Animation"]
-    )
+    UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets(["/World/Arm/Animation"])
     binding.CreateJointIndicesPrimvar(False, 1).Set([0, 1, 1, 0])
     binding.CreateJointWeightsPrimvar(False, 1).Set([1.0] * 4)
     return mesh, animation

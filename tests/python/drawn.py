@@ -46,5 +46,5 @@ def assert_as_the_stage(shot: Shot, within: float = 2e-3) -> Any:
         assert found.shape == expected.shape, f"at {time01}"
         assert apart(found, expected) < within, f"at {time01}"
         seen.add(len(expected))
-    assert max(seen) > 0, "the stage shows nothing at all: the test is blind"
+    assert max(seen) > 0, "the stage shows nothing at all: the test sees nothing"
     return result

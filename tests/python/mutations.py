@@ -17,12 +17,82 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "python"))
 
-TYPES = """bool uchar int uint int64 uint64 half float double timecode string token asset int2 half3 float2 float3 double3
-float4 point3f vector3f normal3f color3f quath quatf quatd matrix3d matrix4d texCoord2f""".split()
-NUMBERS = "nan inf -inf 1e30 -1e30 1e300 3e38 1e-30 0 -0 -1 1 2 7 0.5 2147483647 4294967296".split()
+TYPES = [
+    "bool",
+    "uchar",
+    "int",
+    "uint",
+    "int64",
+    "uint64",
+    "half",
+    "float",
+    "double",
+    "timecode",
+    "string",
+    "token",
+    "asset",
+    "int2",
+    "half3",
+    "float2",
+    "float3",
+    "double3",
+    "float4",
+    "point3f",
+    "vector3f",
+    "normal3f",
+    "color3f",
+    "quath",
+    "quatf",
+    "quatd",
+    "matrix3d",
+    "matrix4d",
+    "texCoord2f",
+]
+NUMBERS = [
+    "nan",
+    "inf",
+    "-inf",
+    "1e30",
+    "-1e30",
+    "1e300",
+    "3e38",
+    "1e-30",
+    "0",
+    "-0",
+    "-1",
+    "1",
+    "2",
+    "7",
+    "0.5",
+    "2147483647",
+    "4294967296",
+]
 WORDS = ("", "garbage", "invisible", "none", "!invert!xformOp:translate", "!resetXformStack!", "caf\u00e9", "X", "/a.b")
-PRIM_TYPES = """Xform Mesh Cube Sphere Cone Plane PointInstancer Camera Scope SkelRoot Skeleton SkelAnimation Material
-Shader RectLight SphereLight DomeLight DistantLight GeomSubset BlendShape Points BasisCurves Nonsense""".split()
+PRIM_TYPES = [
+    "Xform",
+    "Mesh",
+    "Cube",
+    "Sphere",
+    "Cone",
+    "Plane",
+    "PointInstancer",
+    "Camera",
+    "Scope",
+    "SkelRoot",
+    "Skeleton",
+    "SkelAnimation",
+    "Material",
+    "Shader",
+    "RectLight",
+    "SphereLight",
+    "DomeLight",
+    "DistantLight",
+    "GeomSubset",
+    "BlendShape",
+    "Points",
+    "BasisCurves",
+    "Nonsense",
+]
 
 _NUMBER = re.compile(r"(?<![\w.\"])-?\d+\.?\d*(?:[eE][-+]?\d+)?(?![\w\"])")
 _TYPE = re.compile(r"(?m)^(\s*(?:custom |uniform )*)(\w+)((?:\[\])? [\w:.]+(?: =|\.timeSamples))")

@@ -55,9 +55,7 @@ class StageMaker:
             if not self._chance(0.3):
                 continue
             motion = UsdGeom.MotionAPI.Apply(prim)
-            motion.CreateMotionBlurScaleAttr(
-                self._random.choice((0.0, 0.5, 2.0) if may_close else (0.5, 1.0, 2.0))
-            )
+            motion.CreateMotionBlurScaleAttr(self._random.choice((0.0, 0.5, 2.0) if may_close else (0.5, 1.0, 2.0)))
             if not may_close and self.shutter != (0, 0):
                 motion.CreateVelocityScaleAttr(self._random.choice((0.5, 2.0, -1.0)))
 
@@ -97,9 +95,7 @@ class StageMaker:
             size = xformable.AddScaleOp().GetAttr()
             self._sample(size, lambda: Gf.Vec3f(*(number.uniform(0.5, 1.5) for _ in range(3))))
 
-    def _rates(
-        self, prim: UsdGeom.PointBased | UsdGeom.PointInstancer, number: int, like: list[float]
-    ) -> None:
+    def _rates(self, prim: UsdGeom.PointBased | UsdGeom.PointInstancer, number: int, like: list[float]) -> None:
         def some(size: float) -> Vt.Vec3fArray:
             return self._vectors(number + (1 if self._chance(0.1) else 0), size)
 
@@ -142,9 +138,7 @@ class StageMaker:
         if self._chance(0.5):
             self._sample(instancer.CreateScalesAttr(), lambda: self._vectors(number, 0.7))
         if self._chance(0.6):
-            turned = self._sample(
-                instancer.CreateOrientationsfAttr(), lambda: self._quaternions(number), times or None
-            )
+            turned = self._sample(instancer.CreateOrientationsfAttr(), lambda: self._quaternions(number), times or None)
             if self._chance(0.5):
                 spin = instancer.CreateAngularVelocitiesAttr()
                 self._sample(spin, lambda: self._vectors(number, 300.0), turned or None)

@@ -94,7 +94,7 @@ class Recording:
 
 MESH_KEYWORDS = {
     "path", "face_vertex_counts", "face_vertex_indices", "hole_indices", "left_handed", "points", "points_held",
-    "transform_times01", "transforms", "transform_bends01", "transforms_held", "transform_error_pixels", "normals",
+    "transform_times01", "transforms", "transform_breakpoints01", "transforms_held", "transform_error_pixels", "normals",
     "normals_interpolation", "normals_indices", "computed_normals", "display_color", "display_opacity", "material",
     "visible",
 }  # fmt: skip
@@ -123,9 +123,7 @@ def interpolated(times01: Any, values: Any, time01: float, held: bool = False) -
     if after == 0 or after == len(times01) or held:
         return np.asarray(values[max(after - 1, 0)], np.float64)
     weight = (time01 - times01[after - 1]) / (times01[after] - times01[after - 1])
-    return (1 - weight) * np.asarray(values[after - 1], np.float64) + weight * np.asarray(
-        values[after], np.float64
-    )
+    return (1 - weight) * np.asarray(values[after - 1], np.float64) + weight * np.asarray(values[after], np.float64)
 
 
 def transformed(points: np.ndarray, matrix: np.ndarray) -> np.ndarray:
@@ -150,9 +148,7 @@ def usd_points_at(prim: Usd.Prim, code: Usd.TimeCode, base: Usd.TimeCode) -> np.
 class Shot:
     """A stage with a camera at (0, 0, 20), made in memory."""
 
-    def __init__(
-        self, shutter: tuple[float, float] = (-0.5, 0.5), time_codes_per_second: float = 24.0
-    ) -> None:
+    def __init__(self, shutter: tuple[float, float] = (-0.5, 0.5), time_codes_per_second: float = 24.0) -> None:
         self.stage = Usd.Stage.CreateInMemory()
         self.stage.SetTimeCodesPerSecond(time_codes_per_second)
         self.camera = UsdGeom.Camera.Define(self.stage, "/Camera")
@@ -189,8 +185,7 @@ def worst_deviation(result: Any, prim: Usd.Prim) -> float:
     path = str(prim.GetPath())
     return max(
         np.abs(
-            result.scene.points(path, time01)
-            - usd_points_at(prim, shutter.time_code(time01), shutter.frame_code)
+            result.scene.points(path, time01) - usd_points_at(prim, shutter.time_code(time01), shutter.frame_code)
         ).max(initial=0.0)
         for time01 in DENSE_TIMES01
     )

@@ -84,9 +84,7 @@ def scene_parameters(excluded: Callable[[SharedScene], str] = broken) -> list[ob
 def parameters(cases: Iterable[object], excluded: Callable[..., str]) -> list[object]:
     """The same of other cases than scenes."""
     found = [
-        pytest.param(
-            case, marks=[pytest.mark.skip(reason=reason)] if (reason := excluded(case)) else [], id=str(case)
-        )
+        pytest.param(case, marks=[pytest.mark.skip(reason=reason)] if (reason := excluded(case)) else [], id=str(case))
         for case in cases
     ]
     return found or [pytest.param(None, id="absent")]
@@ -109,7 +107,5 @@ def require(path: Path) -> None:
 def absent(path: Path) -> NoReturn:
     """Ends a test that needs a public scene."""
     if os.environ.get("MSBVH_REQUIRE_SHARED") == "1":
-        pytest.fail(
-            f"MSBVH_REQUIRE_SHARED=1: found no {path}; expected the public scenes beside the checkout"
-        )
+        pytest.fail(f"MSBVH_REQUIRE_SHARED=1: found no {path}; expected the public scenes beside the checkout")
     pytest.skip(f"no {path} on this machine")

@@ -37,9 +37,7 @@ def _blended(
     code: Usd.TimeCode,
 ) -> Any:
     shapes = UsdSkel.BlendShapeQuery(UsdSkel.BindingAPI(prim))
-    animated = dict(
-        zip(animation.GetBlendShapeOrder(), animation.ComputeBlendShapeWeights(code), strict=True)
-    )
+    animated = dict(zip(animation.GetBlendShapeOrder(), animation.ComputeBlendShapeWeights(code), strict=True))
     weights = shapes.ComputeSubShapeWeights(
         Vt.FloatArray([animated.get(name, 0.0) for name in query.GetBlendShapeOrder()])
     )
@@ -55,9 +53,7 @@ def worst_skinned_deviation(result: Any, prim: Usd.Prim, mesh: dict | None = Non
     mesh = mesh or result.scene.meshes[str(prim.GetPath())]
     return max(
         float(
-            np.linalg.norm(
-                points_at(mesh, time01) - usd_skinned_points(prim, shutter.time_code(time01)), axis=1
-            ).max()
+            np.linalg.norm(points_at(mesh, time01) - usd_skinned_points(prim, shutter.time_code(time01)), axis=1).max()
         )
         for time01 in DENSE_TIMES01
     )

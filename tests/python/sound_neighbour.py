@@ -40,9 +40,7 @@ def stage_of(text: str, header: str = "") -> Usd.Stage:
 def render(stage: Usd.Stage, frame: float | None = 1.0, **settings: Any) -> tuple[ReadResult, np.ndarray]:
     """The frame as it was read, and its pixels, float32[HEIGHT, WIDTH, 4]."""
     result = read_frame(stage, frame, ReadSettings(width=WIDTH, height=HEIGHT, **settings))
-    renderer = _core.Renderer(
-        result.scene, width=result.camera.width, height=result.camera.height, spp=1, threads=1
-    )
+    renderer = _core.Renderer(result.scene, width=result.camera.width, height=result.camera.height, spp=1, threads=1)
     return result, renderer.render()
 
 

@@ -129,9 +129,7 @@ class StageTruth:
                 own = places[:, chosen].reshape(-1, 4, 4)
                 yield from self._drawn(prototype, prototype, own, time, PROTOTYPE)
 
-    def _shown(
-        self, instancer: UsdGeom.PointInstancer, prim_time: float, time: float
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def _shown(self, instancer: UsdGeom.PointInstancer, prim_time: float, time: float) -> tuple[np.ndarray, np.ndarray]:
         """Prototype indices int[N] and mask bool[N] at a time. Ids and invisibleIds are visibility, which no
         blur scale stretches. Instances that velocities carry, or whose number changes, are the frame's."""
         attribute, ids = instancer.GetProtoIndicesAttr(), instancer.GetIdsAttr()
@@ -170,9 +168,7 @@ class StageTruth:
         matrices = self._relative(space, root, prim_time, time) @ world
         return Polygons(path, np.array(points, float).reshape(-1, 3), matrices, counts, indices)
 
-    def _relative(
-        self, prim: Usd.Prim, root: Usd.Prim | None, prim_time: float, time: float
-    ) -> np.ndarray:
+    def _relative(self, prim: Usd.Prim, root: Usd.Prim | None, prim_time: float, time: float) -> np.ndarray:
         """float64[4, 4] to the space in which `root` is instanced, or to the world. The root's own transform is taken
         at its own time; a reset in between leads past it (UsdImaging resets the stack at the root)."""
         cache = self._cache(prim_time)

@@ -85,12 +85,8 @@ def test_a_camera_that_sees_nothing_ends_the_run(name: str, tmp_path: Path, capf
     assert [p.name for p in tmp_path.iterdir()] == ["scene.usda"]
 
 
-@pytest.mark.parametrize(
-    "name", ["one_sample_of_points-nan", "scales_of_another_length", "joint_indices_out_of_range"]
-)
-def test_a_process_of_its_own_exits_with_0_and_with_3_where_it_is_strict(
-    name: str, tmp_path: Path, msbvh: Run
-):
+@pytest.mark.parametrize("name", ["one_sample_of_points-nan", "scales_of_another_length", "joint_indices_out_of_range"])
+def test_a_process_of_its_own_exits_with_0_and_with_3_where_it_is_strict(name: str, tmp_path: Path, msbvh: Run):
     """What takes usd-core down, or leaves it to print a traceback at its end, only a process shows."""
     (fault,) = [fault for fault in FAULTS if fault.name == name]
     scene_with(fault.fill).Export(str(tmp_path / "scene.usda"))

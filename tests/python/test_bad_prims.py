@@ -105,7 +105,7 @@ def test_a_shutter_of_another_type_is_named():
     assert "/Cam.shutter:close: found float[], expected double; ignored" in messages(result)
 
 
-def test_velocities_without_a_clock_are_drawn():
+def test_velocities_without_a_rate_are_drawn():
     moving = """def Mesh "Moving" { point3f[] points.timeSamples = { 0: [(0,0,0),(1,0,0),(0,1,0)] }
     vector3f[] velocities.timeSamples = { 0: [(1,0,0),(1,0,0),(1,0,0)] }
     int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 2]\n}"""
@@ -123,7 +123,7 @@ def test_a_deep_hierarchy(kind: str):
 
 
 def test_absurd_extents_do_not_unframe_the_rest():
-    square = 'int[] faceVertexCounts = [4]\n int[] faceVertexIndices = [0, 1, 2, 3]\n'
+    square = "int[] faceVertexCounts = [4]\n int[] faceVertexIndices = [0, 1, 2, 3]\n"
     square += ' uniform token subdivisionScheme = "none"'
     text = "\n".join(
         f'def Mesh "{name}" {{ float3[] extent = [{extent}]\n {square}\n'

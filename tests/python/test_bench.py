@@ -12,8 +12,9 @@ from typing import Any
 import pytest
 from conftest import Run
 from msbvh import _core
-from msbvh.bench import BenchSettings, cases, find_peer
+from msbvh.bench import BenchSettings, cases, find_peer, reader
 from msbvh.errors import SceneError
+from pxr import Gf, Usd, UsdGeom
 
 TINY = ("--quick", "--triangles", 600, "--repetitions", 2)
 
@@ -168,3 +169,22 @@ def test_quick_ends_in_time(msbvh: Run) -> None:
     assert msbvh("bench", "--quick", "--json").returncode == 0
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 40
+
+
+@pytest.mark.parametrize("shutter", [None, (0.0, 0.0), (-0.1, 0.1)])
+def test_public_scenes_are_read_with_an_open_shutter(tmp_path: Path, shutter: tuple[float, float] | None) -> None:
+    stage = Usd.Stage.CreateNew(str(tmp_path / "moving.usda"))
+    stage.SetStartTimeCode(1.0)
+    cube = UsdGeom.Cube.Define(stage, "/Cube")
+    offset = cube.AddTranslateOp()
+    for time in range(3):
+        offset.Set(Gf.Vec3d(time, 0, 0), time)
+    if shutter is not None:
+        camera = UsdGeom.Camera.Define(stage, "/Camera")
+        camera.AddTranslateOp().Set(Gf.Vec3d(0, 0, 50))
+        camera.GetShutterOpenAttr().Set(shutter[0])
+        camera.GetShutterCloseAttr().Set(shutter[1])
+    stage.Save()
+    scene, _ = reader(tmp_path / "moving.usda", "")()
+    (begin, end) = (scene.points("/Cube", time).mean(axis=0)[0] for time in (0.0, 1.0))
+    assert end - begin == pytest.approx(0.2 if shutter == (-0.1, 0.1) else 0.5, abs=1e-4)

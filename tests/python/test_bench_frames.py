@@ -74,11 +74,7 @@ def test_a_scene_moves_as_it_says(name: str, tmp_path: Path) -> None:
 
     def pose(offset: float) -> list[Any]:
         cache = UsdGeom.XformCache(FRAME + offset)
-        meshes = [
-            prim
-            for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies())
-            if prim.IsA(UsdGeom.Mesh)
-        ]
+        meshes = [prim for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()) if prim.IsA(UsdGeom.Mesh)]
         return [
             (cache.GetLocalToWorldTransform(prim), UsdGeom.Mesh(prim).GetPointsAttr().Get(FRAME + offset))
             for prim in meshes
@@ -309,9 +305,7 @@ def test_no_python_for_bpy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_an_installation_that_fails_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     python = tmp_path / "python"
-    python.write_text(
-        '#!/bin/sh\nmkdir -p "$3/bin" && cp "$0" "$3/bin/python" && echo no network && exit 3\n'
-    )
+    python.write_text('#!/bin/sh\nmkdir -p "$3/bin" && cp "$0" "$3/bin/python" && echo no network && exit 3\n')
     python.chmod(0o755)
     monkeypatch.setattr(cycles_peer, "_matching_python", lambda: str(python))
     notes: list[str] = []
@@ -336,9 +330,7 @@ needs_cycles = pytest.mark.skipif(
 @pytest.mark.slow
 def test_cycles_draws_the_same_pictures(msbvh: Run) -> None:
     """All five scenes: motion, light, shading and colours are read alike."""
-    found = report(
-        msbvh, "--peer", "cycles", "--peer-env", cycles_folder(), "--repetitions", 1, "--reference-spp", 512
-    )
+    found = report(msbvh, "--peer", "cycles", "--peer-env", cycles_folder(), "--repetitions", 1, "--reference-spp", 512)
     rows = [row for row in found["rows"] if row["side"] == "cycles"]
     assert [row["scene"] for row in rows] == list(SCENES)
     for row in rows:

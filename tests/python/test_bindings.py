@@ -141,9 +141,7 @@ def test_motion_moves_the_picture() -> None:
         ({"colour": 1}, TypeError, "no keyword argument colour"),
     ],
 )
-def test_an_argument_that_does_not_fit_is_named(
-    changes: dict[str, Any], error: type[Exception], message: str
-) -> None:
+def test_an_argument_that_does_not_fit_is_named(changes: dict[str, Any], error: type[Exception], message: str) -> None:
     builder = translator()
     with pytest.raises(error, match=message):
         builder.add_mesh(**mesh(**changes))

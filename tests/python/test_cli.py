@@ -74,13 +74,9 @@ def test_default_time_does_not_move(msbvh: Run, tmp_path: Path, scene: Path) -> 
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_threads_and_builder_do_not_change_the_picture(
-    msbvh: Run, tmp_path: Path, scene: Path, threads: int
-) -> None:
+def test_threads_and_builder_do_not_change_the_picture(msbvh: Run, tmp_path: Path, scene: Path, threads: int) -> None:
     for name, builder in (("a", "msbvh"), ("b", "mbvh"), ("c", "swept"), ("d", "timesplit")):
-        done = msbvh(
-            "record", scene, f"{name}.exr", "--threads", threads, "--builder", builder, "--seed", 5, *SMALL
-        )
+        done = msbvh("record", scene, f"{name}.exr", "--threads", threads, "--builder", builder, "--seed", 5, *SMALL)
         assert done.returncode == 0, done.stderr
     for name in "bcd":
         assert np.array_equal(pixels_of(tmp_path / "a.exr"), pixels_of(tmp_path / f"{name}.exr"))
@@ -120,12 +116,12 @@ def test_stats(msbvh: Run, tmp_path: Path, scene: Path) -> None:
     assert any("/world/square" in entry["prim"] for entry in first["plan"])
     square = first["tracks"][1]
     assert {
-        name: square[name] for name in ("source", "segments", "degree", "clock", "hidden_partly", "count")
+        name: square[name] for name in ("source", "segments", "degree", "time_remap", "hidden_partly", "count")
     } == {
         "source": "transform",
         "segments": 1,
         "degree": 1,
-        "clock": False,
+        "time_remap": False,
         "hidden_partly": False,
         "count": 1,
     }
@@ -167,9 +163,7 @@ def test_version(msbvh: Run) -> None:
 
 def test_strict_is_about_what_was_degraded(msbvh: Run, tmp_path: Path, scene: Path) -> None:
     assert msbvh("record", scene, "a.exr", "--strict", *SMALL).returncode == 0
-    scene.write_text(
-        MOVING_SQUARE.replace('subdivisionScheme = "none"', 'subdivisionScheme = "catmullClark"')
-    )
+    scene.write_text(MOVING_SQUARE.replace('subdivisionScheme = "none"', 'subdivisionScheme = "catmullClark"'))
     assert msbvh("record", scene, "b.exr", *SMALL).returncode == 0
     done = msbvh("record", scene, "c.exr", "--strict", *SMALL)
     assert done.returncode == 3
@@ -178,9 +172,7 @@ def test_strict_is_about_what_was_degraded(msbvh: Run, tmp_path: Path, scene: Pa
 
 
 def test_a_warning_is_said_once_for_all_frames(msbvh: Run, scene: Path) -> None:
-    scene.write_text(
-        MOVING_SQUARE.replace('subdivisionScheme = "none"', 'subdivisionScheme = "catmullClark"')
-    )
+    scene.write_text(MOVING_SQUARE.replace('subdivisionScheme = "none"', 'subdivisionScheme = "catmullClark"'))
     done = msbvh("record", scene, "c.#.exr", "-f", "1:3", *SMALL)
     assert done.stderr.count("msbvh: warning: ") == 1
 
@@ -277,9 +269,7 @@ def test_no_camera_is_said(msbvh: Run, tmp_path: Path, scene: Path) -> None:
     assert pixels_of(tmp_path / "a.exr")[..., 3].max() == 1.0
 
 
-@pytest.mark.parametrize(
-    ("shutter", "said"), [("-0.25", "equals"), ("-1", "before shutter:open"), ("nan", "finite")]
-)
+@pytest.mark.parametrize(("shutter", "said"), [("-0.25", "equals"), ("-1", "before shutter:open"), ("nan", "finite")])
 def test_a_shutter_that_makes_no_sense_is_said(
     msbvh: Run, tmp_path: Path, scene: Path, shutter: str, said: str
 ) -> None:

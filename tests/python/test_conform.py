@@ -120,9 +120,7 @@ def test_a_command_that_does_not_exist_is_a_row(msbvh: Run) -> None:
 
 
 def test_placeholders_replace_the_usual_options(msbvh: Run, tmp_path: Path) -> None:
-    command = (
-        fake(tmp_path, "write(image, expected(scene))") + " -f {frames} -w {width} -c {camera} {scene} {out}"
-    )
+    command = fake(tmp_path, "write(image, expected(scene))") + " -f {frames} -w {width} -c {camera} {scene} {out}"
     code, found = outcomes(msbvh, command, "frame_in_sequence")
     assert code == 0 and found["frame_in_sequence"]["passed"]
 

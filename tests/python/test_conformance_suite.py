@@ -19,9 +19,9 @@ from pxr import Usd, UsdGeom
 SUITE = ROOT / "testenv" / "motion"
 sys.path.insert(0, str(SUITE))
 
-import make_expected  # noqa: E402
-import make_scenes  # noqa: E402
-from authoring import RULES, STILL  # noqa: E402
+import make_expected
+import make_scenes
+from authoring import RULES, STILL
 
 ENTRIES = make_expected.rules()
 DISTINCTION = 3.0
@@ -30,7 +30,7 @@ DISTINCTION = 3.0
 
 def test_the_manifest_lists_the_rules_that_are_written() -> None:
     written = json.loads(json.dumps([make_scenes.entry(rule) for rule in RULES.values()]))
-    assert ENTRIES == written
+    assert written == ENTRIES
     assert [rule.name for rule in read_rules(SUITE)] == list(RULES)
     files = {path.name for path in (SUITE / "scenes").iterdir() if path.is_file()}
     assert files == {f"{name}{suffix}" for name in RULES for suffix in (".usda", ".expected.png")}

@@ -18,8 +18,8 @@ import provenance
 
 MACHINE = {
     "processor": "A processor", "cores": 2, "system": "Linux", "instruction_set": "avx3", "msbvh": "0.1.0",
-    "commit": "abc1234", "peer": "Embree 4.4.0 (AVX-512)", "threads": [1], "builders": [], "seed": 1, "repetitions": 5, "quick": False,
-    "scenes": ["*"], "triangles": 100000, "load_average": 0.0, "seconds": 120.0,
+    "commit": "abc1234", "peer": "Embree 4.4.0 (AVX-512)", "threads": [1], "builders": [], "seed": 1, "repetitions": 5,
+    "quick": False, "scenes": ["*"], "triangles": 100000, "load_average": 0.0, "seconds": 120.0,
 }  # fmt: skip
 
 
@@ -66,7 +66,15 @@ def test_every_mode_stands_in_the_table_and_slower_cells_are_marked() -> None:
 
 def test_the_head_says_what_is_compared() -> None:
     text = page(MACHINE, *ROWS)
-    for said in ("Embree 4.4.0 (AVX-512)", "(abc1234)", "avx3", "rtcIntersect16", "robust flag", "2 minutes", "A processor"):
+    for said in (
+        "Embree 4.4.0 (AVX-512)",
+        "(abc1234)",
+        "avx3",
+        "rtcIntersect16",
+        "robust flag",
+        "2 minutes",
+        "A processor",
+    ):
         assert said in text
     assert "uncommitted" not in text
     assert "shared" not in text
@@ -80,7 +88,7 @@ def test_the_head_says_what_is_compared() -> None:
 
 
 def test_without_a_peer_the_page_has_our_figures() -> None:
-    nothing = {key: None for key in ("ratio", "ratio_low", "ratio_high", "single_ratio", "peer_mrays", "peer_bytes_per_tri")}
+    nothing = dict.fromkeys(("ratio", "ratio_low", "ratio_high", "single_ratio", "peer_mrays", "peer_bytes_per_tri"))
     alone = [{**found, **nothing, "peer_keys": None, "peer_build_s": None, "peer_mismatches": None} for found in ROWS]
     text = page({**MACHINE, "peer": None}, *alone)
     assert "| still | 1000 | 1 | 1.25 | 2.00 |\n" in text
@@ -88,7 +96,8 @@ def test_without_a_peer_the_page_has_our_figures() -> None:
 
 
 FRAME_MACHINE = {
-    "processor": "A processor", "cores": 2, "commit": "abc1234", "sides": {"msbvh": "msbvh 0.1.0", "cycles": "Cycles of Blender 5"},
+    "processor": "A processor", "cores": 2, "commit": "abc1234", 
+    "sides": {"msbvh": "msbvh 0.1.0", "cycles": "Cycles of Blender 5"},
     "resolution": [480, 320], "spp": 128, "reference_spp": 2048, "max_bounces": 2, "seed": 1, "repetitions": 3, "quick": False,
     "scenes": ["*"], "threads": [1], "load_average": 0.0, "seconds": 7200.0,
 }  # fmt: skip
@@ -96,7 +105,7 @@ FRAME_MACHINE = {
 
 def frame_row(scene: str, side: str, trace: float | None, **changed: Any) -> dict[str, Any]:
     keys = ("trace_ratio", "process_ratio", "trace_mse_ratio", "process_mse_ratio")
-    ratios = {key: trace for key in keys}
+    ratios = dict.fromkeys(keys, trace)
     spread = {f"{key}_{end}": trace for key in keys for end in ("low", "high")}
     return {
         "scene": scene, "says": "it moves", "threads": 1, "side": side, "read_s": 0.5, "build_s": 0.25, "trace_s": 4.0,
@@ -115,7 +124,9 @@ def frames_page(*rows: dict[str, Any]) -> str:
 
 def test_whole_frames_have_a_section() -> None:
     ours = [frame_row(scene, "msbvh", None) for scene in ("rotor", "cloth")]
-    text = frames_page(*ours, frame_row("rotor", "cycles", 2.0, **alike(True)), frame_row("cloth", "cycles", 8.0, **alike(True)))
+    text = frames_page(
+        *ours, frame_row("rotor", "cycles", 2.0, **alike(True)), frame_row("cloth", "cycles", 8.0, **alike(True))
+    )
     assert "| rotor | msbvh | 0.50 | 0.25 | 4.00 | 5.50 | 0.50 | 200 | 1.25e-03 | - | - | - | - |" in text
     assert "| 1.25e-03 | **2.00** [2.00, 2.00] | **2.00** [2.00, 2.00] |" in text
     assert "- cycles over ours, geometric mean of 2 scenes, 1 thread: trace 4.00, process 4.00, " in text
@@ -126,7 +137,9 @@ def test_whole_frames_have_a_section() -> None:
 
 def test_a_void_comparison_has_no_ratio_and_no_mean() -> None:
     ours = [frame_row(scene, "msbvh", None) for scene in ("rotor", "cloth")]
-    text = frames_page(*ours, frame_row("rotor", "cycles", 2.0, **alike(True)), frame_row("cloth", "cycles", None, **alike(False)))
+    text = frames_page(
+        *ours, frame_row("rotor", "cycles", 2.0, **alike(True)), frame_row("cloth", "cycles", None, **alike(False))
+    )
     assert "| *void* | *void* | *void* | *void* |" in text
     assert "| cloth | it moves | cycles | 0.10% | 5.00% | **void** |" in text
     assert "geometric mean" not in text
@@ -143,7 +156,9 @@ def test_a_report_of_a_dirty_tree_is_refused(tmp_path: Path) -> None:
 def test_the_commit_of_a_provenance_only(tmp_path: Path) -> None:
     def git(*arguments: str) -> str:
         who = ("-c", "user.name=t", "-c", "user.email=t@example.org")
-        return subprocess.run(["git", "-C", tmp_path, *who, *arguments], check=True, capture_output=True, text=True).stdout
+        return subprocess.run(
+            ["git", "-C", tmp_path, *who, *arguments], check=True, capture_output=True, text=True
+        ).stdout
 
     git("init", "-q")
     (tmp_path / "source.cpp").write_text("int a;\n")

@@ -16,9 +16,7 @@ from msbvh.color import ColorCorrection, ColorError
 from msbvh.images import ImageSettings, write_image
 from msbvh.metadata import ImageMetadata, rational_rate, world_to_camera, world_to_ndc
 
-WORLD_FROM_CAMERA = np.array(
-    [[0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [5.0, 2.0, 3.0, 1.0]]
-)
+WORLD_FROM_CAMERA = np.array([[0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [5.0, 2.0, 3.0, 1.0]])
 """A camera at (5, 2, 3) that looks along -x; row vectors."""
 WINDOW = (-0.5, 0.25, -0.2, 0.4)
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from drawn import assert_as_the_stage, drawn_at
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdSkel, Vt
+from pxr import Gf, Usd, UsdGeom, UsdLux, UsdSkel, Vt
 from recording import DENSE_TIMES01, Shot, messages
 
 SHUTTER = (-0.25, 0.5)

@@ -1,5 +1,5 @@
 """The one direction in which data flows: reads every #include and every Python import, and names each arrow
-that runs back up, each library outside its room, and each cycle."""
+that runs back up, each library outside its module, and each cycle."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 
-ROOMS = [
+MODULES = [
     "core/base",
     "core/motion",
     "core/geometry",
@@ -29,7 +29,7 @@ ROOMS = [
     "delegate/usd/bindings",
     "delegate/hydra",
 ]
-"""In the order in which data flows: a room includes itself and those before it."""
+"""In the order in which data flows: a module includes itself and those before it."""
 
 FRONT_ENDS = {"delegate/usd/bindings", "delegate/hydra"}
 """Side by side: neither includes the other."""
@@ -62,23 +62,23 @@ INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"]+)[>"]', re.MULTILIN
 Files = Mapping[str, str]
 
 
-def room_of(path: str) -> str | None:
-    return next((room for room in ROOMS if path.startswith(room + "/")), None)
+def module_of(path: str) -> str | None:
+    return next((module for module in MODULES if path.startswith(module + "/")), None)
 
 
 def include_violations(files: Files) -> Iterator[str]:
     """Lines `file includes header: reason` for C++ files, given as path -> text."""
     for file, text in files.items():
-        room = room_of(file)
+        module = module_of(file)
         for header in INCLUDE.findall(text):
-            target = room_of(header)
-            if room is None:
-                yield f"{file}: stands in no room; expected one of {', '.join(ROOMS)}"
+            target = module_of(header)
+            if module is None:
+                yield f"{file}: stands in no module; expected one of {', '.join(MODULES)}"
             elif target is None and header.startswith(("core/", "delegate/")):
-                yield f"{file} includes {header}: no such room"
-            elif target is not None and ROOMS.index(target) > ROOMS.index(room):
-                yield f"{file} includes {header}: against the direction, {room} comes before {target}"
-            elif target in FRONT_ENDS and target != room:
+                yield f"{file} includes {header}: no such module"
+            elif target is not None and MODULES.index(target) > MODULES.index(module):
+                yield f"{file} includes {header}: against the direction, {module} comes before {target}"
+            elif target in FRONT_ENDS and target != module:
                 yield f"{file} includes {header}: front-ends do not know each other"
             for library, homes in LIBRARY_HOMES.items():
                 if header.startswith(library) and not file.startswith(homes):
@@ -142,7 +142,7 @@ def read(folder: str, *suffixes: str) -> dict[str, str]:
 
 def test_includes_run_one_way() -> None:
     files = read("core", ".h", ".cpp") | read("delegate", ".h", ".cpp")
-    assert {room_of(file) for file in files} >= {"core/base", "core/trace", "core/api", "delegate/translate"}
+    assert {module_of(file) for file in files} >= {"core/base", "core/trace", "core/api", "delegate/translate"}
     assert list(include_violations(files)) == []
 
 
@@ -162,14 +162,14 @@ def test_imports_run_one_way() -> None:
             '"delegate/translate/inputs.h"',
             "core/api comes before delegate/translate",
         ),
-        ("core/api/accel.cpp", '"core/extra/a.h"', "no such room"),
+        ("core/api/accel.cpp", '"core/extra/a.h"', "no such module"),
         ("delegate/hydra/plugin.cpp", '"delegate/usd/bindings/core.h"', "front-ends do not know each other"),
         ("core/shade/sky.cpp", "<hwy/highway.h>", "only core/trace/ may"),
         ("core/build/topology.cpp", "<tbb/parallel_for.h>", "only core/base/parallel.h"),
         ("core/build/reference.cpp", "<opensubdiv/bfr/surface.h>", "only core/geometry/ may"),
         ("core/scene/scene.cpp", "<pxr/usd/usd/stage.h>", "only delegate/hydra/ may"),
         ("delegate/translate/translator.cpp", "<nanobind/nanobind.h>", "only delegate/usd/bindings/ may"),
-        ("core/attic/old.cpp", "<vector>", "stands in no room"),
+        ("core/attic/old.cpp", "<vector>", "stands in no module"),
     ],
 )
 def test_a_planted_include_is_caught(file: str, header: str, reason: str) -> None:

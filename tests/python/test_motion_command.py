@@ -151,24 +151,20 @@ def test_velocities_and_accelerations_win_and_are_exact(motion: Motion) -> None:
 
 
 def test_unused_velocities_are_a_warning_of_their_prim(motion: Motion) -> None:
-    shifted = CARRIED.replace(
-        "velocities.timeSamples = {\n        10:", "velocities.timeSamples = {\n        9.5:"
-    )
+    shifted = CARRIED.replace("velocities.timeSamples = {\n        10:", "velocities.timeSamples = {\n        9.5:")
     code, report, err = motion(shifted, "--json")
     assert code == 0
     assert any("velocities: not used" in warning for warning in prim_of(report, "/carried")["warnings"])
     assert "/carried.velocities: not used" in err
 
 
-def test_motion_that_bends_between_keys_is_kept_under_a_clock(motion: Motion) -> None:
+def test_motion_with_breakpoints_between_keys_is_kept_under_a_time_remap(motion: Motion) -> None:
     ops = "double3 xformOp:translate.timeSamples = { 9: (0, 0, 0), 10.1: (1, 0, 0), 11: (0, 3, 0) }"
-    bent = SPIN.replace("float xformOp:rotateZ.timeSamples = { 8: 0, 12: 720 }", ops).replace(
-        "rotateZ", "translate"
-    )
+    bent = SPIN.replace("float xformOp:rotateZ.timeSamples = { 8: 0, 12: 720 }", ops).replace("rotateZ", "translate")
     code, report, _ = motion(bent, "--json")
     square = prim_of(report, "/spin/square")
     assert samples_of(square, "/spin.xformOp:translate")["times"] == [9, 10.1, 11]
-    assert (code, square["track"]) == (0, "moving transform under a clock")
+    assert (code, square["track"]) == (0, "moving transform under a time remap")
 
 
 def test_a_held_stage_says_so() -> None:
@@ -183,7 +179,7 @@ def test_a_held_stage_says_so() -> None:
     (square,) = motion_report(shot.stage, 10.0, result, log, 0.1, "/square").prims
     assert square.rule == "samples held until the next"
     assert square.samples[0].times == (9.0, 10.1)
-    assert "under a clock" in square.track
+    assert "under a time remap" in square.track
 
 
 def test_splines_name_their_knots(motion: Motion) -> None:
@@ -234,9 +230,7 @@ def Xform "row"
 
 def test_an_instance_that_moves_like_others_can_be_asked_for(motion: Motion) -> None:
     _, report, _ = motion(NATIVE, "/row/b", "--json")
-    assert {prim["path"] for prim in report["prims"]} == {"/row/a/still", "/row/b"}, (
-        "itself and what it shows"
-    )
+    assert {prim["path"] for prim in report["prims"]} == {"/row/a/still", "/row/b"}, "itself and what it shows"
     instance = prim_of(report, "/row/b")
     assert instance["count"] == 2
     assert samples_of(instance, "/row.xformOp:translate")["times"] == [9, 11]
@@ -311,9 +305,7 @@ def test_a_named_or_verbose_prim_shows_rule_and_samples(motion: Motion) -> None:
     for text in (named, verbose):
         assert "rule     still" in text
         assert "points  authored for all times" in text
-    assert "/cam" not in named.splitlines()[1] and any(
-        line.startswith("/cam") for line in verbose.splitlines()
-    )
+    assert "/cam" not in named.splitlines()[1] and any(line.startswith("/cam") for line in verbose.splitlines())
 
 
 def test_a_missed_tolerance_is_exit_code_1_after_the_report(motion: Motion) -> None:

@@ -83,7 +83,17 @@ def copy_checkout(target: Path) -> None:
 
 
 def configure(source: Path, build: Path) -> None:
-    command = ["cmake", "-S", source, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DMSBVH_BUILD_TESTS=ON"]
+    command = [
+        "cmake",
+        "-S",
+        source,
+        "-B",
+        build,
+        "-G",
+        "Ninja",
+        "-DCMAKE_BUILD_TYPE=Release",
+        "-DMSBVH_BUILD_TESTS=ON",
+    ]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
 
 
@@ -100,7 +110,9 @@ def passes(build: Path, mutant: Mutant) -> bool:
         done = subprocess.run(command, timeout=SECONDS, env=environment, capture_output=True, text=True)
     except subprocess.TimeoutExpired:
         return False
-    assert done.returncode or re.search(r"test cases: +1 \| +1 passed", done.stdout), f"{mutant.test}: found no such test"
+    assert done.returncode or re.search(r"test cases: +1 \| +1 passed", done.stdout), (
+        f"{mutant.test}: found no such test"
+    )
     return done.returncode == 0
 
 

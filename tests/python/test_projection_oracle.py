@@ -123,9 +123,7 @@ def test_blur_scale_stretches_the_motion_about_the_frame() -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize(
-    ("name", "frame", "bound"), [("arnold_1476", 1.0, 0.0035), ("arnold_2231", 1002.0, 0.0035)]
-)
+@pytest.mark.parametrize(("name", "frame", "bound"), [("arnold_1476", 1.0, 0.0035), ("arnold_2231", 1002.0, 0.0035)])
 def test_another_renderers_alpha(name: str, frame: float, bound: float) -> None:
     """What the notes beside the scenes call the error of a plain triangle projection: .003. A still frame is
     out by .051 and .020."""

@@ -6,10 +6,9 @@ from __future__ import annotations
 import random
 from collections.abc import Sequence
 
-import numpy as np
 import pytest
 from drawn import apart, drawn_at, true_at
-from pxr import Gf, Sdf, Usd, UsdGeom
+from pxr import Gf, Usd, UsdGeom
 from recording import Shot, messages
 from soak import soak_count, soak_figure
 

@@ -68,7 +68,7 @@ def assert_covers_as_the_stage(shot: Shot) -> None:
     """Alpha by the stage's own evaluation at 128 times."""
     expected = coverage(shot.stage, 10.0, "/Camera", SIZE, Sampling(128, 4))
     found = picture(shot)[..., 3]
-    assert ((expected > 0.02) & (expected < 0.98)).sum() > 20, "the test is blind"
+    assert ((expected > 0.02) & (expected < 0.98)).sum() > 20, "the test sees nothing"
     assert np.abs(found - expected).mean() < 0.003
     assert np.abs(found - expected).max() < 0.1
 

@@ -81,9 +81,7 @@ def test_a_population_mask_limits_the_stage_and_bad_ones_are_errors(tmp_path):
     assert [str(p.GetPath()) for p in masked.Traverse()] == ["/A", "/A/X"]
     with pytest.raises(SceneError, match=r"mask: found '/A\.x', expected the absolute path of a prim"):
         opened(path, ["/A.x"])
-    with pytest.raises(
-        SceneError, match="mask: found the relative path 'A', expected an absolute one such as /A"
-    ):
+    with pytest.raises(SceneError, match="mask: found the relative path 'A', expected an absolute one such as /A"):
         opened(path, ["A"])
     with pytest.raises(SceneError, match="found no prims under the mask /C"):
         opened(path, ["/C"])
@@ -159,9 +157,7 @@ def test_a_primvar_of_the_wrong_type_is_left_out():
     result = shot.read()
     assert result.scene.meshes["/Mesh"]["display_color"] is None
     (warning,) = messages(result, "warning")
-    assert warning.startswith(
-        "/Mesh.primvars:displayColor: found string[], expected color3f[]; ignored"
-    )
+    assert warning.startswith("/Mesh.primvars:displayColor: found string[], expected color3f[]; ignored")
 
 
 def test_nothing_to_draw_is_said(monkeypatch):

@@ -80,9 +80,7 @@ def test_the_camera_and_its_zoom_are_sampled_over_the_shutter():
         code = camera.shutter.time_code(time01)
         expected = shot.camera.GetCamera(code)
         assert np.allclose(matrix, np.array(expected.transform), atol=1e-12)
-        assert window[1] - window[0] == pytest.approx(
-            expected.horizontalAperture / expected.focalLength, rel=1e-6
-        )
+        assert window[1] - window[0] == pytest.approx(expected.horizontalAperture / expected.focalLength, rel=1e-6)
 
 
 def test_a_still_camera_has_one_sample():
@@ -119,9 +117,7 @@ def test_the_primary_camera_before_the_first_which_is_said():
 
 
 def test_an_unknown_camera_is_an_error_that_names_the_known_ones():
-    with pytest.raises(
-        SceneError, match="found no camera 'Nobody', expected one of the stage's cameras: /Camera"
-    ):
+    with pytest.raises(SceneError, match="found no camera 'Nobody', expected one of the stage's cameras: /Camera"):
         Shot().read(camera="Nobody")
 
 
@@ -193,9 +189,7 @@ def test_shutters_that_make_no_sense_are_named(shutter, severity, text):
 def test_optics_that_make_no_image_are_errors(attribute, value):
     shot = Shot()
     shot.camera.GetPrim().GetAttribute(attribute).Set(value)
-    with pytest.raises(
-        SceneError, match=f"/Camera.{attribute}: found {value:g}, expected a finite number above 0"
-    ):
+    with pytest.raises(SceneError, match=f"/Camera.{attribute}: found {value:g}, expected a finite number above 0"):
         shot.read()
 
 

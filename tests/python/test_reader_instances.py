@@ -138,9 +138,7 @@ def test_colours_of_a_point_instancer_go_with_their_instances():
     shot.mesh("/Instancer/Prototypes/Other")
     instancer.GetPrototypesRel().AddTarget("/Instancer/Prototypes/Other")
     instancer.GetProtoIndicesAttr().Set([0, 1, 0, 1])
-    primvar = UsdGeom.PrimvarsAPI(instancer).CreatePrimvar(
-        "displayColor", Sdf.ValueTypeNames.Color3fArray, "vertex"
-    )
+    primvar = UsdGeom.PrimvarsAPI(instancer).CreatePrimvar("displayColor", Sdf.ValueTypeNames.Color3fArray, "vertex")
     primvar.Set([(1, 0, 0), (0, 1, 0)])
     primvar.SetIndices([0, 1, 1, 0])
     found = {
@@ -182,9 +180,7 @@ def test_instanceable_on_and_off_are_the_same_picture():
     def expected(code: Usd.TimeCode) -> np.ndarray:
         cache = UsdGeom.XformCache(code)
         prims = [prim for prim in plain.stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
-        return np.concatenate(
-            [transformed(SQUARE, np.array(cache.GetLocalToWorldTransform(p))) for p in prims]
-        )
+        return np.concatenate([transformed(SQUARE, np.array(cache.GetLocalToWorldTransform(p))) for p in prims])
 
     assert not instanced.scene.meshes
     assert len(instanced.scene.prototypes) == 1
@@ -260,9 +256,7 @@ def test_arrays_that_do_not_fit_leave_an_error_and_the_rest(attribute):
     shot = Shot()
     shot.mesh("/Mesh")
     instancer = make_instancer(shot)
-    values = {"positions": [(0, 0, 0)], "scales": [(1, 1, 1)] * 2, "orientations": [Gf.Quath(1)] * 3}[
-        attribute
-    ]
+    values = {"positions": [(0, 0, 0)], "scales": [(1, 1, 1)] * 2, "orientations": [Gf.Quath(1)] * 3}[attribute]
     instancer.GetPrim().GetAttribute(attribute).Set(values)
     result = shot.read()
     expected = f"/Instancer.{attribute}: found {len(values)} values, expected 5, one an instance; not drawn"
@@ -276,9 +270,7 @@ def test_indices_of_no_prototype_leave_an_error_and_the_others():
     instancer.GetProtoIndicesAttr().Set([0, 7, 0, -1, 0])
     result = shot.read()
     (error,) = messages(result, "error")
-    assert error.startswith(
-        "/Instancer.protoIndices: found -1, 7, expected the index of one of 1 prototypes"
-    )
+    assert error.startswith("/Instancer.protoIndices: found -1, 7, expected the index of one of 1 prototypes")
     assert len(result.scene.maps(0.5)) == 3
 
 
@@ -299,9 +291,7 @@ def test_an_opacity_for_each_instance_is_named():
     assert not messages(shot.read(), "warning")
     opacity.Set([0.5] * 5)
     (warning,) = messages(shot.read(), "warning")
-    assert warning.startswith(
-        "/Instancer.primvars:displayOpacity: an opacity for each instance is not supported"
-    )
+    assert warning.startswith("/Instancer.primvars:displayOpacity: an opacity for each instance is not supported")
 
 
 def test_velocities_that_do_not_fit_the_positions_are_named():

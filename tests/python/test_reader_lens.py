@@ -41,9 +41,7 @@ def test_an_orthographic_camera_has_no_depth_of_field():
     shot.camera.CreateProjectionAttr("orthographic")
     result = shot.read()
     assert result.camera.lenses[:, 0].tolist() == [0.0]
-    assert any(
-        "/Camera.fStop: found 2 on an orthographic camera" in note for note in messages(result, "note")
-    )
+    assert any("/Camera.fStop: found 2 on an orthographic camera" in note for note in messages(result, "note"))
 
 
 def test_focus_f_number_and_focal_length_are_sampled_over_the_shutter():
@@ -108,6 +106,7 @@ def test_what_is_not_sampled_is_read_at_the_frame():
 
 def test_the_lens_reaches_the_picture():
     """A card far out of focus behind the focus plane has soft edges; at the focus distance it has not."""
+
     def soft(focus: float) -> int:
         shot = lens_shot(2.0, focus)
         shot.mesh("/Card")

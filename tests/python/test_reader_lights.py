@@ -115,9 +115,7 @@ def test_what_a_light_has_beyond_what_is_lit_is_named():
     result = shot.read()
     assert len(result.scene.lights) == 2
     warnings = messages(result, "warning")
-    assert any(
-        w.startswith("/Dome.inputs:texture:file: found @sky.exr@; not supported yet") for w in warnings
-    )
+    assert any(w.startswith("/Dome.inputs:texture:file: found @sky.exr@; not supported yet") for w in warnings)
     assert "/Disk: lights of type DiskLight are not supported yet; left out" in warnings
     assert any(w.startswith("/Spot.inputs:shaping:cone:angle: not supported yet") for w in warnings)
 
@@ -127,9 +125,9 @@ def test_light_linking_is_named():
     UsdLux.SphereLight.Define(shot.stage, "/All")
     for index, name in enumerate(("lightLink", "shadowLink")):
         light = UsdLux.SphereLight.Define(shot.stage, f"/Light_{index}")
-        getattr(
-            UsdLux.LightAPI(light), f"Get{name[0].upper()}{name[1:]}CollectionAPI"
-        )().CreateExcludesRel().AddTarget("/Hero")
+        getattr(UsdLux.LightAPI(light), f"Get{name[0].upper()}{name[1:]}CollectionAPI")().CreateExcludesRel().AddTarget(
+            "/Hero"
+        )
     assert messages(shot.read(), "warning") == [
         "/Light_0.collection:lightLink: light linking is not supported yet; the light reaches everything",
         "/Light_1.collection:shadowLink: light linking is not supported yet; the light reaches everything",

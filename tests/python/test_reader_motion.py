@@ -276,7 +276,7 @@ def test_velocities_must_align_behind_the_frame_also_where_the_shutter_closes_be
     assert worst_deviation(result, mesh.GetPrim()) <= 1e-5
 
 
-def test_a_bend_at_the_shutters_end_but_for_rounding():
+def test_a_breakpoint_at_the_shutters_end_but_for_rounding():
     """(9.7 - 9.1) / (9.7 - 9.1) is not always 1: a stretch of 1e-16 cannot be halved."""
     shot = Shot((-0.9, -0.3))
     mesh = shot.mesh("/Mesh")

@@ -68,9 +68,7 @@ def test_sizes_are_sampled_and_normalised_at_every_time(kind: str, size: str, no
     handed = only_light(shot)
     check_samples(handed)
     names = list(SIZES)
-    for time01, sizes, radiance in zip(
-        handed["values_times01"], handed["sizes"], handed["radiances"], strict=True
-    ):
+    for time01, sizes, radiance in zip(handed["values_times01"], handed["sizes"], handed["radiances"], strict=True):
         assert sizes[names.index(size)] == pytest.approx(2.0 + 2.0 * time01, rel=1e-5)
         scale = np.diag([1.5 + time01] * 3 + [1.0])
         area = normalization(handed["kind"], dict(zip(names, sizes, strict=True)), scale)
@@ -85,9 +83,7 @@ def test_a_moving_normalised_light_that_scales_keeps_its_power():
     handed = only_light(shot)
     for time01 in DENSE_TIMES01:
         scale = 1.5 + time01
-        assert radiance_at(handed, time01)[0] * scale**2 == pytest.approx(
-            light.GetIntensityAttr().Get(), rel=1e-3
-        )
+        assert radiance_at(handed, time01)[0] * scale**2 == pytest.approx(light.GetIntensityAttr().Get(), rel=1e-3)
 
 
 def test_many_samples_of_one_value_are_still():

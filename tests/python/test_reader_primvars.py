@@ -94,9 +94,7 @@ def test_values_of_a_held_stage_jump():
 def test_an_inherited_colour_changes_too_and_so_does_an_implicit_shapes():
     shot = Shot()
     parent = UsdGeom.Xform.Define(shot.stage, "/Parent").GetPrim()
-    primvar = UsdGeom.PrimvarsAPI(parent).CreatePrimvar(
-        "displayColor", _colour_type(), UsdGeom.Tokens.constant
-    )
+    primvar = UsdGeom.PrimvarsAPI(parent).CreatePrimvar("displayColor", _colour_type(), UsdGeom.Tokens.constant)
     primvar.Set([RED], 9.0)
     primvar.Set([BLUE], 11.0)
     UsdGeom.Sphere.Define(shot.stage, "/Parent/Ball")
@@ -120,9 +118,7 @@ def test_colours_of_instances_change_with_the_stage():
     instancer.CreatePrototypesRel().AddTarget("/Points/Cube")
     instancer.CreateProtoIndicesAttr([0, 0])
     instancer.CreatePositionsAttr([Gf.Vec3f(0), Gf.Vec3f(1)])
-    primvar = UsdGeom.PrimvarsAPI(instancer).CreatePrimvar(
-        "displayColor", _colour_type(), UsdGeom.Tokens.vertex
-    )
+    primvar = UsdGeom.PrimvarsAPI(instancer).CreatePrimvar("displayColor", _colour_type(), UsdGeom.Tokens.vertex)
     primvar.Set([RED, GREEN], 9.0)
     primvar.Set([GREEN, RED], 11.0)
     result = shot.read()

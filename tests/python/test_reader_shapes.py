@@ -100,9 +100,7 @@ def test_authored_normals_and_the_primvar_before_them():
     mesh.SetNormalsInterpolation("vertex")
     recorded = shot.read().scene.meshes["/Mesh"]
     assert recorded["normals_interpolation"] == "vertex" and len(recorded["normals"][0][1]) == 4
-    primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
-        "normals", Sdf.ValueTypeNames.Normal3fArray, "faceVarying"
-    )
+    primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("normals", Sdf.ValueTypeNames.Normal3fArray, "faceVarying")
     primvar.Set([(0, 1, 0), (1, 0, 0)])
     primvar.SetIndices([0, 1, 1, 0])
     recorded = shot.read().scene.meshes["/Mesh"]
@@ -114,9 +112,7 @@ def test_authored_normals_and_the_primvar_before_them():
 def test_primvars_of_every_interpolation_indexed_and_inherited(interpolation):
     shot = Shot()
     mesh = shot.mesh("/Parent/Mesh")
-    colour = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
-        "displayColor", Sdf.ValueTypeNames.Color3fArray, interpolation
-    )
+    colour = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("displayColor", Sdf.ValueTypeNames.Color3fArray, interpolation)
     colour.Set([(1, 0, 0), (0, 1, 0)])
     colour.SetIndices([1])
     opacity = UsdGeom.PrimvarsAPI(shot.stage.GetPrimAtPath("/Parent"))
@@ -256,8 +252,7 @@ def test_normal_maps_and_displacement_are_named():
     normal.ConnectToSource(texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3))
     bind(shot, shot.mesh("/Mesh").GetPrim())
     assert messages(shot.read(), "warning") == [
-        f"/Material/Surface.inputs:{name}: not supported yet; drawn without it"
-        for name in ("normal", "displacement")
+        f"/Material/Surface.inputs:{name}: not supported yet; drawn without it" for name in ("normal", "displacement")
     ]
 
 
@@ -307,9 +302,7 @@ def test_what_is_not_supported_is_named_once_a_type():
     shot.stage.DefinePrim("/Patch", "NurbsPatch")
     shot.stage.DefinePrim("/Alien", "ProprietaryThing")
     warnings = messages(shot.read(), "warning")
-    assert (
-        "/Curve_0: prims of type BasisCurves are not supported yet; not drawn (and 3 more prims)" in warnings
-    )
+    assert "/Curve_0: prims of type BasisCurves are not supported yet; not drawn (and 3 more prims)" in warnings
     for text in (
         "/Cloud: prims of type Points",
         "/Smoke: prims of type Volume",

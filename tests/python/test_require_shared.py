@@ -16,7 +16,7 @@ TESTS = ROOT / "tests" / "python"
 READERS = sorted(
     path.name
     for path in TESTS.glob("test_*.py")
-    if re.search(r"^from (shared_scenes|alpha_references) import", path.read_text(encoding="utf-8"), re.M)
+    if re.search(r"^from (shared_scenes|alpha_references) import", path.read_text(encoding="utf-8"), re.MULTILINE)
 )
 
 
@@ -42,7 +42,7 @@ def outcomes(checkout: Path, required: str) -> tuple[set[str], set[str], str]:
         check=False,
     )
     files = {
-        word: set(re.findall(rf"^{word}\b.*?tests/python/(test_\w+\.py)", done.stdout, re.M))
+        word: set(re.findall(rf"^{word}\b.*?tests/python/(test_\w+\.py)", done.stdout, re.MULTILINE))
         for word in ("PASSED", "SKIPPED", "FAILED", "ERROR")
     }
     return files["PASSED"] | files["SKIPPED"], files["FAILED"] | files["ERROR"], done.stdout
@@ -62,5 +62,5 @@ def test_absent_scenes_are_skipped_by_name_elsewhere(elsewhere: Path) -> None:
     skipped, failed, said = outcomes(elsewhere, "0")
     assert failed == set(), said
     assert "PASSED" not in said and skipped
-    reasons = set(re.findall(r"^SKIPPED \[\d+\] \S+ (.*)$", said, re.M))
+    reasons = set(re.findall(r"^SKIPPED \[\d+\] \S+ (.*)$", said, re.MULTILINE))
     assert all(re.fullmatch(r"no .*/shared/scenes\S* on this machine", reason) for reason in reasons), reasons

@@ -1,12 +1,12 @@
 """Scenes that say the same in two ways make the same picture.
 
 Bit for bit where the renderer does the same: a frame alone and in a sequence, another builder. Where the tracks are
-the same motion in other forms (an instance's matrix or a baked mesh, a line or a parabola, a clock or even keys),
+the same motion in other forms (an instance's matrix or a baked mesh, a line or a parabola, a time remap or even keys),
 vertices differ by the tolerance of the tracks and by rounding. A sample then hits or misses another thing only if its
 ray passes an edge within that distance, and changes its pixel by 1 / SPP: two tracks that stray by TIGHT pixels each,
 along some 1000 pixels of edges with 16 samples in each, make 2 * 0.001 * 1000 * 16 = 32 such samples at the very most,
 where all of every edge strays that far; most do not stray a tenth of it. Measured with these scenes: no pixel for
-instances and clocks (the largest difference 6e-8, by rounding alone), 3 pixels for lines, 2 for quadratics. FEW leaves
+instances and time remaps (the largest difference 6e-8, by rounding alone), 3 pixels for lines, 2 for quadratics. FEW leaves
 room for other instruction sets, whose rounding is not the same.
 """
 
@@ -153,9 +153,7 @@ def placed_by_hand() -> Usd.Stage:
         for frame in (9, 11):
             seconds = (frame - 10) / 24
             move.Set(
-                Gf.Vec3d(
-                    *(p + v * seconds for p, v in zip(POSITIONS[index], VELOCITIES[index], strict=True))
-                ),
+                Gf.Vec3d(*(p + v * seconds for p, v in zip(POSITIONS[index], VELOCITIES[index], strict=True))),
                 frame,
             )
             turn.Set(SPINS[index] * seconds, frame)
@@ -200,22 +198,18 @@ def deforming(frames: list[float]) -> Usd.Stage:
     return stage
 
 
-def test_a_clock_and_keys_at_even_times():
-    """One more sample, on the straight line at no dyadic time, makes a clock the cheaper track."""
-    even, clocked = (
-        read(deforming([9.5, *more, 9.8125, 10.5]), motion_tolerance=TIGHT) for more in ([], [9.7])
-    )
-    forms = [(track.clock, track.segments) for result in (even, clocked) for track in result.tracks[1:]]
+def test_a_time_remap_and_keys_at_even_times():
+    """One more sample, on the straight line at no dyadic time, makes a time remap the cheaper track."""
+    even, remapped = (read(deforming([9.5, *more, 9.8125, 10.5]), motion_tolerance=TIGHT) for more in ([], [9.7]))
+    forms = [(track.time_remap, track.segments) for result in (even, remapped) for track in result.tracks[1:]]
     assert forms == [(False, 16), (True, 4)]
-    assert_same(drawn(even), drawn(clocked))
+    assert_same(drawn(even), drawn(remapped))
 
 
 # The very same.
 
 
-@pytest.mark.parametrize(
-    "make", [carried_instances, placed_by_hand, lambda: deforming([9.5, 9.7, 9.8125, 10.5])]
-)
+@pytest.mark.parametrize("make", [carried_instances, placed_by_hand, lambda: deforming([9.5, 9.7, 9.8125, 10.5])])
 def test_builders(make):
     """With and without spatial splits the same triangles are hit; ties at shared edges go by their order."""
     assert np.array_equal(picture(make()), picture(make(), builder="mbvh"))
@@ -244,9 +238,7 @@ def everything_that_moves() -> Usd.Stage:
         strip.CreatePointsAttr().Set(vec3s(*corners), frame)
         strip.CreateVelocitiesAttr().Set(vec3s(*[(4.8, 0, 0)] * len(corners)), frame)
         strip.CreateFaceVertexCountsAttr().Set([3] * (len(corners) - 2), frame)
-        strip.CreateFaceVertexIndicesAttr().Set(
-            [i + k for i in range(len(corners) - 2) for k in range(3)], frame
-        )
+        strip.CreateFaceVertexIndicesAttr().Set([i + k for i in range(len(corners) - 2) for k in range(3)], frame)
     return shot.stage
 
 

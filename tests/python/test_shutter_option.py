@@ -97,9 +97,8 @@ def test_a_made_up_camera_says_how_to_open_its_shutter_once() -> None:
 
 def test_a_closed_shutter_that_is_authored_says_so_too() -> None:
     shot = Shot((0.0, 0.0))
-    assert (
-        "/Camera.shutter:close: equals shutter:open, 0: no motion blur; --shutter -0.25:0.25 opens it"
-        in messages(shot.read(), "note")
+    assert "/Camera.shutter:close: equals shutter:open, 0: no motion blur; --shutter -0.25:0.25 opens it" in messages(
+        shot.read(), "note"
     )
 
 
@@ -223,9 +222,7 @@ def test_what_is_no_shutter_is_a_usage_error(
 @pytest.mark.parametrize(
     "command", [["record", "scene.usda", "a.exr"], ["motion", "scene.usda"], ["plan", "scene.usda"]]
 )
-def test_nothing_moves_at_the_default_time(
-    scene: Path, capfd: pytest.CaptureFixture[str], command: list[str]
-) -> None:
+def test_nothing_moves_at_the_default_time(scene: Path, capfd: pytest.CaptureFixture[str], command: list[str]) -> None:
     assert main([*command, "--defaultTime", "--shutter", "-0.25:0.25"]) == 2
     assert "--shutter and --defaultTime exclude each other" in capfd.readouterr().err
 
@@ -245,9 +242,7 @@ def test_one_absurd_extent_does_not_spoil_the_framing() -> None:
     shot = without_camera()
     shot.mesh("/Sound")
     for index, extent in enumerate([((3e38,) * 3, (-3e38,) * 3), ((-math.inf,) * 3, (math.inf,) * 3)]):
-        shot.mesh(f"/Absurd_{index}", [(x + 10, y, 0) for x, y in ((0, 0), (1, 0), (1, 1))]).CreateExtentAttr(
-            extent
-        )
+        shot.mesh(f"/Absurd_{index}", [(x + 10, y, 0) for x, y in ((0, 0), (1, 0), (1, 1))]).CreateExtentAttr(extent)
     result = shot.read()
     found = seen(result.camera, np.array([[0.0, 0, 0], [11, 1, 0]]))
     assert (found > 0.0).all() and (found < 1.0).all()

@@ -210,9 +210,7 @@ def test_at_random_moments(tmp_path: Path, scene: Path, command: str) -> None:
     environment = {"TMPDIR": str(temporary)}
     for _ in range(rounds):
         for number in SIGNALS:
-            with started(
-                tmp_path, *COMMANDS[command], before=lambda: os.environ.update(environment)
-            ) as process:
+            with started(tmp_path, *COMMANDS[command], before=lambda: os.environ.update(environment)) as process:
                 if wait_for_handlers(process):
                     time.sleep(chosen.uniform(0.0, SECONDS.get(command, 2.0)))
                     process.send_signal(number)

@@ -73,21 +73,15 @@ def test_points_and_normals_are_usdskel_s(method: str, kind: str, weight_sum: fl
     expected = Vt.Vec3fArray.FromNumpy(points)
     transforms = Vt.Matrix4dArray.FromNumpy(joints)
     int_array, float_array = Vt.IntArray.FromNumpy(indices), Vt.FloatArray.FromNumpy(weights)
-    assert UsdSkel.SkinPoints(
-        method, Gf.Matrix4d(bind), transforms, int_array, float_array, influences, expected, True
-    )
+    assert UsdSkel.SkinPoints(method, Gf.Matrix4d(bind), transforms, int_array, float_array, influences, expected, True)
     assert np.abs(found[0] - np.array(expected)).max() <= 1e-5  # coordinates of about 5, single precision
 
     if method == "dualQuaternion" and kind in ("sheared", "mirrored"):
         return  # Where skinning.h says that normals depart from UsdSkel.
-    inverses = Vt.Matrix3dArray.FromNumpy(
-        np.ascontiguousarray(np.linalg.inv(joints[:, :3, :3]).transpose(0, 2, 1))
-    )
+    inverses = Vt.Matrix3dArray.FromNumpy(np.ascontiguousarray(np.linalg.inv(joints[:, :3, :3]).transpose(0, 2, 1)))
     expected = Vt.Vec3fArray.FromNumpy(normals)
     inverse_bind = Gf.Matrix3d(*np.linalg.inv(bind[:3, :3]).T.ravel().tolist())
-    assert UsdSkel.SkinNormals(
-        method, inverse_bind, inverses, int_array, float_array, influences, expected, True
-    )
+    assert UsdSkel.SkinNormals(method, inverse_bind, inverses, int_array, float_array, influences, expected, True)
     # Where blended normals nearly cancel, single precision leaves UsdSkel less.
     assert np.abs(found_normals[0] - np.array(expected)).max() <= 1e-4
 
@@ -132,8 +126,7 @@ def test_samples_follow_turning_joints_at_any_time(method: str, shutter: tuple[f
 def test_fewer_samples_do_where_more_error_is_allowed():
     arm = spinning_arm()
     counts = [
-        len(arm.shot.read(motion_tolerance=pixel).scene.meshes["/Root/Mesh"]["points"])
-        for pixel in (0.01, 1.0, 50.0)
+        len(arm.shot.read(motion_tolerance=pixel).scene.meshes["/Root/Mesh"]["points"]) for pixel in (0.01, 1.0, 50.0)
     ]
     assert counts[0] > counts[1] > counts[2] >= 5
 

@@ -51,10 +51,7 @@ def test_a_skeleton_without_bind_transforms_is_named():
     arm = spinning_arm()
     arm.skeleton.GetBindTransformsAttr().Set([Gf.Matrix4d(1)])
     text = one_message(arm, from_usd=1)
-    assert (
-        text.startswith("/Root/Skeleton.bindTransforms: found 1 matrices, expected 2")
-        and "/Root/Mesh" in text
-    )
+    assert text.startswith("/Root/Skeleton.bindTransforms: found 1 matrices, expected 2") and "/Root/Mesh" in text
 
 
 def test_a_skeleton_without_animation_of_all_joints_nor_rest_transforms_is_named():
@@ -68,8 +65,7 @@ def test_a_joint_out_of_range_keeps_the_mesh_out_of_the_picture():
     arm = spinning_arm()
     UsdSkel.BindingAPI(arm.mesh).GetJointIndicesPrimvar().Set([0, 7] * len(ARM_POINTS))
     assert one_message(arm, "error") == (
-        "/Root/Mesh.primvars:skel:jointIndices: value 1 is 7; expected a joint from 0 to 1; the prim is "
-        "not drawn"
+        "/Root/Mesh.primvars:skel:jointIndices: value 1 is 7; expected a joint from 0 to 1; the prim is not drawn"
     )
 
 
@@ -84,9 +80,7 @@ def test_indices_without_weights_and_those_that_disagree_leave_the_rest_pose():
     arm = spinning_arm()
     UsdSkel.BindingAPI(arm.mesh).GetJointIndicesPrimvar().SetElementSize(1)
     text = one_message(arm, from_usd=1)
-    assert text.startswith(
-        "/Root/Mesh.primvars:skel:jointIndices: found vertex with elementSize 1, vertex with"
-    )
+    assert text.startswith("/Root/Mesh.primvars:skel:jointIndices: found vertex with elementSize 1, vertex with")
     arm.mesh.GetPrim().RemoveProperty("primvars:skel:jointWeights")
     assert one_message(arm).startswith("/Root/Mesh.primvars:skel:jointWeights: not authored, expected")
 
@@ -95,9 +89,7 @@ def test_joints_that_the_skeleton_does_not_have_stay():
     arm = spinning_arm()
     UsdSkel.BindingAPI(arm.mesh).CreateJointsAttr(["nose", "mouth"])
     text = one_message(arm)
-    assert text.startswith(
-        "/Root/Mesh.skel:joints: found 2 joints that /Root/Skeleton does not have ('nose')"
-    )
+    assert text.startswith("/Root/Mesh.skel:joints: found 2 joints that /Root/Skeleton does not have ('nose')")
 
 
 def test_blend_shapes_that_are_wrong_are_left_out_and_the_joints_go_on():
@@ -108,13 +100,9 @@ def test_blend_shapes_that_are_wrong_are_left_out_and_the_joints_go_on():
     targets.SetTargets(["/Root/Mesh/nothing", "/Root/Mesh/fall"])
     result = arm.shot.read()
     warnings = messages(result, "warning")
+    assert "/Root/Mesh/fall.pointIndices: index 1 is 99; expected a point from 0 to 9; it is left out" in warnings
     assert (
-        "/Root/Mesh/fall.pointIndices: index 1 is 99; expected a point from 0 to 9; it is left out"
-        in warnings
-    )
-    assert (
-        "/Root/Mesh.skel:blendShapeTargets: target /Root/Mesh/nothing is no BlendShape; 'rise' is left out"
-        in warnings
+        "/Root/Mesh.skel:blendShapeTargets: target /Root/Mesh/nothing is no BlendShape; 'rise' is left out" in warnings
     )
     targets.SetTargets(["/Root/Mesh/fall"])
     fewer = arm.shot.read()

@@ -61,9 +61,7 @@ def test_instances_within_instances_move_by_the_animation_of_each():
         nest.AddTranslateOp().Set(Gf.Vec3d(0, 0, -2 * index))
     result = shot.read()
     assert len(result.scene.prototypes) == 2
-    meshes = [
-        shot.stage.GetPrimAtPath(f"/Nest_{nest}/man_{man}/Mesh") for nest in range(2) for man in range(2)
-    ]
+    meshes = [shot.stage.GetPrimAtPath(f"/Nest_{nest}/man_{man}/Mesh") for nest in range(2) for man in range(2)]
     for time01 in (0.0, 0.4, 1.0):
         code = result.camera.shutter.time_code(time01)
         expected = np.concatenate([usd_skinned_points(mesh, code) for mesh in meshes])

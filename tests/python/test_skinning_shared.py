@@ -57,9 +57,7 @@ def with_camera(path: Path, shutter: tuple[float, float]) -> Usd.Stage:
     ],
 )
 def test_poses_are_those_that_usdskelbakeskinning_wrote(source: str, baked: str):
-    stage, truth = (
-        Usd.Stage.Open(str(BAKED / name)) for name in (f"{source}.usda", f"baseline/{baked}.usda")
-    )
+    stage, truth = (Usd.Stage.Open(str(BAKED / name)) for name in (f"{source}.usda", f"baseline/{baked}.usda"))
     frames = baked_frames(truth)
     assert len(frames) >= 5
     for frame in frames:
@@ -116,9 +114,7 @@ def world_normals(mesh: dict) -> np.ndarray:
     ],
 )
 @pytest.mark.parametrize("shutter", [(-0.5, 0.5), (0.0, 4.0)])
-def test_motion_is_usdskel_s_at_dense_times(
-    scene: str, frame: float, camera: str, shutter: tuple[float, float]
-):
+def test_motion_is_usdskel_s_at_dense_times(scene: str, frame: float, camera: str, shutter: tuple[float, float]):
     stage = with_camera(SKINNED / scene, shutter)
     result = read(stage, frame, camera=camera)
     skinned = [stage.GetPrimAtPath(path) for path in result.scene.meshes if is_skinned(stage, path)]

@@ -21,8 +21,12 @@ from soak_checks import Check, SoakError, find_checks
 Make = Callable[..., Check]
 
 RAN = re.compile(r"^1 passed", re.MULTILINE)
-COUNT = "import os, pathlib, sys; f = pathlib.Path(sys.argv[1]); f.write_text(f.read_text() + 'x' if f.exists() else 'x');"
-FIGURE = "open(os.environ['MSBVH_SOAK_FIGURES'], 'a').write('rays\\t' + os.environ['MSBVH_SOAK'] + 'e9 rays, 0 leaks\\n');"
+COUNT = (
+    "import os, pathlib, sys; f = pathlib.Path(sys.argv[1]); f.write_text(f.read_text() + 'x' if f.exists() else 'x');"
+)
+FIGURE = (
+    "open(os.environ['MSBVH_SOAK_FIGURES'], 'a').write('rays\\t' + os.environ['MSBVH_SOAK'] + 'e9 rays, 0 leaks\\n');"
+)
 PASS = "print('1 passed in 0.1 s')"
 
 
@@ -38,7 +42,12 @@ def check(tmp_path: Path) -> Make:
 
 
 def settings(tmp_path: Path, **changed: object) -> make_soak.Settings:
-    known: dict[str, object] = {"commit": "abc1234", "memory": tmp_path / "memory", "page": tmp_path / "soak.md", "root": tmp_path}
+    known: dict[str, object] = {
+        "commit": "abc1234",
+        "memory": tmp_path / "memory",
+        "page": tmp_path / "soak.md",
+        "root": tmp_path,
+    }
     return make_soak.Settings(**{**known, **changed})  # type: ignore[arg-type]
 
 

@@ -20,9 +20,7 @@ RECORD = f"{MSBVH} record scene.usda a.exr --spp 4 -w 48"
 
 
 def shell(folder: Path, script: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        ["bash", "-c", script], cwd=folder, capture_output=True, text=True, timeout=120, check=False
-    )
+    return subprocess.run(["bash", "-c", script], cwd=folder, capture_output=True, text=True, timeout=120, check=False)
 
 
 def is_whole(path: Path) -> bool:
@@ -78,9 +76,7 @@ def test_a_report_that_cannot_be_printed(tmp_path: Path, scene: Path) -> None:
 NAMES = (b"gr\xc3\xbcn \xe7\x8c\xab.exr", b"latin \xfcn.exr", b"new\nline.exr")
 
 
-@pytest.mark.parametrize(
-    "locale", ["LC_ALL=C", "LC_ALL=C PYTHONUTF8=0 PYTHONCOERCECLOCALE=0 PYTHONIOENCODING=ascii"]
-)
+@pytest.mark.parametrize("locale", ["LC_ALL=C", "LC_ALL=C PYTHONUTF8=0 PYTHONCOERCECLOCALE=0 PYTHONIOENCODING=ascii"])
 def test_names_in_any_locale(tmp_path: Path, locale: str) -> None:
     """A scene with a UTF-8 name, and outputs whose names are UTF-8, Latin-1, and of two lines."""
     (tmp_path / "schön.usda").write_text(MOVING_SQUARE.replace("square", "Würfel"), encoding="utf-8")

@@ -124,9 +124,7 @@ def test_a_moving_mesh_keeps_its_parts_in_a_prototype_too(instanced: bool):
     row = drawn(shot)[24]
     colours = row[:, :3] - (1.0 - row[:, 3:])  # Without the dome behind them.
     # The edge between the parts passes from the middle, pixel 48, to 64 within the shutter.
-    assert colours[36] == pytest.approx((0.2, 0, 0), abs=0.05) and colours[76] == pytest.approx(
-        (0, 0.2, 0), abs=0.05
-    )
+    assert colours[36] == pytest.approx((0.2, 0, 0), abs=0.05) and colours[76] == pytest.approx((0, 0.2, 0), abs=0.05)
     assert colours[56] == pytest.approx((0.375, 0.425, 0), abs=0.04)
 
 
@@ -150,9 +148,7 @@ print(time.process_time() - start, peak_kib() - before,
 
 def figures(path: Path) -> tuple[float, float, int]:
     """CPU seconds and KiB that the reading takes, in a process of its own; triangles."""
-    done = subprocess.run(
-        [sys.executable, "-c", FIGURES, str(path)], capture_output=True, text=True, check=True
-    )
+    done = subprocess.run([sys.executable, "-c", FIGURES, str(path)], capture_output=True, text=True, check=True)
     seconds, size, triangles = done.stdout.split()
     return float(seconds), float(size), int(triangles)
 

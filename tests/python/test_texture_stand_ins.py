@@ -68,14 +68,10 @@ HALVES[:, 4:] = (1.0, 0.6, 0.2)
 def test_the_mean_is_taken_of_linear_values(tmp_path: Path, space: str | None, encoded: bool) -> None:
     inputs = {"sourceColorSpace": space} if space else {}
     file = write(tmp_path / "a.png", HALVES)
-    material, warnings = (
-        Textured(file, fallback=Gf.Vec4f(0, 0, 0, 1), **inputs).connect("diffuseColor").material()
-    )
+    material, warnings = Textured(file, fallback=Gf.Vec4f(0, 0, 0, 1), **inputs).connect("diffuseColor").material()
     expected = [(linear(x) if encoded else x) / 2 for x in (1.0, 0.6, 0.2)]
     assert material["diffuse_color"] == pytest.approx(expected, abs=1e-6)
-    assert warnings == [
-        f"/Material/Surface.inputs:diffuseColor: {NOT_EVALUATED}drawn as the mean of its texture"
-    ]
+    assert warnings == [f"/Material/Surface.inputs:diffuseColor: {NOT_EVALUATED}drawn as the mean of its texture"]
 
 
 @pytest.mark.parametrize(
@@ -92,9 +88,7 @@ def test_outputs_scale_and_bias_grey_and_alpha(tmp_path: Path) -> None:
     pixels = np.full((4, 4, 4), (0.2, 0.4, 0.6, 0.25))
     file = write(tmp_path / "a.png", pixels)
     shot = Textured(file, sourceColorSpace="raw", scale=Gf.Vec4f(2, 1, 1, 2), bias=Gf.Vec4f(0, 0.1, 0, 0.25))
-    material, _ = (
-        shot.connect("diffuseColor").connect("emissiveColor", "g").connect("opacity", "a").material()
-    )
+    material, _ = shot.connect("diffuseColor").connect("emissiveColor", "g").connect("opacity", "a").material()
     assert material["diffuse_color"] == pytest.approx([0.4, 0.5, 0.6], abs=0.01)
     assert material["emissive_color"] == pytest.approx([0.5] * 3, abs=0.01)
     assert material["opacity"] == pytest.approx(0.75, abs=0.01)
@@ -120,9 +114,7 @@ def test_a_file_that_cannot_be_read_leaves_the_fallback_if_it_is_authored(tmp_pa
         ("missing.jpg", "missing.jpg"),
         ("", "no file"),
     ):
-        authored = (
-            Textured(file, fallback=Gf.Vec4f(0, 0, 1, 0.5)).connect("diffuseColor").connect("opacity", "a")
-        )
+        authored = Textured(file, fallback=Gf.Vec4f(0, 0, 1, 0.5)).connect("diffuseColor").connect("opacity", "a")
         material, warnings = authored.material()
         assert material["diffuse_color"] == (0, 0, 1) and material["opacity"] == 0.5
         assert any(found in w and w.endswith("drawn as its fallback, (0, 0, 1)") for w in warnings), warnings
@@ -130,9 +122,9 @@ def test_a_file_that_cannot_be_read_leaves_the_fallback_if_it_is_authored(tmp_pa
         material, warnings = bare.material()
         assert material["diffuse_color"] == pytest.approx((0.18, 0.18, 0.18))
         assert material["opacity"] == 1.0 and material["emissive_color"] == (0, 0, 0)
-        assert any(
-            found in w and w.endswith("has no fallback: drawn as (0.18, 0.18, 0.18)") for w in warnings
-        ), warnings
+        assert any(found in w and w.endswith("has no fallback: drawn as (0.18, 0.18, 0.18)") for w in warnings), (
+            warnings
+        )
 
 
 def test_textures_inside_a_package_and_in_tiles(tmp_path: Path) -> None:

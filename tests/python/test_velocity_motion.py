@@ -99,8 +99,7 @@ def test_the_tracks_are_what_the_velocities_say():
     """One segment each: a line, a parabola; and the reference's chords take many."""
     tracks = {track.path: track for track in read(2.5, -0.5, 0.5).tracks}
     forms = {
-        name: (tracks[f"/World/{name}/Pointer"].segments, tracks[f"/World/{name}/Pointer"].degree)
-        for name in PAIRS
+        name: (tracks[f"/World/{name}/Pointer"].segments, tracks[f"/World/{name}/Pointer"].degree) for name in PAIRS
     }
     assert forms["PointsVelocity"] == forms["PositionsVelocity"] == (1, 1)
     assert forms["PointsAcceleration"] == forms["PositionsAcceleration"] == (1, 2)

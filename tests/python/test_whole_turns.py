@@ -63,7 +63,8 @@ def test_the_track_follows_or_says_by_how_much_it_does_not(source: Source) -> No
             assert reported >= 0.8 * true, f"{number} turns: off by {true} pixels, reported {reported}"
             lowest = min(lowest, reported / true)
     soak_figure(
-        f"turns {source.name}", f"{len(turns)} rates, within tolerance at most {worst:.4f} px, reported/true >= {lowest:.2f}"
+        f"turns {source.name}",
+        f"{len(turns)} rates, within tolerance at most {worst:.4f} px, reported/true >= {lowest:.2f}",
     )
 
 

@@ -85,12 +85,12 @@ inline std::uint32_t add_mesh(Scene& scene, Mesh mesh) {
   return static_cast<std::uint32_t>(scene.meshes.size() - 1);
 }
 
-inline void add(Scene& scene, Mesh mesh) { scene.world_meshes.push_back(add_mesh(scene, std::move(mesh))); }
+inline void add(Scene& scene, Mesh mesh) { scene.world.push_back(mesh_id(add_mesh(scene, std::move(mesh)))); }
 
 // The mesh as the one instance of a prototype of its own.
 inline void add_instance(Scene& scene, Mesh mesh, const std::vector<Affine3f>& keys) {
   const auto prototype = static_cast<std::uint32_t>(scene.prototypes.size());
-  scene.prototypes.push_back({"/prototype", {add_mesh(scene, std::move(mesh))}});
+  scene.prototypes.push_back({"/prototype", {mesh_id(add_mesh(scene, std::move(mesh)))}});
   scene.instances.push_back({"/instance", prototype, static_cast<std::uint32_t>(keys.size()) - 1, keys, {}});
 }
 

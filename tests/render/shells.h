@@ -6,10 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include "core/api/accel.h"
-#include "core/shade/surface_hit.h"
-#include "tests/render/pictures.h"
 #include "bench/procedural.h"
+#include "core/api/accel.h"
+#include "core/bvh/bvh.h"
+#include "core/bvh/statistics.h"
+#include "core/shade/surface_hit.h"
+#include "core/trace/tracer.h"
+#include "tests/render/pictures.h"
 
 namespace msbvh::shells {
 

@@ -37,10 +37,9 @@ Scene scene_at(int frame) {
     mesh.shape = validated(std::move(mesh.shape));
     mesh.shape.name = name;
     scene.meshes.push_back(std::move(mesh));
-    return static_cast<std::uint32_t>(scene.meshes.size() - 1);
+    return mesh_id(static_cast<std::uint32_t>(scene.meshes.size() - 1));
   };
-  scene.world_meshes = {
-      add_mesh(baked(cube(), {scaled(3 + f, {20, 20, 0}), scaled(4 + f, {22, 20, 0})}), "/grows")};
+  scene.world = {add_mesh(baked(cube(), {scaled(3 + f, {20, 20, 0}), scaled(4 + f, {22, 20, 0})}), "/grows")};
   if (frame % 2) scene.prototypes.push_back({"/now_and_then", {add_mesh(cube(), "/now_and_then/cube")}});
   const auto first = static_cast<std::uint32_t>(scene.prototypes.size());
   scene.prototypes.push_back({"/still", {add_mesh(baked(cube(), std::vector<Affine3f>(9)), "/still/cube")}});

@@ -159,7 +159,7 @@ TEST_CASE("clipping distances are depths from the lens's plane") {
   scene.camera.far_clip = 6.0f;
   for (const auto& [depth, seen] : {std::pair{2.99f, 0.0f}, {3.01f, 1.0f}, {5.99f, 1.0f}, {6.01f, 0.0f}}) {
     scene.meshes.clear();
-    scene.world_meshes.clear();
+    scene.world.clear();
     add(scene, polygon({rectangle(-90, -90, 90, 90, -depth)}));
     const Image image = render(scene, {.width = 8, .height = 8, .spp = 16, .max_bounces = 0, .build = {}});
     for (std::uint32_t i = 0; i < 64; ++i) CHECK(image.rgba[4 * i + kAlpha] == seen);

@@ -230,7 +230,7 @@ TEST_CASE("a ramp of a light is seen by what moves: its streak shows the ramp") 
   Scene scene = card_under(sun, 0.0f, kPi);
   scene.camera = pixel_camera(32, 8);
   scene.meshes.clear();
-  scene.world_meshes.clear();
+  scene.world.clear();
   add(scene, polygon({rectangle(-2, -9, 0, 99), rectangle(32, -9, 34, 99)}));
   scene.meshes[0].display_color.values = {{1, 1, 1}};
   const Image image = render(scene, {.width = 32, .height = 8, .spp = 1024, .max_bounces = 0, .build = {}});

@@ -3,7 +3,10 @@
 #include <random>
 
 #include "core/api/accel.h"
+#include "core/bvh/bvh.h"
+#include "core/bvh/statistics.h"
 #include "core/shade/surface_hit.h"
+#include "core/trace/tracer.h"
 #include "tests/render/pictures.h"
 
 namespace msbvh {

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
+#include "bench/procedural.h"
 #include "core/geometry/dice.h"
 #include "core/geometry/subdivision_mesh.h"
-#include "bench/procedural.h"
 
 namespace msbvh::procedural {
 

@@ -32,7 +32,7 @@ struct Flight {
   Vec3f place, drift;
   Motion spin;
   TrackForm form;
-  Clock clock;
+  TimeRemap time_remap;
 
   Vec3f at(double u) const { return place + drift * static_cast<float>(u - 0.5); }
 };
@@ -45,8 +45,8 @@ Flight random_flight(const SmallMeshes& kind, float side, Random& random) {
   flight.form = kind.form;
   const std::uint32_t segments = 1u << random.next() % 5;
   if (kind.mixed_segments) flight.form.segments = segments;
-  const float bend = random.uniform(0.1f, 0.9f);
-  if (kind.time_remap) flight.clock.pieces = {{0.0f, 0.0f, 0.5f, true}, {bend, 0.5f, 1.0f, true}};
+  const float breakpoint = random.uniform(0.1f, 0.9f);
+  if (kind.time_remap) flight.time_remap.pieces = {{0.0f, 0.0f, 0.5f, true}, {breakpoint, 0.5f, 1.0f, true}};
   return flight;
 }
 
@@ -57,9 +57,9 @@ void add_points(TriangleMesh shape, const Flight& flight, Scene& scene) {
   scene.meshes.emplace_back();
   scene.meshes.back().shape = validated(moved(std::move(shape), flight.form, motion));
   scene.meshes.back().shape.name = name;
-  if (flight.clock.is_shutter()) return scene.world_meshes.push_back(mesh);
+  if (flight.time_remap.is_shutter()) return scene.world.push_back(mesh_id(mesh));
   const auto prototype = static_cast<std::uint32_t>(scene.prototypes.size());
-  scene.prototypes.push_back({name, {mesh}, flight.clock});
+  scene.prototypes.push_back({name, {mesh_id(mesh)}, flight.time_remap});
   scene.instances.push_back({name, prototype, 0, {Affine3f{}}, {}});
 }
 
@@ -68,8 +68,8 @@ void add_rigid(TriangleMesh shape, const Flight& flight, Scene& scene) {
   const auto mesh = static_cast<std::uint32_t>(scene.meshes.size());
   const auto prototype = static_cast<std::uint32_t>(scene.prototypes.size());
   shape.name = "mesh" + std::to_string(mesh);
-  scene.prototypes.push_back({shape.name, {mesh}});
-  InstanceSet set{shape.name, prototype, flight.form.segments, {}, {}, flight.form.degree, flight.clock};
+  scene.prototypes.push_back({shape.name, {mesh_id(mesh)}});
+  InstanceSet set{shape.name, prototype, flight.form.segments, {}, {}, flight.form.degree, flight.time_remap};
   scene.meshes.emplace_back();
   scene.meshes.back().shape = validated(std::move(shape));
   for (std::uint32_t c = 0; c < flight.form.controls(); ++c) {

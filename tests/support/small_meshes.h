@@ -21,7 +21,7 @@ struct SmallMeshes {
   SmallMotion motion = SmallMotion::kStill;
   TrackForm form{1, 1};         // of the meshes that move
   bool mixed_segments = false;  // 1 to 16 of them instead, a mesh its own number
-  bool time_remap = false;      // each under a clock of its own; points then have a prototype as well
+  bool time_remap = false;      // each under a time remap of its own; points then have a prototype as well
 };
 
 // `count` meshes of 12 triangles, every fourth of up to 80, which seldom overlap. The same shapes in the same

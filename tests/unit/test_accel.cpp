@@ -1,7 +1,5 @@
 // An Accel that is used too early, after a commit that failed, or after a move throws Error; an empty one is
 // hit by nothing.
-#include "core/api/accel.h"
-
 #include <array>
 #include <doctest/doctest.h>
 #include <string>
@@ -9,8 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/error.h"
 #include "bench/procedural.h"
+#include "core/api/accel.h"
+#include "core/base/error.h"
+#include "core/bvh/bvh.h"
+#include "core/bvh/statistics.h"
 
 namespace msbvh {
 namespace {
@@ -68,7 +69,7 @@ TEST_CASE("after a commit that threw every use throws, and a second commit succe
   CHECK_NOTHROW(accel.occluded(kRay));
   CHECK_THROWS_AS(accel.commit(), Error);
   CHECK_THROWS_AS(accel.add_mesh(triangle()), Error);
-  CHECK_THROWS_AS(accel.set_clock({}), Error);
+  CHECK_THROWS_AS(accel.set_time_remap({}), Error);
 }
 
 TEST_CASE("what an Accel was moved from throws") {

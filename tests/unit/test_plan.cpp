@@ -23,7 +23,7 @@ Scene still_scene() {
   scene.camera.world_from_camera.resize(1);
   scene.camera.window.resize(1);
   scene.meshes = {triangle("/still", 0)};
-  scene.world_meshes = {0};
+  scene.world = {mesh_id(0)};
   return scene;
 }
 
@@ -52,27 +52,27 @@ TEST_CASE("each effect comes with the first prim that asks for it") {
   SUBCASE("deforming keys") {
     scene.meshes.push_back(triangle("/moving", 4));
     scene.meshes.push_back(triangle("/moving_too", 8));
-    scene.world_meshes = {0, 1, 2};
+    scene.world = {mesh_id(0), mesh_id(1), mesh_id(2)};
     check_only(scene, Effect::kDeformingKeys, "/moving", "4 segments");
   }
   SUBCASE("instances") {
-    scene.prototypes = {{"/prototype", {0}}};
+    scene.prototypes = {{"/prototype", {mesh_id(0)}}};
     scene.instances = {{"/instancer", 0, 0, std::vector<Affine3f>(12), {}}};
     check_only(scene, Effect::kInstances, "/instancer", "12 instances");
   }
-  SUBCASE("own clocks") {
-    scene.prototypes = {{"/prototype", {0}}};
+  SUBCASE("own time remaps") {
+    scene.prototypes = {{"/prototype", {mesh_id(0)}}};
     scene.instances = {{"/blinking", 0, 0, std::vector<Affine3f>(1), {}}};
-    scene.instances[0].clock.pieces = {{0.0f, 0.0f, 0.5f, false}, {0.5f, 0.5f, 1.0f, true}};
+    scene.instances[0].time_remap.pieces = {{0.0f, 0.0f, 0.5f, false}, {0.5f, 0.5f, 1.0f, true}};
     const EffectPlan plan = plan_effects(scene, {.max_bounces = 0});
-    CHECK(plan.set == EffectSet{}.with(Effect::kInstances).with(Effect::kOwnClocks));
+    CHECK(plan.set == EffectSet{}.with(Effect::kInstances).with(Effect::kTimeRemaps));
     CHECK(plan.why.back().why == "2 pieces of the shutter");
   }
   SUBCASE("polynomial motion, beside the keys that carry it") {
     scene.meshes.push_back(triangle("/moving", 4));
     scene.meshes[1].shape.degree = 3;
     scene.meshes[1].shape.positions.resize(scene.meshes[1].shape.position_count() + TriangleMesh::kGuard);
-    scene.world_meshes = {0, 1};
+    scene.world = {mesh_id(0), mesh_id(1)};
     const EffectPlan plan = plan_effects(scene, {.max_bounces = 0});
     CHECK(plan.set == EffectSet{}.with(Effect::kDeformingKeys).with(Effect::kPolynomialMotion));
     CHECK(plan.why.back().prim == "/moving");
@@ -141,7 +141,7 @@ TEST_CASE("indirect light is asked for by a setting") {
 TEST_CASE("reasons stand in the order of the effects, once each") {
   Scene scene = still_scene();
   scene.meshes.push_back(triangle("/moving", 2));
-  scene.prototypes = {{"/prototype", {1}}};
+  scene.prototypes = {{"/prototype", {mesh_id(1)}}};
   scene.instances = {{"/a", 0, 1, std::vector<Affine3f>(2), {}}, {"/b", 0, 4, std::vector<Affine3f>(5), {}}};
   const EffectPlan plan = plan_effects(scene, {.max_bounces = 1});
   REQUIRE(plan.why.size() == 4);
@@ -155,7 +155,7 @@ TEST_CASE("reasons stand in the order of the effects, once each") {
 TEST_CASE("what nobody sees asks for nothing") {
   Scene scene = still_scene();
   scene.meshes.push_back(triangle("/unused", 8));
-  scene.prototypes = {{"/prototype", {1}}};
+  scene.prototypes = {{"/prototype", {mesh_id(1)}}};
   scene.instances = {{"/empty", 0, 2, {}, {}}};
   CHECK(plan_effects(scene, {.max_bounces = 0}).set == EffectSet{});
 }
@@ -195,8 +195,8 @@ TEST_CASE("opacity follows UsdPreviewSurface") {
       return plan_effects(scene, {.max_bounces = 0}).set.has(Effect::kOpacity);
     };
     CHECK(plans_opacity());
-    scene.world_meshes.clear();
-    scene.prototypes = {{"/prototype", {0}}};
+    scene.world.clear();
+    scene.prototypes = {{"/prototype", {mesh_id(0)}}};
     scene.instances = {{"/instances", 0, 0, std::vector<Affine3f>(2), {}}};
     scene.instances[0].materials = {0, 0};
     CHECK_FALSE(plans_opacity());

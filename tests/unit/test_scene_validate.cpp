@@ -22,8 +22,8 @@ Scene valid_scene() {
   mesh.shape.triangles = {{0, 1, 2}, {0, 2, 3}};
   mesh.shape = validated(std::move(mesh.shape));
   scene.meshes = {mesh};
-  scene.world_meshes = {0};
-  scene.prototypes = {{"/prototype", {0}}};
+  scene.world = {mesh_id(0)};
+  scene.prototypes = {{"/prototype", {mesh_id(0)}}};
   scene.instances = {{"/instances", 0, 1, std::vector<Affine3f>(6), {}}};
   scene.materials.resize(1);
   scene.materials[0].name = "/material";
@@ -138,12 +138,12 @@ TEST_CASE("indices must be in range") {
     CHECK(complaint(scene).find("/mesh: triangleMaterials: found ") == 0);
   }
   SUBCASE("world mesh") {
-    scene.world_meshes = {7};
-    CHECK(complaint(scene) == "scene: worldMeshes: found index 7; expected less than 1");
+    scene.world = {mesh_id(7)};
+    CHECK(complaint(scene) == "scene: world: found index 7; expected less than 1");
   }
   SUBCASE("prototype's mesh") {
-    scene.prototypes[0].meshes = {0, 2};
-    CHECK(complaint(scene) == "/prototype: meshes: found index 2; expected less than 1");
+    scene.prototypes[0].geometry = {mesh_id(0), mesh_id(2)};
+    CHECK(complaint(scene) == "/prototype: geometry: found index 2; expected less than 1");
   }
   SUBCASE("instances' prototype") {
     scene.instances[0].prototype = 5;

@@ -16,15 +16,15 @@ Scene triangle_scene() {
   mesh.shape.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   mesh.shape.triangles = {{0, 1, 2}};
   scene.meshes = {mesh};
-  scene.world_meshes = {0};
+  scene.world = {mesh_id(0)};
   return scene;
 }
 
 // Instances of that mesh alone.
 Scene instanced_scene(std::uint32_t segments, std::vector<Affine3f> world_from_prototype) {
   Scene scene = triangle_scene();
-  scene.world_meshes.clear();
-  scene.prototypes = {{"/prototype", {0}}};
+  scene.world.clear();
+  scene.prototypes = {{"/prototype", {mesh_id(0)}}};
   scene.instances = {{"/instances", 0, segments, std::move(world_from_prototype), {}}};
   return scene;
 }
@@ -158,8 +158,8 @@ TEST_CASE("triangles and instances may have materials of their own") {
   }
   SUBCASE("of instances, before those of triangles") {
     scene.meshes[0].triangle_materials = {0, 1};
-    scene.world_meshes.clear();
-    scene.prototypes = {{"/prototype", {0}}};
+    scene.world.clear();
+    scene.prototypes = {{"/prototype", {mesh_id(0)}}};
     scene.instances = {{"/instances", 0, 0, std::vector<Affine3f>(3), {}}};
     scene.instances[0].materials = {0, 1, kNone};
     const Vec3f albedos[] = {{0, 1, 0}, {0, 0, 1}, {0.18f, 0.18f, 0.18f}};
@@ -181,10 +181,10 @@ TEST_CASE("opacity is read at the point") {
 TEST_CASE("ids of instances run through the sets, those of meshes through the prototype") {
   Scene scene = instanced_scene(0, std::vector<Affine3f>(3));
   scene.meshes.push_back(scene.meshes[0]);
-  scene.prototypes.push_back({"/other", {1, 0}});
+  scene.prototypes.push_back({"/other", {mesh_id(1), mesh_id(0)}});
   scene.instances.push_back({"/none", 0, 0, {}, {}});
   scene.instances.push_back({"/others", 1, 0, std::vector<Affine3f>(2), {}});
-  const HitSource source = SceneIndex(scene).resolve({.mesh = 0, .instance = 4});
+  const HitSource source = SceneIndex(scene).resolve({.geometry = mesh_id(0), .instance = 4});
   CHECK(source.mesh == &scene.meshes[1]);
   CHECK(source.instances == &scene.instances[2]);
   CHECK(source.instance == 1);

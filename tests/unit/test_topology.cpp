@@ -7,12 +7,12 @@
 #include <tuple>
 #include <vector>
 
+#include "bench/procedural.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/build/make_references.h"
 #include "core/build/spatial_split.h"
 #include "core/build/topology.h"
-#include "bench/procedural.h"
 
 using namespace msbvh;
 using namespace msbvh::procedural;

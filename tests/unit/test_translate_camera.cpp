@@ -47,9 +47,9 @@ TEST_SUITE("translate: camera") {
     CameraInput camera = camera_at({0, 0, 10});
     const CameraSample still = camera.samples[0];
     camera.samples.clear();
-    camera.bends01 = {0.0, 0.375, 1.0};
-    for (const auto& [time01, clip] : std::vector<std::pair<double, ClipRange>>{
-             {0.0, {1, 100}}, {0.375, {4, 50}}, {1.0, {2, 1000}}}) {
+    camera.breakpoints01 = {0.0, 0.375, 1.0};
+    for (const auto& [time01, clip] :
+         std::vector<std::pair<double, ClipRange>>{{0.0, {1, 100}}, {0.375, {4, 50}}, {1.0, {2, 1000}}}) {
       camera.samples.push_back(still);
       camera.samples.back().time01 = time01;
       camera.samples.back().clip = clip;

@@ -95,8 +95,12 @@ TEST_SUITE("translate: instances") {
   TEST_CASE("prims that are instances have track reports and materials of their own") {
     Instanced instanced(uniform_times(128), {0, 0, 10}, linear_settings());
     instanced.translator.add_material({});
-    const std::vector<Motion> motions{[](double) { return translation({1, 0, 0}); },
-                                      [](double u) { return translation({3 * u, 0, 0}); }};
+    const std::vector<Motion> motions{[](double) {
+                                        return translation({1, 0, 0});
+                                      },
+                                      [](double u) {
+                                        return translation({3 * u, 0, 0});
+                                      }};
     for (const double time01 : instanced.times01) {
       for (const Motion& motion : motions) instanced.matrices.push_back(row_vector_matrix(motion(time01)));
     }

@@ -23,7 +23,7 @@ struct OneMesh {
     empty_meshes = translator.empty_meshes();
     scene = translator.finish();
   }
-  const Mesh& mesh() const { return scene->meshes.at(scene->world_meshes.at(0)); }
+  const Mesh& mesh() const { return scene->mesh(scene->world.at(0)); }
 
   Translator translator;
   std::vector<Diagnostic> diagnostics;

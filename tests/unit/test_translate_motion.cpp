@@ -36,8 +36,8 @@ Vec3d position(const Scene& scene, std::uint32_t vertex, float u) {
   if (scene.instances.empty()) return Vec3d(scene.meshes.at(0).shape.position(vertex, u));
   const InstanceSet& set = scene.instances[0];
   float inside = u, own = u;
-  scene.prototypes[set.prototype].clock.at(u, inside);
-  set.clock.at(u, own);
+  scene.prototypes[set.prototype].time_remap.at(u, inside);
+  set.time_remap.at(u, own);
   const Vec3d p(scene.meshes.at(0).shape.position(vertex, inside));
   return Affine3d(evaluate(set.world_from_prototype, set.form(), own)).point(p);
 }
@@ -77,7 +77,7 @@ TEST_SUITE("translate: motion") {
     const Result result = translated(fixture.input(), {0, 0, 10});
     CHECK(result.track.segments == 0);
     CHECK_FALSE(result.track.moving_transform);
-    CHECK(result.scene->world_meshes.size() == 1);
+    CHECK(result.scene->world.size() == 1);
     CHECK(result.scene->instances.empty());
   }
 
@@ -111,7 +111,7 @@ TEST_SUITE("translate: motion") {
     fixture.add_points(1.0, moved(rest, {2, 1, 0}));
     const Vec3d eye{0.5, 0.5, 10};
     const Result result = translated(fixture.input(), eye);
-    CHECK(result.track.clock);  // under which 0.3 is a key
+    CHECK(result.track.time_remap);  // under which 0.3 is a key
     CHECK(result.track.segments == 2);
     CHECK(result.track.degree == 1);
     const auto truth = [&](std::uint32_t vertex, double u) {
@@ -130,7 +130,7 @@ TEST_SUITE("translate: motion") {
     const Vec3d eye{0, 0, 10};
     const Result result = translated(fixture.input(), eye, linear_settings());
     CHECK(result.track.moving_transform);
-    CHECK(result.scene->world_meshes.empty());
+    CHECK(result.scene->world.empty());
     REQUIRE(result.scene->instances.size() == 1);
     CHECK(result.scene->meshes.at(0).shape.segments == 0);
     const auto truth = [&](std::uint32_t vertex, double u) {
@@ -194,7 +194,7 @@ TEST_SUITE("translate: motion") {
       fixture.times01[1] = jump;
       const Result result = translated(fixture.input(), {0, 0, 10});
       CHECK(result.track.segments == 4);
-      CHECK(result.track.clock);
+      CHECK(result.track.time_remap);
       const auto at = static_cast<float>(jump);
       CHECK(position(*result.scene, 0, 0.0f).x == 0.0);
       CHECK(position(*result.scene, 0, std::nextafterf(at, 0.0f)).x == 0.0);
@@ -213,7 +213,7 @@ TEST_SUITE("translate: motion") {
     const std::vector<Vec3f> velocities(4, {2, 0, 0}), accelerations(4, {0, -8, 0});
     input.rates.velocities.samples = {{0.25, velocities}, {1.5, velocities}};
     input.rates.accelerations.samples = {{0.25, accelerations}, {1.5, accelerations}};
-    input.clock = {0.5, 0.5, 1.0f};
+    input.time_remap = {0.5, 0.5, 1.0f};
     const Vec3d eye{0, 0, 10};
     const Result result = translated(input, eye);
     CHECK(result.track.degree == 2);
@@ -231,7 +231,7 @@ TEST_SUITE("translate: motion") {
     fixture.add_points(1.0, moved(fixture.points[0], {1, 0, 0}));
     MeshInput input = fixture.input();
     const std::vector<Vec3f> four(4, {0, 5, 0}), three(3, {0, 5, 0});
-    input.clock.seconds_per_shutter = 1.0;
+    input.time_remap.seconds_per_shutter = 1.0;
     SUBCASE("other times") { input.rates.velocities.samples = {{0.1, four}, {1.0, four}}; }
     SUBCASE("no times at all") {
       input.rates.velocities.samples = {{0.0, four}};
@@ -250,7 +250,7 @@ TEST_SUITE("translate: motion") {
     MeshFixture fixture;
     const auto spin = [](double u) { return rotation(360 * u); };
     fixture.transform = sampled(spin, uniform_times(1024));
-    fixture.transform.bends01 = std::vector<double>{};
+    fixture.transform.breakpoints01 = std::vector<double>{};
     const Vec3d eye{0, 0, 10};
     const Result chords = translated(fixture.input(), eye, linear_settings());
     const Result curves = translated(fixture.input(), eye);
@@ -275,16 +275,16 @@ TEST_SUITE("translate: motion") {
     }
   }
 
-  TEST_CASE("visibility within the shutter becomes a clock; what is never seen is left out") {
+  TEST_CASE("visibility within the shutter becomes a time remap; what is never seen is left out") {
     MeshFixture fixture;
     MeshInput input = fixture.input();
     input.visible = std::vector<VisibleInterval>{{0.25, 0.75}};
     const Result result = translated(input, {0, 0, 10});
     REQUIRE(result.scene->prototypes.size() == 1);
-    const Clock& clock = result.scene->prototypes[0].clock;
+    const TimeRemap& time_remap = result.scene->prototypes[0].time_remap;
     const auto shown = [&](float u) {
       float local;
-      return clock.at(u, local);
+      return time_remap.at(u, local);
     };
     CHECK_FALSE(shown(0.0f));
     CHECK(shown(0.25f));
@@ -294,7 +294,7 @@ TEST_SUITE("translate: motion") {
     validate(*result.scene);
     input.visible = std::vector<VisibleInterval>{};
     const Result never = translated(input, {0, 0, 10});
-    CHECK(never.scene->world_meshes.empty());
+    CHECK(never.scene->world.empty());
     CHECK(never.scene->instances.empty());
   }
 

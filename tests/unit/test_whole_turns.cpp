@@ -1,10 +1,11 @@
-// What is back where it was at every even time of the shutter is not at rest: normals, and time remaps that repeat.
+// What is back where it was at every even time of the shutter is not at rest: normals, and time remaps that
+// repeat.
 #include <cmath>
 #include <doctest/doctest.h>
 #include <vector>
 
 #include "core/base/lerp.h"
-#include "core/motion/clock.h"
+#include "core/motion/time_remap.h"
 #include "delegate/translate/moving_array.h"
 #include "tests/unit/translate_inputs.h"
 
@@ -45,7 +46,8 @@ TEST_SUITE("translate: whole turns") {
         const Vec3d found = normalize(lerp(Vec3d(keys[key]), Vec3d(keys[key + 1]), place - double(key)));
         worst = std::max(worst, length(found - rotation(360.0 * turns * random_time01(i)).x));
       }
-      CHECK(worst <= 1.25 * kTolerance);  // tests lie a sixteenth of a turn apart, the samples' own chords on top
+      CHECK(worst <=
+            1.25 * kTolerance);  // tests lie a sixteenth of a turn apart, the samples' own chords on top
     }
   }
 
@@ -54,13 +56,13 @@ TEST_SUITE("translate: whole turns") {
       CAPTURE(turns);
       const TimeLayout layout = TimeLayout::repeating(1.0 / turns, 3);
       CHECK(layout.segments() == 8);
-      const Clock clock = layout.clock();
-      REQUIRE(is_valid_clock(clock));
-      CHECK(clock.pieces.size() == std::size_t(std::ceil(turns)));
+      const TimeRemap time_remap = layout.time_remap();
+      REQUIRE(is_valid_time_remap(time_remap));
+      CHECK(time_remap.pieces.size() == std::size_t(std::ceil(turns)));
       for (int i = 0; i < 1000; ++i) {
         const auto u = float(random_time01(i));
         float local = -1.0f;
-        REQUIRE(clock.at(u, local));
+        REQUIRE(time_remap.at(u, local));
         const double turned = double(u) * turns, truth = turned - std::floor(turned);
         const double apart = std::abs(local - truth);
         CHECK(std::min(apart, 1.0 - apart) <= turns * 0x1p-23);  // single precision of a piece's beginning

@@ -96,7 +96,7 @@ struct MeshFixture {
     mesh.left_handed = left_handed;
     for (std::size_t i = 0; i < points.size(); ++i) mesh.points.samples.push_back({times01[i], points[i]});
     mesh.points.held = held;
-    mesh.clock.frame01 = frame01;
+    mesh.time_remap.frame01 = frame01;
     mesh.world_from_object = transform;
     return mesh;
   }

@@ -1,12 +1,10 @@
-#include <signal.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <string>
-
 #include <nanobind/stl/string.h>
+#include <signal.h>
+#include <string>
+#include <unistd.h>
 
 #include "delegate/usd/bindings/bindings.h"
 
@@ -48,7 +46,7 @@ void arm(const std::string& text) {
   stack.ss_sp = handler_stack.data();
   stack.ss_size = handler_stack.size();
   sigaltstack(&stack, &stack_before);
-  struct sigaction action{};
+  struct sigaction action {};
   action.sa_handler = end_with_line;
   action.sa_flags = SA_ONSTACK;
   sigemptyset(&action.sa_mask);

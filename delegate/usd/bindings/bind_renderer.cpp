@@ -180,8 +180,9 @@ std::vector<Aov> aovs_from(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const std::optional<Aov> aov = aov_named(name);
     if (!aov)
-      throw Error(
-          std::string("render settings: aovs: found '").append(name).append("'; expected one of aov_names()"));
+      throw Error(std::string("render settings: aovs: found '")
+                      .append(name)
+                      .append("'; expected one of aov_names()"));
     aovs.push_back(*aov);
   }
   return aovs;

@@ -58,23 +58,23 @@ std::vector<Affine3f> maps_at(const InstanceSet& set, float time) {
   return maps;
 }
 
-// As the tracer sees them: float tracks under their clocks. What is hidden at that time is left out.
+// As the tracer sees them: float tracks under their time remaps. What is hidden at that time is left out.
 std::vector<nb::tuple> poses(const SceneHandle& handle, float time) {
   const Scene& scene = *handle.scene;
   const Affine3f identity;
   std::vector<nb::tuple> result;
-  for (const std::uint32_t index : scene.world_meshes) {
-    const TriangleMesh& shape = scene.meshes[index].shape;
+  for (const GeometryId index : scene.world) {
+    const TriangleMesh& shape = scene.mesh(index).shape;
     result.push_back(
         nb::make_tuple(shape.name, shape.name, placed(shape, time, {&identity, 1}, handle.origin)));
   }
   for (const InstanceSet& set : scene.instances) {
     const Prototype& prototype = scene.prototypes[set.prototype];
     float own = time, inside = time;
-    if (!set.clock.at(time, own) || !prototype.clock.at(time, inside)) continue;
+    if (!set.time_remap.at(time, own) || !prototype.time_remap.at(time, inside)) continue;
     const std::vector<Affine3f> maps = maps_at(set, own);
-    for (const std::uint32_t index : prototype.meshes) {
-      const TriangleMesh& shape = scene.meshes[index].shape;
+    for (const GeometryId index : prototype.geometry) {
+      const TriangleMesh& shape = scene.mesh(index).shape;
       result.push_back(nb::make_tuple(shape.name, set.name, placed(shape, inside, maps, handle.origin)));
     }
   }
@@ -86,7 +86,7 @@ std::vector<nb::tuple> poses(const SceneHandle& handle, float time) {
 nb::tuple camera_at(const SceneHandle& handle, float time) {
   const Camera& camera = handle.scene->camera;
   float local = time;
-  camera.clock.at(time, local);
+  camera.time_remap.at(time, local);
   const SegmentTime at = locate(local, camera.segments);
   const auto value = [&](const auto& controls) {
     return track_value(controls.data(), camera.form(), at.key, at.w);

@@ -35,12 +35,13 @@ std::optional<std::vector<VisibleInterval>> visible_from(Arguments& arguments) {
   return std::vector<VisibleInterval>(all.begin(), all.end());
 }
 
-RateClock clock_from(Arguments& arguments) {
-  RateClock clock;
-  clock.frame01 = arguments.value_or("frame01", clock.frame01, "a float");
-  clock.seconds_per_shutter = arguments.value_or("seconds_per_shutter", clock.seconds_per_shutter, "a float");
-  clock.velocity_scale = arguments.value_or("velocity_scale", clock.velocity_scale, "a float");
-  return clock;
+RateTimes times_from(Arguments& arguments) {
+  RateTimes time_remap;
+  time_remap.frame01 = arguments.value_or("frame01", time_remap.frame01, "a float");
+  time_remap.seconds_per_shutter =
+      arguments.value_or("seconds_per_shutter", time_remap.seconds_per_shutter, "a float");
+  time_remap.velocity_scale = arguments.value_or("velocity_scale", time_remap.velocity_scale, "a float");
+  return time_remap;
 }
 
 TrackChoice choice_from(Arguments& arguments, std::uint32_t max_segments) {
@@ -89,7 +90,7 @@ CameraInput camera_from(Arguments& arguments) {
   camera.projection = projection_from(arguments.value<std::string>("projection", "a str"));
   camera.near_clip = arguments.value<float>("near_clip", "a float");
   camera.far_clip = arguments.value<float>("far_clip", "a float");
-  camera.bends01 = arguments.optional_times("bends01");
+  camera.breakpoints01 = arguments.optional_times("breakpoints01");
   camera.periods01 = arguments.optional_times("periods01").value_or(std::vector<double>{});
   const TransformSamples transform = transform_from(arguments, "times01", "world_from_camera");
   const AnyArray windows =
@@ -171,12 +172,12 @@ MeshInput mesh_from(Arguments& arguments) {
   const bool held = arguments.value<bool>("points_held", "a bool");
   mesh.points = arguments.samples("points", held);
   mesh.rates = {arguments.samples("velocities", held), arguments.samples("accelerations", held)};
-  mesh.clock = clock_from(arguments);
+  mesh.time_remap = times_from(arguments);
   mesh.topology_varies = arguments.value_or("topology_varies", false, "a bool");
   mesh.computed_points = arguments.value_or("computed_points", false, "a bool");
   mesh.visible = visible_from(arguments);
   mesh.world_from_object = transform_from(arguments, "transform_times01", "transforms");
-  mesh.world_from_object.bends01 = arguments.optional_times("transform_bends01");
+  mesh.world_from_object.breakpoints01 = arguments.optional_times("transform_breakpoints01");
   mesh.world_from_object.periods01 =
       arguments.optional_times("transform_periods01").value_or(std::vector<double>{});
   mesh.world_from_object.held = arguments.value_or("transforms_held", false, "a bool");
@@ -236,7 +237,7 @@ class LevelArguments {
     level_.times01.assign(times01.begin(), times01.end());
     level_.matrices = elements<Matrix4d>(arguments_.keep(checked_array<double>(
         arguments_.required("matrices"), "matrices", {times01.size(), kAnySize, 4, 4})));
-    level_.bends01 = arguments_.optional_times("bends01");
+    level_.breakpoints01 = arguments_.optional_times("breakpoints01");
     level_.periods01 = arguments_.optional_times("periods01").value_or(std::vector<double>{});
     level_.held = held;
   }
@@ -251,7 +252,7 @@ class LevelArguments {
     points_.orientations_name = arguments_.value_or("orientations_name", points_.orientations_name, "a str");
     points_.rates = {arguments_.samples("velocities", held), arguments_.samples("accelerations", held)};
     points_.angular_velocities = arguments_.samples("angular_velocities", held);
-    points_.clock = clock_from(arguments_);
+    points_.time_remap = times_from(arguments_);
   }
 
   nb::kwargs keywords_;
@@ -368,7 +369,7 @@ void bind_reports(nb::module_& m) {
       .def_ro("rule", &TrackReport::rule)
       .def_ro("segments", &TrackReport::segments)
       .def_ro("degree", &TrackReport::degree)
-      .def_ro("clock", &TrackReport::clock)
+      .def_ro("time_remap", &TrackReport::time_remap)
       .def_ro("hidden_partly", &TrackReport::hidden_partly)
       .def_ro("bytes", &TrackReport::bytes)
       .def_ro("count", &TrackReport::count)

@@ -62,8 +62,8 @@ class TrackReport:
     def degree(self) -> int:
         """Of the Bezier curves on the segments: 1 linear, 2, 3."""
     @property
-    def clock(self) -> bool:
-        """Keys lie where the motion bends or jumps, not at even times."""
+    def time_remap(self) -> bool:
+        """Keys lie at the breakpoints of the motion, not at even times."""
     @property
     def hidden_partly(self) -> bool:
         """Visible for a part of the shutter."""
@@ -87,9 +87,7 @@ class Scene:
     @property
     def mesh_names(self) -> list[str]:
         """Of the prims that primId counts, in its order."""
-    def camera(
-        self, time01: float
-    ) -> tuple[list[list[float]], tuple[float, float, float, float], tuple[float, float]]:
+    def camera(self, time01: float) -> tuple[list[list[float]], tuple[float, float, float, float], tuple[float, float]]:
         """The camera at a time, from its tracks: world_from_camera [4, 4] in stage space, the window, and the lens's
         radius and focus distance."""
     def poses(self, time01: float) -> list[tuple[str, str, F64]]:
@@ -122,7 +120,7 @@ class MeshArguments(TypedDict, total=False):
     transform_times01: F64
     transforms: F64
     """[T, 4, 4]: stage from object space; prototype from object space for a prototype's mesh."""
-    transform_bends01: F64 | None
+    transform_breakpoints01: F64 | None
     """Where the transform may change its course; None: at every sample."""
     transform_periods01: F64 | None
     """Shares of the shutter after which the transform may repeat; whether it does is tested."""
@@ -151,7 +149,7 @@ class InstanceLevel(TypedDict, total=False):
     held: bool
     times01: F64
     matrices: F64
-    bends01: F64 | None
+    breakpoints01: F64 | None
     periods01: F64 | None
     selected: I32
     count: int
@@ -181,7 +179,7 @@ class Translator:
         times01: F64,
         world_from_camera: F64,
         windows: F32,
-        bends01: F64 | None = None,
+        breakpoints01: F64 | None = None,
         periods01: F64 | None = None,
         lenses: F32 | None = None,
         near_clip: float,
@@ -225,7 +223,8 @@ class Translator:
     ) -> None:
         """As many instances as the product of the levels' counts, the outermost (last) level varying slowest;
         ``display_color`` [N, 3], ``materials`` [N] (negative: none) override the prototype's own. ``paths``: of
-        the prims that the innermost level places, for a track report each; ``report_whole``: and one of all. After the prototype's meshes."""
+        the prims that the innermost level places, for a track report each; ``report_whole``: and one of all. After
+        the prototype's meshes."""
     def add_material(
         self,
         *,
@@ -307,9 +306,7 @@ class Renderer:
         Without the GIL. ``progress`` is called with the finished share about ten times a second on the
         calling thread; its exception, or a signal's, stops within a tile and is raised here.
         """
-    def render_with_aovs(
-        self, progress: Callable[[float], object] | None = None
-    ) -> tuple[F32, dict[str, F32 | I32]]:
+    def render_with_aovs(self, progress: Callable[[float], object] | None = None) -> tuple[F32, dict[str, F32 | I32]]:
         """render(), and each AOV by its name: int32[height, width] of ids, else float32[height, width, channels]."""
     def verify(self) -> None:
         """Proves the invariants of every tree that was built; raises Error naming the node that breaks one.
@@ -396,7 +393,8 @@ def bench_run(
     peer_folder: str,
 ) -> list[str]:
     """Rows as JSON. ``builders`` empty: msbvh and mbvh; ``threads`` 0: all; ``peer``: path of its library, empty for none;
-    ``peer_folder``: where the peer finds the ray tracer's libraries; ``robust``: the peer with its flag and without; ``oracle_tests``: triangles that the oracle tests a builder and kind of ray.
+    ``peer_folder``: where the peer finds the ray tracer's libraries; ``robust``: the peer with its flag and without;
+    ``oracle_tests``: triangles that the oracle tests a builder and kind of ray.
 
     Without the GIL; a signal's exception ends it between two measurements.
     """

@@ -24,7 +24,6 @@ from pxr import Usd, UsdGeom
 from . import _core
 from .camera import find_camera
 from .errors import Diagnostics, SceneError
-from .framing import framing_camera
 from .reader import ReadSettings, read_frame
 from .stage import open_stage
 from .value_types import FLOAT
@@ -43,6 +42,7 @@ SHARED = {
 SHARED_TRIANGLES = 6_000_000
 """A public scene of more triangles is left out."""
 NO_INTERIOR = (0.0, 0.0, 0.0, 0.0)
+HALF_A_FRAME = (-0.25, 0.25)
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,9 @@ def find_peer(peer: str) -> Peer:
         raise SceneError(f"--peer {peer}: found no {extension / name}; expected an installation that has it")
     folder = _embree_folder()
     if folder is None:
-        raise SceneError(f"--peer {peer}: Embree is not installed; expected the package embreex: pip install embreex==4.4.*")
+        raise SceneError(
+            f"--peer {peer}: Embree is not installed; expected the package embreex: pip install embreex==4.4.*"
+        )
     return Peer(built[0], folder)
 
 
@@ -143,9 +145,8 @@ def cases(settings: BenchSettings) -> Iterator[Case]:
 
 def _class_cases(settings: BenchSettings) -> Iterator[Case]:
     for kind in _core.bench_classes():
-        prefix = "quick_" if settings.quick else ""
-        triangles = settings.triangles or kind[f"{prefix}triangles"]
-        for segments, degree in kind[f"{prefix}forms"]:
+        triangles = settings.triangles or kind["quick_triangles" if settings.quick else "triangles"]
+        for segments, degree in kind["quick_forms" if settings.quick else "forms"]:
             name = kind["name"]
             if settings.wants(name, f"{name}-{segments + 1}"):
                 arguments = {"triangles": triangles, "segments": segments, "degree": degree}
@@ -177,35 +178,29 @@ def _shared_cases(settings: BenchSettings) -> Iterator[Case]:
             for entry in index:
                 if f"{entry['group']}/{entry['name']}" == place:
                     path = folder / entry["group"] / entry["name"] / entry["root"]
-                    yield Case(f"shared/{name}", _reader(path, entry["frame"]))
+                    yield Case(f"shared/{name}", reader(path, entry["frame"]))
                     break
 
 
-def _reader(path: Path, frame: str) -> Callable[[], Any]:
+def reader(path: Path, frame: str) -> Callable[[], Any]:
     def read() -> tuple[Any, tuple[float, float, float, float]]:
         stage = open_stage(str(path), Diagnostics())
         code = stage.GetStartTimeCode() if frame in ("", "None") else float(frame)
-        return read_frame(stage, code, ReadSettings(camera=_opened_camera(stage, code))).scene, NO_INTERIOR
+        return read_frame(stage, code, ReadSettings(shutter=_shutter(stage, code))).scene, NO_INTERIOR
 
     return read
 
 
-def _opened_camera(stage: Usd.Stage, code: float) -> str:
-    """Path of the camera, with half a frame of shutter where the stage leaves it shut. Session layer only."""
-    stage.SetEditTarget(stage.GetSessionLayer())
-    prim = find_camera(stage, None, Diagnostics())
-    camera = UsdGeom.Camera(prim) if prim else UsdGeom.Camera.Define(stage, "/msbvh_bench_camera")
-    if not prim:
-        camera.SetFromCamera(framing_camera(stage, code, ["proxy"], Diagnostics()), Usd.TimeCode.Default())
-    if value(camera.GetShutterOpenAttr(), code, FLOAT) == value(camera.GetShutterCloseAttr(), code, FLOAT):
-        camera.GetShutterOpenAttr().Set(-0.25)
-        camera.GetShutterCloseAttr().Set(0.25)
-    return str(camera.GetPath())
+def _shutter(stage: Usd.Stage, code: float) -> tuple[float, float] | None:
+    """Half a frame where the stage leaves it shut, or has no camera; else None: the camera's own."""
+    camera = UsdGeom.Camera(find_camera(stage, None, Diagnostics()))
+    if not camera:
+        return HALF_A_FRAME
+    opening, closing = camera.GetShutterOpenAttr(), camera.GetShutterCloseAttr()
+    return HALF_A_FRAME if value(opening, code, FLOAT) == value(closing, code, FLOAT) else None
 
 
-def run(
-    settings: BenchSettings, progress: Callable[[float], object], note: Callable[[str], None]
-) -> Report:
+def run(settings: BenchSettings, progress: Callable[[float], object], note: Callable[[str], None]) -> Report:
     """Measures; {"machine": ..., "rows": [...]}. `note` hears of scenes that are left out."""
     load, begin = os.getloadavg()[0], time.monotonic()
     peer = find_peer(settings.peer) if settings.peer else None

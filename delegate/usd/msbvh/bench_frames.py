@@ -92,9 +92,7 @@ class FrameSettings:
     @property
     def chosen(self) -> Sequence[FrameScene]:
         """Raises SceneError where there is none."""
-        found = [
-            s for s in SCENES.values() if any(fnmatch.fnmatchcase(s.name, pattern) for pattern in self.scenes)
-        ]
+        found = [s for s in SCENES.values() if any(fnmatch.fnmatchcase(s.name, pattern) for pattern in self.scenes)]
         if not found:
             raise SceneError(
                 f"--scenes {','.join(self.scenes)}: matches nothing; expected globs of {', '.join(SCENES)}"
@@ -198,9 +196,7 @@ class _Bench:
         pictures = converged or self._pictures(measured)
         ours = self._sides[0].name
         alike = (
-            {side.name: likeness(pictures[ours], pictures[side.name]) for side in self._sides[1:]}
-            if pictures
-            else {}
+            {side.name: likeness(pictures[ours], pictures[side.name]) for side in self._sides[1:]} if pictures else {}
         )
         for threads, runs in measured.items():
             noises = {name: [noise(run.pixels, converged[name]) for run in runs[name]] for name in converged}
@@ -274,9 +270,7 @@ def _errors(runs: Sequence[Run], noises: Sequence[Noise] | None) -> Row:
     return {
         **_spread("relative_mse", errors),
         "reference_share": max(found.reference_share for found in noises),
-        **_spread(
-            "trace_mse", [run.seconds["trace"] * error for run, error in zip(runs, errors, strict=True)]
-        ),
+        **_spread("trace_mse", [run.seconds["trace"] * error for run, error in zip(runs, errors, strict=True)]),
         **_spread("process_mse", [run.process * error for run, error in zip(runs, errors, strict=True)]),
     }
 

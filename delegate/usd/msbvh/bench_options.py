@@ -14,8 +14,8 @@ FRAMES: Sequence[Decorator] = (
     click.option(
         "--frames",
         is_flag=True,
-        help="Whole frames of five scenes instead of rays: seconds, memory and noise of each renderer. Ours alone takes"
-        " some 30 minutes on two cores, beside Cycles 2 hours; --quick, a minute, says nothing about speed.",
+        help="Measure whole frames of five scenes instead of rays: time, memory and noise of each renderer. About 30"
+        " minutes on two cores, with Cycles 2 hours. With --quick a minute, too short to judge speed by.",
     ),
     click.option(
         "--old",
@@ -27,31 +27,31 @@ FRAMES: Sequence[Decorator] = (
         "peer_folder",
         type=click.Path(path_type=Path),
         metavar="DIR",
-        help="With --peer cycles: the Python environment that has bpy. Made where there is none: a GB. Default: in the"
-        " user's cache.",
+        help="With --peer cycles: the Python environment that has bpy. Created if missing, which takes a GB. Default: in"
+        " the user's cache.",
     ),
     click.option(
         "--resolution",
         nargs=2,
         type=click.IntRange(1, MAX_PIXELS_ACROSS),
         metavar="W H",
-        help="With --frames: pixels. Default: 480 320; of a quick run 96 64.",
+        help="With --frames: width and height in pixels. Default: 480 320; with --quick: 96 64.",
     ),
     click.option(
         "--spp",
         type=click.IntRange(1, MAX_SPP),
-        help="With --frames: samples a pixel. Default: 128; of a quick run 16.",
+        help="With --frames: samples per pixel. Default: 128; with --quick: 16.",
     ),
     click.option(
         "--reference-spp",
         type=click.IntRange(0, MAX_SPP),
-        help="With --frames: of the converged pictures that noise is measured by, which take most of the time; 0: none,"
-        " times alone. Default: 2048; of a quick run 256.",
+        help="With --frames: samples per pixel of the converged pictures that noise is measured against, which take most of"
+        " the time; 0: no pictures, times only. Default: 2048; with --quick: 256.",
     ),
     click.option(
         "--max-bounces",
         type=click.IntRange(0, 64),
-        help="With --frames: of indirect light. Default: 2.",
+        help="With --frames: bounces of indirect light. Default: 2.",
     ),
 )
 
@@ -80,6 +80,4 @@ def frame_options(options: dict[str, Any]) -> tuple[bool, dict[str, Any]]:
     if options["peer_folder"] and peer != "cycles":
         raise click.UsageError("--peer-env needs --peer cycles")
     kept = {name: value for name, value in options.items() if name not in (*foreign, "frames")}
-    return frames, {
-        name: value for name, value in kept.items() if not (name == "max_bounces" and value is None)
-    }
+    return frames, {name: value for name, value in kept.items() if not (name == "max_bounces" and value is None)}

@@ -56,9 +56,7 @@ def read_blend_shapes(
     names = [str(name) for name in query.GetBlendShapeOrder() or ()]
     shape_paths = targets(prim, "skel:blendShapeTargets")
     if len(names) != len(shape_paths) or shapes.GetNumBlendShapes() != len(shape_paths):
-        message = (
-            f"found {len(shape_paths)} targets, expected {len(names)}, as many as skel:blendShapes; left out"
-        )
+        message = f"found {len(shape_paths)} targets, expected {len(names)}, as many as skel:blendShapes; left out"
         context.diagnostics.warning(str(prim.GetPath()), _TARGETS, message)
         return None
     for index, target in enumerate(shape_paths):

@@ -58,7 +58,7 @@ class RenderCamera:
     """float64[T, 4, 4]."""
     windows: np.ndarray
     """float32[T, 4]: left, right, bottom, top of the image at unit distance (orthographic: stage units)."""
-    bends01: np.ndarray
+    breakpoints01: np.ndarray
     """float64[B]: where the camera may change its course."""
     periods01: np.ndarray
     """float64[P]: shares of the shutter after which its motion may repeat."""
@@ -185,9 +185,7 @@ def find_camera(stage: Usd.Stage, name: str | None, diagnostics: Diagnostics) ->
     primary = [prim for prim in cameras if prim.GetName() == UsdUtils.GetPrimaryCameraName()]
     chosen = (primary or cameras)[0]
     if len(cameras) > 1 and not primary:
-        diagnostics.note(
-            str(chosen.GetPath()), "", f"the first of {len(cameras)} cameras; --camera chooses another"
-        )
+        diagnostics.note(str(chosen.GetPath()), "", f"the first of {len(cameras)} cameras; --camera chooses another")
     return chosen
 
 
@@ -233,7 +231,7 @@ class Course:
     """Values jump at the breakpoints."""
 
     @property
-    def bends01(self) -> list[float]:
+    def courses_change01(self) -> list[float]:
         """The breakpoints; of a held stage with the instants before them."""
         before = [time - JUMP_TIME01 for time in self.breakpoints01 if self.held and time > JUMP_TIME01]
         return sorted([*self.breakpoints01, *before])
@@ -293,10 +291,10 @@ def _sampled(
     for camera in cameras:
         _check_optics(path, camera)
     matrices = np.array([np.array(camera.transform) for camera in cameras])
-    windows = np.float32([conformed(window_of(camera), width / height, conform)[0] for camera in cameras])
+    windows = np.array([conformed(window_of(camera), width / height, conform)[0] for camera in cameras], np.float32)
     lenses = read_lenses(path, at_frame, cameras, diagnostics)
     keep = len(times01)
-    clips = np.float32([(camera.clippingRange.min, camera.clippingRange.max) for camera in cameras])
+    clips = np.array([(camera.clippingRange.min, camera.clippingRange.max) for camera in cameras], np.float32)
     if all((values == values[0]).all() for values in (matrices, windows, lenses, clips)):
         keep = 1
     return RenderCamera(
@@ -306,7 +304,7 @@ def _sampled(
         times01=np.array(times01[:keep]),
         world_from_camera=matrices[:keep],
         windows=windows[:keep],
-        bends01=np.array(course.bends01),
+        breakpoints01=np.array(course.courses_change01),
         periods01=np.array(course.turns.periods01),
         lenses=lenses[:keep],
         near_clip=float(clips[:, 0].min()),

@@ -313,9 +313,7 @@ def _record_jobs(
 
 def _read_settings(options: dict[str, Any]) -> ReadSettings:
     if options["shutter"] is not None and options["default_time"]:
-        raise click.UsageError(
-            "--shutter and --defaultTime exclude each other: nothing moves at the default time"
-        )
+        raise click.UsageError("--shutter and --defaultTime exclude each other: nothing moves at the default time")
     width, height = options["resolution"] or (options["image_width"], None)
     return ReadSettings(
         camera=options["camera"],
@@ -348,9 +346,7 @@ def _color_correction(options: dict[str, Any]) -> ColorCorrection:
 
 def _check_renderer(name: str | None) -> None:
     if name is not None and name not in RENDERER_NAMES:
-        raise click.UsageError(
-            f"--renderer: found '{name}', but only msbvh renders here; leave the option out"
-        )
+        raise click.UsageError(f"--renderer: found '{name}', but only msbvh renders here; leave the option out")
 
 
 def _check_text(scene: str, options: dict[str, Any]) -> None:

@@ -27,9 +27,9 @@ class ColorCorrection:
 
     mode: str = "sRGB"
     display: str | None = None
-    """Of mode openColorIO; None: the config's default."""
+    """For mode openColorIO; None: the config's default."""
     view: str | None = None
-    """Of mode openColorIO; None: the display's default."""
+    """For mode openColorIO; None: the display's default."""
 
     def resolve(self) -> tuple[str, str] | None:
         """The display and the view that the mode stands for; None where pixels stay linear. Raises
@@ -51,9 +51,7 @@ class ColorCorrection:
         if resolved is not None:
             config = ocio.Config.CreateFromFile(CONFIG)
             processor = config.getProcessor(WORKING_SPACE, *resolved, ocio.TRANSFORM_DIR_FORWARD)
-            processor.getDefaultCPUProcessor().apply(
-                ocio.PackedImageDesc(pixels, pixels.shape[1], pixels.shape[0], 3)
-            )
+            processor.getDefaultCPUProcessor().apply(ocio.PackedImageDesc(pixels, pixels.shape[1], pixels.shape[0], 3))
         return pixels
 
 

@@ -41,9 +41,7 @@ def check_suite(suite: Path) -> None:
         )
 
 
-def with_shutter(
-    rule: Rule, suite: Path, shutter: tuple[float, float], folder: Path, renderer_knows: bool
-) -> Rule:
+def with_shutter(rule: Rule, suite: Path, shutter: tuple[float, float], folder: Path, renderer_knows: bool) -> Rule:
     """A rule with the answer for a shutter. A renderer that does not know of it gets a scene whose camera has
     it.
 

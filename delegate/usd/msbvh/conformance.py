@@ -182,9 +182,7 @@ def find_suite(folder: Path | None) -> Path:
         if (candidate / MANIFEST).is_file():
             return candidate
     searched = " or ".join(str(candidate / MANIFEST) for candidate in candidates)
-    raise SceneError(
-        f"conformance suite: found no {searched}; expected a folder with {MANIFEST}, give --suite DIR"
-    )
+    raise SceneError(f"conformance suite: found no {searched}; expected a folder with {MANIFEST}, give --suite DIR")
 
 
 def read_rules(suite: Path, pattern: str = "*") -> list[Rule]:
@@ -197,9 +195,7 @@ def read_rules(suite: Path, pattern: str = "*") -> list[Rule]:
         entries = json.loads(manifest.read_text(encoding="utf-8"))["rules"]
         rules = [_rule(suite, entry) for entry in entries]
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise SceneError(
-            f"{manifest}: found {type(error).__name__}: {error}, expected a list of rules"
-        ) from None
+        raise SceneError(f"{manifest}: found {type(error).__name__}: {error}, expected a list of rules") from None
     chosen = [rule for rule in rules if any(fnmatch.fnmatchcase(rule.name, p) for p in pattern.split(","))]
     if not chosen:
         raise SceneError(f"--rules: found '{pattern}', which none of the {len(rules)} rules matches")
@@ -233,8 +229,9 @@ def conform(
     """Runs the renderer on every rule. `spp`: samples a pixel that the allowed error is for. `out`: where its
     images stay. `record`: of our own renderer, see read_record(). `prepare`: makes of a rule the one that the renderer
     is held to, with a folder at hand."""
-    for rule in rules if out is not None else ():
-        check_folder(out / rule.name)
+    if out is not None:
+        for rule in rules:
+            check_folder(out / rule.name)
     with _scratch() as scratch:
         for done, rule in enumerate(rules):
             folder = (out or scratch) / rule.name
@@ -266,9 +263,7 @@ def _scratch() -> Iterator[Path]:
         yield folder
 
 
-def judged(
-    rule: Rule, found: np.ndarray, expected: np.ndarray, spp: int, recorded: Recorded | None = None
-) -> Outcome:
+def judged(rule: Rule, found: np.ndarray, expected: np.ndarray, spp: int, recorded: Recorded | None = None) -> Outcome:
     """How the coverage that was found does beside the expected one, float[H, W] both."""
     allowed, worst_allowed = allowed_errors(expected, spp, rule.slack)
     error, worst = errors(found, expected)
@@ -372,8 +367,7 @@ def table(outcomes: Sequence[Outcome]) -> str:
         result = "pass" if outcome.passed else "FAIL"
         why = "" if outcome.passed else f" ({outcome.reason})"
         lines.append(
-            f"{outcome.rule.name:{names}}  {result:6}  {error:6}  {outcome.bound:.4f}   "
-            f"{outcome.rule.statement}{why}"
+            f"{outcome.rule.name:{names}}  {result:6}  {error:6}  {outcome.bound:.4f}   {outcome.rule.statement}{why}"
         )
     passed = sum(outcome.passed for outcome in outcomes)
     lines.append(f"{passed} of {len(outcomes)} rules pass")

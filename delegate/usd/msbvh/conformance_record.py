@@ -43,9 +43,7 @@ def read_record(suite: Path, spp: int) -> Mapping[str, Recorded]:
         return {}
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
-        rules = {
-            name: Recorded(entry["error"], entry["standard_error"]) for name, entry in record["rules"].items()
-        }
+        rules = {name: Recorded(entry["error"], entry["standard_error"]) for name, entry in record["rules"].items()}
         return rules if record["spp"] == spp else {}
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise SceneError(

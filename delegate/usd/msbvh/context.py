@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from pxr import Usd
@@ -42,7 +43,7 @@ class FrameContext:
         return self.shutter.frame_code
 
 
-def array(value: object, dtype: type, columns: int | None = None) -> np.ndarray:
+def array(value: Any, dtype: type, columns: int | None = None) -> np.ndarray:
     """A Vt array as numpy array without a copy where the type allows it: dtype[N] or dtype[N, columns].
 
     None, what USD gives where no value is authored, becomes an empty array.

@@ -69,9 +69,7 @@ def _section_fault(file: BinaryIO, sections: dict[bytes, tuple[int, int]], size:
     return ""
 
 
-def _array_fault(
-    file: BinaryIO, sections: dict[bytes, tuple[int, int]], size: int, version: tuple[int, int]
-) -> str:
+def _array_fault(file: BinaryIO, sections: dict[bytes, tuple[int, int]], size: int, version: tuple[int, int]) -> str:
     """Arrays in the table of fields whose lengths the file cannot hold. Those inside time samples are not looked at."""
     if b"FIELDS" not in sections or version < _SINCE_LONG_COUNTS:
         return ""

@@ -91,14 +91,8 @@ def find_cycles(folder: Path | None, note: Callable[[str], None]) -> Cycles:
 
 def _check_ours(folder: Path) -> None:
     """Nothing is installed into a folder that holds something else."""
-    if (
-        folder.exists()
-        and not (folder / "pyvenv.cfg").is_file()
-        and (not folder.is_dir() or any(folder.iterdir()))
-    ):
-        raise SceneError(
-            f"--peer-env: found '{folder}', which is no Python environment; expected one, or a new folder"
-        )
+    if folder.exists() and not (folder / "pyvenv.cfg").is_file() and (not folder.is_dir() or any(folder.iterdir())):
+        raise SceneError(f"--peer-env: found '{folder}', which is no Python environment; expected one, or a new folder")
 
 
 def _install(folder: Path) -> None:

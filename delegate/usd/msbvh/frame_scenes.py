@@ -148,9 +148,7 @@ def _cloth(stage: Usd.Stage, detail: float) -> None:
         mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(at(frame).points), frame)
 
 
-def _tumble(
-    prim: UsdGeom.Xformable, random: np.random.Generator, reach: Sequence[float], speed: float
-) -> None:
+def _tumble(prim: UsdGeom.Xformable, random: np.random.Generator, reach: Sequence[float], speed: float) -> None:
     """Flies and turns at constant speeds. `reach`: half the box that it starts in; `speed`: units a frame, at most."""
     start, along = random.uniform(-1, 1, 3) * reach, random.uniform(-1, 1, 3) * speed
     turn = random.uniform(-180, 180, 3)
@@ -177,9 +175,7 @@ def _crowd(stage: Usd.Stage, detail: float) -> None:
     stage.CreateClassPrim("/prototypes")
     for k, path in enumerate(prototypes):
         UsdGeom.Xform.Define(stage, path)
-        _mesh(
-            stage, f"{path}/mesh", _torus(_faces(40, detail), 0.4, 0.1 + 0.05 * k), (0.3 + 0.2 * k, 0.6, 0.4)
-        )
+        _mesh(stage, f"{path}/mesh", _torus(_faces(40, detail), 0.4, 0.1 + 0.05 * k), (0.3 + 0.2 * k, 0.6, 0.4))
     for k in range(_count(3000, detail)):
         instance = UsdGeom.Xform.Define(stage, f"/crowd/one_{k}")
         instance.GetPrim().GetReferences().AddInternalReference(Sdf.Path(prototypes[k % 3]))

@@ -115,9 +115,7 @@ def old_build(command_line: str) -> Msbvh:
     except ValueError as error:
         raise SceneError(f"--old: found {command_line!r}, expected a command line: {error}") from None
     if not program:
-        raise SceneError(
-            "--old: found nothing, expected the command of another msbvh, such as /opt/old/bin/msbvh"
-        )
+        raise SceneError("--old: found nothing, expected the command of another msbvh, such as /opt/old/bin/msbvh")
     return Msbvh("old", program)
 
 
@@ -137,9 +135,7 @@ def rendered(side: Side, job: Job, folder: Path) -> Run:
         ) from None
     if pixels.shape[:2] != (job.height, job.width):
         found, wanted = f"{pixels.shape[1]} x {pixels.shape[0]}", f"{job.width} x {job.height}"
-        raise SceneError(
-            f"bench: {side.name}, {job.scene.name}: found a picture of {found} pixels, expected {wanted}"
-        )
+        raise SceneError(f"bench: {side.name}, {job.scene.name}: found a picture of {found} pixels, expected {wanted}")
     return Run(seconds, took["seconds"], int(took["memory_bytes"]), software, pixels)
 
 

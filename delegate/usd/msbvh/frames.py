@@ -70,9 +70,7 @@ def _parse_frame_spec(spec: str) -> FrameRange:
         raise FrameError(f"invalid FrameSpec '{spec}': the stride is zero")
     if (end - start) * stride < 0.0:
         side = "below" if stride > 0.0 else "above"
-        raise FrameError(
-            f"invalid FrameSpec '{spec}': the end is {side} the start, against the stride's sign"
-        )
+        raise FrameError(f"invalid FrameSpec '{spec}': the end is {side} the start, against the stride's sign")
     return FrameRange(start, end, stride)
 
 
@@ -127,9 +125,7 @@ def output_files(output: str, frames: list[float], precision: int) -> list[tuple
     for frame in frames:
         file = format_frame(output, placeholder, frame)
         if frame_of_file.setdefault(file, frame) != frame:
-            raise FrameError(
-                f"frames {frame_of_file[file]:g} and {frame:g} would both be written to '{file}'"
-            )
+            raise FrameError(f"frames {frame_of_file[file]:g} and {frame:g} would both be written to '{file}'")
     return [(frame, file) for file, frame in frame_of_file.items()]
 
 
@@ -146,6 +142,4 @@ def check_single_outputs(outputs: Sequence[str]) -> None:
     `###`."""
     for output in outputs:
         if "#" in output:
-            raise FrameError(
-                f"output '{output}' has a frame placeholder, but there is no --frames to fill it"
-            )
+            raise FrameError(f"output '{output}' has a frame placeholder, but there is no --frames to fill it")

@@ -54,9 +54,7 @@ def framing_camera(
     up, depth = (size[1], size[2]) if y_up else (size[2], size[1])
 
     camera = Gf.Camera()
-    to_front = max(
-        _distance(camera, size[0], up, image_size, conform), 1e-6
-    )  # More than 0 for a single point.
+    to_front = max(_distance(camera, size[0], up, image_size, conform), 1e-6)  # More than 0 for a single point.
     distance = to_front + depth / 2
     if y_up:
         camera.transform = Gf.Matrix4d().SetTranslate(centre + Gf.Vec3d(0, 0, distance))
@@ -88,9 +86,7 @@ def _distance(
     return max(as_usdrecord / 2, MARGIN * width / (right - left), MARGIN * height / (top - bottom))
 
 
-def _bounds(
-    stage: Usd.Stage, shutter: Shutter, purposes: list[str], diagnostics: Diagnostics
-) -> Box | None:
+def _bounds(stage: Usd.Stage, shutter: Shutter, purposes: list[str], diagnostics: Diagnostics) -> Box | None:
     """Around everything that is drawn, at a few times of the shutter; None where there is nothing, or nothing
     whose bounds single precision holds."""
     drawn = {"default", *purposes}

@@ -30,9 +30,7 @@ class Stretch:
     """float64[K, 2]: [begin, end) in time01 of the prim's own shutter; None: all of it."""
 
 
-def stretches(
-    attributes: Sequence[Usd.Attribute], shutter: Shutter, diagnostics: Diagnostics
-) -> list[Stretch]:
+def stretches(attributes: Sequence[Usd.Attribute], shutter: Shutter, diagnostics: Diagnostics) -> list[Stretch]:
     """Where the attributes together have which values, in the order of their first appearance. `shutter`: the prim's
     own. Too many are one, the frame's, with a warning.
 
@@ -60,9 +58,7 @@ def stretches(
     return [Stretch(Usd.TimeCode(begins[places[0]]), every[places]) for _, places in found]
 
 
-def _warn_of_many(
-    attributes: Sequence[Usd.Attribute], shutter: Shutter, diagnostics: Diagnostics
-) -> None:
+def _warn_of_many(attributes: Sequence[Usd.Attribute], shutter: Shutter, diagnostics: Diagnostics) -> None:
     for attribute in attributes:
         if changes_within(attribute, shutter):
             message = f"found more values within the shutter, expected at most {MOST_STRETCHES}; held the frame's"
@@ -99,9 +95,7 @@ def changes_within(attribute: Usd.Attribute, shutter: Shutter) -> bool:
     return any(value != first for value in others)
 
 
-def warn_of_change(
-    attribute: Usd.Attribute, why: str, shutter: Shutter, diagnostics: Diagnostics
-) -> None:
+def warn_of_change(attribute: Usd.Attribute, why: str, shutter: Shutter, diagnostics: Diagnostics) -> None:
     """Names what is read at the frame alone, where it changes within the shutter; `why` it is."""
     if attribute and changes_within(attribute, shutter):
         message = f"changes within the shutter; held the frame's value{why}"

@@ -118,9 +118,7 @@ def check_image_path(path: Path, folders: Folders | None = None) -> Path:
     return check_writable(path, folders)
 
 
-def write_image(
-    path: Path, layers: np.ndarray | Layers, metadata: ImageMetadata, settings: ImageSettings
-) -> None:
+def write_image(path: Path, layers: np.ndarray | Layers, metadata: ImageMetadata, settings: ImageSettings) -> None:
     """Writes a frame, or its colour alone (Layers.rgba), complete or not at all. Raises OutputError."""
     check_image_path(path)
     suffix = path.suffix.lower()

@@ -59,14 +59,10 @@ def _revolved(profile: np.ndarray, sides: int) -> Surface:
     """Turns float64[R, 2] (radius, z), from the lower to the upper end, around z; quads between its rows."""
     angle = np.arange(sides) * (2 * np.pi / sides)
     ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    points = np.concatenate(
-        [np.concatenate([ring * radius, np.full((sides, 1), z)], axis=1) for radius, z in profile]
-    )
+    points = np.concatenate([np.concatenate([ring * radius, np.full((sides, 1), z)], axis=1) for radius, z in profile])
     low = np.arange(len(profile) - 1)[:, None] * sides
     here, there = np.arange(sides)[None], (np.arange(sides)[None] + 1) % sides
-    quads = np.stack([low + here, low + there, low + sides + there, low + sides + here], axis=-1).reshape(
-        -1, 4
-    )
+    quads = np.stack([low + here, low + there, low + sides + there, low + sides + here], axis=-1).reshape(-1, 4)
     return Surface(np.full(len(quads), 4, np.int32), quads.astype(np.int32).ravel(), points)
 
 
@@ -115,9 +111,7 @@ def cube(size: float, sides: int = 0) -> Surface:
 def plane(width: float, length: float, sides: int = 0) -> Surface:
     """In xy, facing +z."""
     corners = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], float)
-    return Surface(
-        np.array([4], np.int32), np.arange(4, dtype=np.int32), corners * (width / 2, length / 2, 0.0)
-    )
+    return Surface(np.array([4], np.int32), np.arange(4, dtype=np.int32), corners * (width / 2, length / 2, 0.0))
 
 
 @dataclass(frozen=True)
@@ -188,8 +182,7 @@ def read_implicit(
     sides = choose_sides(radius, Box.around(rough))
     surface = surface_at(context.code, sides)
     poses = [
-        (context.shutter.time01(code.GetValue()), surface_at(code, sides).points.astype(np.float32))
-        for code in codes
+        (context.shutter.time01(code.GetValue()), surface_at(code, sides).points.astype(np.float32)) for code in codes
     ] or [(0.0, surface.points.astype(np.float32))]
     samples = Samples(poses[:1] if still(poses) else poses, context.held)
     return {
@@ -221,9 +214,7 @@ def _radius(kind: ImplicitType, values: Sequence[float]) -> float:
 def _are_sound(prim: Usd.Prim, kind: ImplicitType, values: Sequence[float], context: FrameContext) -> bool:
     for name, value in zip(kind.parameters, values, strict=True):
         if not abs(value) <= LARGEST:
-            message = (
-                f"found {value:g}, expected a finite number of at most 2^60 in size; the prim is not drawn"
-            )
+            message = f"found {value:g}, expected a finite number of at most 2^60 in size; the prim is not drawn"
             context.diagnostics.error(str(prim.GetPath()), name, message)
             return False
     return True

@@ -24,13 +24,10 @@ class Inherited:
 
     def _at(self, prim: Usd.Prim) -> frozenset[str]:
         unknown = []  # A loop: stages may be deeper than Python's stack.
-        names: frozenset[str] | None = frozenset()
-        while prim and not prim.IsPseudoRoot():
-            names = self._names.get(prim.GetPath())
-            if names is not None:
-                break
+        while prim and not prim.IsPseudoRoot() and prim.GetPath() not in self._names:
             unknown.append(prim)
-            prim, names = prim.GetParent(), frozenset()
+            prim = prim.GetParent()
+        names = self._names.get(prim.GetPath(), frozenset()) if prim else frozenset()
         for each in reversed(unknown):
             own = frozenset(name for name in each.GetAuthoredPropertyNames() if name.startswith(PREFIXES))
             names = self._names[each.GetPath()] = names | own

@@ -144,9 +144,7 @@ def _masks(
     return choices
 
 
-def _checked_mask(
-    instancer: UsdGeom.PointInstancer, mask: np.ndarray, count: int, context: FrameContext
-) -> np.ndarray:
+def _checked_mask(instancer: UsdGeom.PointInstancer, mask: np.ndarray, count: int, context: FrameContext) -> np.ndarray:
     """Without a mask nothing is masked; nor is it, with a warning, where it does not fit."""
     if len(mask) not in (0, count):
         found = f"found {len(mask)} ids, expected {count}, one an instance; nothing is masked"

@@ -64,9 +64,7 @@ class InstanceGraph:
         uses = {key: uses_of(group, groups, context) for key, group in groups.items()}
         self._component = _components({key: [use.key for use in found] for key, found in uses.items()})
         self._shows = {key: bool(group.shapes or group.lights) for key, group in groups.items()}
-        self._uses = {
-            key: [use for use in found if not self.leads_back(key, use.key)] for key, found in uses.items()
-        }
+        self._uses = {key: [use for use in found if not self.leads_back(key, use.key)] for key, found in uses.items()}
         self._instances: dict[Hashable, int] = {}
         self._ways: dict[Hashable, int] = {}
         for key in sorted(groups, key=self._component.__getitem__):  # What is used comes before what uses it.

@@ -4,8 +4,8 @@ multiplies out."""
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 from itertools import product
 
 import numpy as np
@@ -39,7 +39,7 @@ class Level:
 
     motion: Motion | None
     """Of prims; None: arrays."""
-    arrays: dict | None = None
+    arrays: dict = field(default_factory=dict)
     """The translator's keywords of a point instancer, `selected` included."""
 
     @property
@@ -91,12 +91,14 @@ class Placement:
         )
 
 
+def _itself(motion: Motion) -> Motion:
+    return motion
+
+
 class Placer:
     """Flattens the graph of groups into placements in the world."""
 
-    def __init__(
-        self, traversal: Traversal, graph: InstanceGraph, caches: XformCaches, context: FrameContext
-    ) -> None:
+    def __init__(self, traversal: Traversal, graph: InstanceGraph, caches: XformCaches, context: FrameContext) -> None:
         self._groups = traversal.groups
         self._graph = graph
         self._caches = caches
@@ -124,7 +126,7 @@ class Placer:
         for key, parts in group.instances.items():
             alike: dict[Hashable, list[Part]] = {}
             for part in parts:
-                alike.setdefault((part.varying, part.bends, part.scales, part.blinking), []).append(part)
+                alike.setdefault((part.varying, part.breakpoints, part.scales, part.blinking), []).append(part)
             for same in alike.values():
                 motion = self._motion(same, group)
                 if self._context.found is not None:
@@ -133,7 +135,7 @@ class Placer:
                     self._context.found.instances(prims, same[0].blinking, group.root, shutter)
                 visible = self._visible(same[0])
                 path = str(same[0].prim.GetPath())
-                yield Placement(path, key, (Level(motion),), visible, None, lambda motion=motion: motion)
+                yield Placement(path, key, (Level(motion),), visible, None, partial(_itself, motion))
         for part in group.instancers:
             with leaving_out(part.prim, self._context.code):
                 yield from self._points(part, group)
@@ -142,7 +144,7 @@ class Placer:
         first = parts[0]
         shutter = self._context.shutter.scaled(first.scales.blur)
         prims = [part.prim for part in parts]
-        return self._caches.motion(prims, group.root, first.varying, shutter, first.bends)
+        return self._caches.motion(prims, group.root, first.varying, shutter, first.breakpoints)
 
     def _visible(self, part: Part) -> np.ndarray | None:
         return visible_intervals(part.blinking, self._context.shutter)
@@ -168,9 +170,9 @@ class Placer:
             outer = (arrays, Level(group_from_instancer))
             root = self._groups[Traversal.prototype_key(points.prototype)]
             whole = own.inside(placed)
-            yield Placement(path, root.key, (Level(own), *outer), visible, colour, lambda whole=whole: whole)
+            yield Placement(path, root.key, (Level(own), *outer), visible, colour, partial(_itself, whole))
             if root.reset is not None:
-                yield Placement(path, root.reset, outer, visible, colour, lambda placed=placed: placed)
+                yield Placement(path, root.reset, outer, visible, colour, partial(_itself, placed))
 
     def _root_shutter(self, prototype: Usd.Prim) -> Shutter:
         """Of a point instancer's prototype: its own motion:blurScale scales it."""
@@ -227,7 +229,7 @@ def sample_keywords(samples: TransformSamples) -> dict:
     return {
         "times01": samples.times01,
         "matrices": np.ascontiguousarray(samples.matrices),
-        "bends01": samples.bends01,
+        "breakpoints01": samples.breakpoints01,
         "periods01": np.array(sorted({period for periods in samples.periods01 for period in periods})),
         "held": samples.held,
     }
@@ -244,7 +246,7 @@ def coarse_keywords(level: Level) -> dict:
 
 def _pixel_sizes(outer: list[dict], box: Box, level: Level, measure: Measure) -> PixelSizes:
     """The size of a pixel in the space that a level leads to: one for all its things."""
-    if level.motion.still:
+    if level.motion is not None and level.motion.still:
         return lambda corners: np.ones(corners.shape[1])
     image = _image(level, box)
     identity = {"times01": np.zeros(1), "matrices": np.eye(4).reshape(1, 1, 4, 4)}

@@ -13,9 +13,7 @@ PINHOLE = (0.0, 1.0)
 """Radius and focus distance of a lens through which everything is in focus."""
 
 
-def read_lenses(
-    path: str, at_frame: Gf.Camera, cameras: list[Gf.Camera], diagnostics: Diagnostics
-) -> np.ndarray:
+def read_lenses(path: str, at_frame: Gf.Camera, cameras: list[Gf.Camera], diagnostics: Diagnostics) -> np.ndarray:
     """float32[T, 2]: radius and focus distance of each camera, in the camera's space. `path` is the prim's.
 
     UsdGeom.Camera: an fStop of 0 turns depth of field off, and so does a focusDistance of 0, which is what it
@@ -24,14 +22,14 @@ def read_lenses(
     that would not pass the widest of all lenses.
     """
     if all(camera.fStop == 0.0 for camera in (at_frame, *cameras)):
-        return np.tile(np.float32(PINHOLE), (len(cameras), 1))
+        return np.tile(np.array(PINHOLE, np.float32), (len(cameras), 1))
     if at_frame.projection == Gf.Camera.Orthographic:
         message = f"found {at_frame.fStop:g} on an orthographic camera, which has no depth of field"
         diagnostics.note(path, "fStop", message)
-        return np.tile(np.float32(PINHOLE), (len(cameras), 1))
+        return np.tile(np.array(PINHOLE, np.float32), (len(cameras), 1))
     if not all(_makes_sense(path, camera, diagnostics) for camera in (at_frame, *cameras)):
-        return np.tile(np.float32(PINHOLE), (len(cameras), 1))
-    lenses = np.float32([_lens(camera) for camera in cameras])
+        return np.tile(np.array(PINHOLE, np.float32), (len(cameras), 1))
+    lenses = np.array([_lens(camera) for camera in cameras], np.float32)
     opened = lenses[:, 0] > 0.0
     if opened.any() and not opened.all():
         message = "depth of field is on for a part of the shutter only; taken as at the frame"

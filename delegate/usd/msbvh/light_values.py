@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
@@ -25,7 +26,7 @@ def number(attribute: Usd.Attribute, code: Usd.TimeCode) -> float:
     return float(_known(attribute, code, FLOAT))
 
 
-def _known(attribute: Usd.Attribute, code: Usd.TimeCode, kind: Kind) -> object:
+def _known(attribute: Usd.Attribute, code: Usd.TimeCode, kind: Kind) -> Any:
     found = required(attribute, code, kind)
     if found is None:
         raise Unreadable(str(attribute.GetPrimPath()), attribute.GetName(), f"found no value, expected {kind.name}")
@@ -102,9 +103,7 @@ class Switches:
         return all(value(attribute, code, TOKEN) != UsdGeom.Tokens.invisible for attribute in self.visibility)
 
 
-def sample_light(
-    prim: Usd.Prim, switches: Switches, shutter: Shutter
-) -> tuple[LightSamples, LightSamples]:
+def sample_light(prim: Usd.Prim, switches: Switches, shutter: Shutter) -> tuple[LightSamples, LightSamples]:
     """The light over the shutter, and at the frame, where no switch counts. Raises Unreadable."""
     attributes = [*_value_attributes(prim), *switches.visibility]
     at_frame = _sampled(prim, Switches(), {0.0: shutter.frame_code})
@@ -142,9 +141,7 @@ def _value_attributes(prim: Usd.Prim) -> list[Usd.Attribute]:
     ]
 
 
-def _codes(
-    attributes: list[Usd.Attribute], switched: set[float], shutter: Shutter
-) -> dict[float, Usd.TimeCode]:
+def _codes(attributes: list[Usd.Attribute], switched: set[float], shutter: Shutter) -> dict[float, Usd.TimeCode]:
     """Where to sample: time01 to time code, increasing; empty where nothing varies. `switched` are time codes beside
     those that are authored.
 
@@ -174,9 +171,7 @@ def _codes(
     return dict(sorted(codes.items()))
 
 
-def _sampled(
-    prim: Usd.Prim, switches: Switches, codes: dict[float, Usd.TimeCode]
-) -> LightSamples:
+def _sampled(prim: Usd.Prim, switches: Switches, codes: dict[float, Usd.TimeCode]) -> LightSamples:
     light = UsdLux.LightAPI(prim)
     visible = [switches.on(time01, code) for time01, code in codes.items()]
     glow = np.array([emission(light, code) for code in codes.values()])

@@ -14,7 +14,7 @@ from .times import FINEST_LEVEL
 from .transforms import Motion
 from .turns import report_too_fast
 from .value_types import ASSET, BOOL
-from .values import Unreadable, raw, value
+from .values import Unreadable, value
 
 TIMES_A_TURN = 64
 """Of a light that turns: chords leave the circle by a thousandth of its radius."""
@@ -123,8 +123,8 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
         found = values_within(texture, context.shutter)
         textures = [asset for asset in found if isinstance(asset, Sdf.AssetPath) and asset]
     if textures:
-        found = f"found @{textures[0].path}@; not supported yet, lit by the plain colour"
-        context.diagnostics.warning(path, texture.GetName(), found)
+        message = f"found @{textures[0].path}@; not supported yet, lit by the plain colour"
+        context.diagnostics.warning(path, texture.GetName(), message)
     for name, neutral in (
         ("inputs:shaping:cone:angle", 90.0),
         ("inputs:shaping:focus", 0.0),
@@ -142,9 +142,7 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
             message = "light linking is not supported yet; the light reaches everything"
             context.diagnostics.group(path, f"collection:{name}", message)
     if prim.GetRelationship("light:filters").GetTargets():
-        context.diagnostics.group(
-            path, "light:filters", "light filters are not supported yet; lit without them"
-        )
+        context.diagnostics.group(path, "light:filters", "light filters are not supported yet; lit without them")
 
 
 def _is_restricted(collection: Usd.CollectionAPI) -> bool:

@@ -101,9 +101,7 @@ class Materials:
         """Names what a diffuse surface does not show. Every UsdPreviewSurface has a specular part: one note
         for all of them."""
         path, diagnostics = str(shader.GetPath()), self._context.diagnostics
-        message = (
-            "UsdPreviewSurface is drawn as diffuse; specular, metallic and clearcoat are not supported yet"
-        )
+        message = "UsdPreviewSurface is drawn as diffuse; specular, metallic and clearcoat are not supported yet"
         diagnostics.group(path, "", message, "note")
         for name, neutral in (("normal", Gf.Vec3f(0, 0, 1)), ("displacement", 0.0)):
             unsupported = shader.GetInput(name)
@@ -149,9 +147,7 @@ class Materials:
         self._context.diagnostics.group(shader, shader_input.GetFullName(), message)
         return Input(fallback)
 
-    def _textured(
-        self, shader_input: UsdShade.Input, node: UsdShade.Shader, output: str, default: Number
-    ) -> Input:
+    def _textured(self, shader_input: UsdShade.Input, node: UsdShade.Shader, output: str, default: Number) -> Input:
         """What stands in for a texture: its mean, else its fallback, else the input's default."""
         file, mean = self._constant(node, "file", None), None
         if isinstance(file, Sdf.AssetPath) and file.path:
@@ -204,7 +200,10 @@ class Materials:
 
     @staticmethod
     def _converted(value: Any, default: Number) -> Number:
-        return float(value) if isinstance(default, float) else tuple(map(float, value))
+        if isinstance(default, float):
+            return float(value)
+        red, green, blue = map(float, value)
+        return red, green, blue
 
     def _name(self, node: UsdShade.Shader, name: str) -> str:
         node_input = node.GetInput(name)

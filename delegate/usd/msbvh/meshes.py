@@ -8,7 +8,7 @@ from pxr import Usd, UsdGeom
 from .context import FrameContext, array
 from .held_values import Stretch, warn_of_change
 from .implicit import IMPLICIT_TYPES, ChooseSides, read_implicit
-from .points import changes, optional_samples, rate_clock, sample_points
+from .points import changes, optional_samples, rate_times, sample_points
 from .primvars import MovingPrimvar, held_by, sample_primvar
 from .value_types import INTS, TOKEN
 from .values import required, value
@@ -35,12 +35,14 @@ def read_shape(
     `context` has the prim's own shutter (FrameContext.scaled), `authored` are the names of its properties that
     have opinions. `points` stands as Samples under "samples". Nothing is checked here that the translator checks.
     """
-    if prim.IsA(UsdGeom.Mesh):
-        mesh = _read_mesh(UsdGeom.Mesh(prim), context, velocity_scale, authored)
-    else:
-        mesh = read_implicit(prim, context, choose_sides)
-        if mesh is None:
-            return None
+    is_mesh = prim.IsA(UsdGeom.Mesh)
+    mesh = (
+        _read_mesh(UsdGeom.Mesh(prim), context, velocity_scale, authored)
+        if is_mesh
+        else read_implicit(prim, context, choose_sides)
+    )
+    if mesh is None:
+        return None
     path = str(prim.GetPath())
     if not len(mesh["face_vertex_counts"]) and not any(len(points) for _, points in mesh["samples"].values):
         context.diagnostics.group(path, "", "empty: it has neither faces nor points at this frame", "note")
@@ -58,9 +60,7 @@ def read_shape(
     return mesh
 
 
-def _read_mesh(
-    mesh: UsdGeom.Mesh, context: FrameContext, velocity_scale: float, authored: frozenset[str]
-) -> dict:
+def _read_mesh(mesh: UsdGeom.Mesh, context: FrameContext, velocity_scale: float, authored: frozenset[str]) -> dict:
     code = context.code
     counts, indices = mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()
     samples, carried_by = sample_points(mesh, context, "velocities" in authored)
@@ -78,15 +78,13 @@ def _read_mesh(
         "topology_varies": changes(counts, context) or changes(indices, context),
         "computed_normals": "faceted" if scheme == UsdGeom.Tokens.none else "smooth",
         **carried_by,
-        **rate_clock(context, velocity_scale),
+        **rate_times(context, velocity_scale),
     }
     if scheme == UsdGeom.Tokens.none:
         if not authored.isdisjoint(("normals", "primvars:normals")):
             keywords.update(_normals(mesh, context))
     else:
-        message = (
-            f"'{scheme}' is not supported yet; the control cage is drawn as polygons with smooth normals"
-        )
+        message = f"'{scheme}' is not supported yet; the control cage is drawn as polygons with smooth normals"
         context.diagnostics.group(str(mesh.GetPath()), "subdivisionScheme", message)
     return keywords
 
@@ -164,9 +162,7 @@ def held_at(prim: Usd.Prim, keywords: dict, stretch: Stretch, context: FrameCont
     return {**keywords, **changed}
 
 
-def _constant(
-    primvar: MovingPrimvar | None, name: str, path: str, context: FrameContext
-) -> MovingPrimvar | None:
+def _constant(primvar: MovingPrimvar | None, name: str, path: str, context: FrameContext) -> MovingPrimvar | None:
     """An implicit shape has no vertices of its own that a primvar could vary over."""
     if primvar is None or primvar[0] == "constant":
         return primvar
@@ -187,9 +183,7 @@ def _binds_faces(subset: UsdGeom.Subset) -> bool:
     return element == UsdGeom.Tokens.face and value(subset.GetFamilyNameAttr(), code, TOKEN) == "materialBind"
 
 
-def faces_by_subset(
-    mesh: UsdGeom.Mesh, face_count: int, context: FrameContext
-) -> tuple[list[Usd.Prim], np.ndarray]:
+def faces_by_subset(mesh: UsdGeom.Mesh, face_count: int, context: FrameContext) -> tuple[list[Usd.Prim], np.ndarray]:
     """The subsets that bind materials of their own, and int32[face_count]: the number of the one that each face
     belongs to, -1 for none. A face of several belongs to the last one, which is said."""
     owners = np.full(face_count, -1, np.int32)

@@ -38,9 +38,7 @@ def world_to_camera(world_from_camera: np.ndarray) -> np.ndarray:
     return np.linalg.inv(world_from_camera) @ np.diag([1.0, 1.0, -1.0, 1.0])
 
 
-def world_to_ndc(
-    to_camera: np.ndarray, window: tuple[float, float, float, float], perspective: bool
-) -> np.ndarray:
+def world_to_ndc(to_camera: np.ndarray, window: tuple[float, float, float, float], perspective: bool) -> np.ndarray:
     """OpenEXR's worldToNDC: (0, 0) is the upper left corner of the image, (1, 1) the lower right one.
 
     `to_camera` is float64[4, 4] from world_to_camera(); `window` is left, right, bottom, top of the image

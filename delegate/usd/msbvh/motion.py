@@ -32,7 +32,7 @@ class PrimMotion:
     rule: str
     segments: int
     degree: int
-    clock: bool
+    time_remap: bool
     hidden_partly: bool
     moving_transform: bool
     error_pixels: float
@@ -53,8 +53,8 @@ class PrimMotion:
             words = "still"
         else:
             words = "moving transform" if self.moving_transform else DEGREES[self.degree]
-        if self.clock:
-            words += " under a clock"
+        if self.time_remap:
+            words += " under a time remap"
         return words + (", visible for a part of the shutter" if self.hidden_partly else "")
 
     def plain(self) -> dict[str, Any]:
@@ -125,9 +125,7 @@ def motion_report(
         warnings = result.diagnostics.by_path()
         camera, shutter = result.camera, result.camera.shutter
         prims = [_filled(found, member, stage, shutter, log, warnings) for found, member in chosen]
-    return MotionReport(
-        camera.path or "framing camera", frame, (shutter.open, shutter.close), tolerance, tuple(prims)
-    )
+    return MotionReport(camera.path or "framing camera", frame, (shutter.open, shutter.close), tolerance, tuple(prims))
 
 
 def _merged(tracks: Sequence[Any]) -> PrimMotion:
@@ -144,7 +142,7 @@ def _merged(tracks: Sequence[Any]) -> PrimMotion:
         rule="; ".join(rules),
         segments=main.segments,
         degree=main.degree,
-        clock=any(track.clock for track in tracks),
+        time_remap=any(track.time_remap for track in tracks),
         hidden_partly=any(track.hidden_partly for track in tracks),
         moving_transform=main.moving_transform,
         error_pixels=max(track.error_pixels for track in tracks),
@@ -219,9 +217,9 @@ def _at_or_below(
     if not chosen:
         inside = result.diagnostics.by_path().items()
         said = [f"{at}: {text[0]}" for at, text in inside if at and Sdf.Path(at).HasPrefix(top.GetPath())]
-        found = said[0] if said else f"a {top.GetTypeName() or 'prim without a type'}"
+        instead = said[0] if said else f"a {top.GetTypeName() or 'prim without a type'}"
         expected = "the camera, a mesh or an instance that is visible at the frame, or a prim above one"
-        raise SceneError(f"{top.GetPath()}: found nothing drawn there ({found}); expected {expected}")
+        raise SceneError(f"{top.GetPath()}: found nothing drawn there ({instead}); expected {expected}")
     return chosen
 
 

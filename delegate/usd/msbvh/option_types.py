@@ -20,9 +20,7 @@ class Names(click.ParamType):
     def __init__(self, choices: Sequence[str] = ()) -> None:
         self._choices = choices
 
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[str, ...]:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
         names = tuple(value.replace(",", " ").split()) if isinstance(value, str) else tuple(value)
         for name in names:
             if self._choices and name not in self._choices:
@@ -35,9 +33,7 @@ class Numbers(click.ParamType):
 
     name = "numbers"
 
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[int, ...]:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, ...]:
         numbers = tuple(value.replace(",", " ").split()) if isinstance(value, str) else tuple(value)
         for number in numbers:
             if not str(number).isdecimal() or int(number) > 4096:
@@ -68,18 +64,12 @@ class ShutterRange(click.ParamType):
 
     name = "shutter"
 
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> tuple[float, float]:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, float]:
         example = "such as -0.25:0.25"
         try:
             opening, closing = map(float, value.split(":")) if isinstance(value, str) else value
         except ValueError:
-            self.fail(
-                f"found '{value}', expected OPEN:CLOSE in frames relative to the frame, {example}", param, ctx
-            )
+            self.fail(f"found '{value}', expected OPEN:CLOSE in frames relative to the frame, {example}", param, ctx)
         if closing < opening:
-            self.fail(
-                f"found '{value}', expected OPEN:CLOSE with CLOSE at or after OPEN, {example}", param, ctx
-            )
+            self.fail(f"found '{value}', expected OPEN:CLOSE with CLOSE at or after OPEN, {example}", param, ctx)
         return opening, closing

@@ -57,9 +57,9 @@ SHUTTER = click.option(
     "--shutter",
     type=ShutterRange(),
     metavar="OPEN:CLOSE",
-    help="Open for this part of each frame, in frames relative to it, such as -0.25:0.25 or 0:0.5; 0:0 closes it."
-    " Default: the camera's shutter:open and shutter:close, closed where nobody has authored them. Costs nothing"
-    " by itself: what moves takes memory for its motion.",
+    help="Shutter interval in frames, relative to the current one, such as -0.25:0.25 or 0:0.5; 0:0 closes it."
+    " Default: the camera's shutter:open and shutter:close; without them the shutter is closed. Costs nothing by"
+    " itself: only prims that move take memory for their motion.",
 )
 
 SCENE: Sequence[Decorator] = (
@@ -68,14 +68,14 @@ SCENE: Sequence[Decorator] = (
         "--camera",
         "-cam",
         metavar="NAME|PATH",
-        help="By prim name or path. Default: main_cam, else the first one, else one that frames all.",
+        help="Camera prim, by name or path. Default: main_cam, else the first camera, else one that frames everything.",
     ),
     click.option(
         "--defaultTime",
         "-d",
         "default_time",
         is_flag=True,
-        help="Read the stage at its default time instead of its start time; nothing moves then.",
+        help="Render at the stage's default time instead of its start time. Nothing moves there.",
     ),
     SHUTTER,
     click.option(
@@ -85,21 +85,21 @@ SCENE: Sequence[Decorator] = (
         type=click.IntRange(1, MAX_PIXELS_ACROSS),
         default=960,
         show_default=True,
-        help="Pixels; the height follows from the camera's aspect ratio.",
+        help="Width in pixels. The height follows from the camera's aspect ratio.",
     ),
     click.option(
         "--resolution",
         nargs=2,
         type=click.IntRange(1, MAX_PIXELS_ACROSS),
         metavar="W H",
-        help="Pixels; overrides --imageWidth. --conform says what happens to the camera's aspect ratio.",
+        help="Width and height in pixels; overrides --imageWidth. See --conform for how the camera fits.",
     ),
     click.option(
         "--conform",
         type=click.Choice(POLICIES),
         default="expandAperture",
         show_default=True,
-        help="How the camera fits a --resolution of another shape (UsdRenderSettings' policies).",
+        help="How the camera fits a --resolution with another aspect ratio (UsdRenderSettings' aspectRatioConformPolicy).",
     ),
     click.option(
         "--purposes",
@@ -107,7 +107,7 @@ SCENE: Sequence[Decorator] = (
         default="proxy",
         show_default=True,
         metavar="PURPOSE[,...]",
-        help="Purposes that are drawn beside default.",
+        help="Purposes to draw in addition to default.",
     ),
     click.option(
         "--mask",
@@ -122,24 +122,24 @@ SCENE: Sequence[Decorator] = (
         callback=_finite,
         default=0.1,
         show_default=True,
-        help="Pixels that a track may stray from the stage's own motion. Less: more keys, more memory.",
+        help="How far, in pixels, motion may deviate from the stage's. Smaller values take more keys and memory.",
     ),
     click.option(
         "--interpolation",
         type=click.Choice(INTERPOLATIONS),
         default="auto",
         show_default=True,
-        help="Of meshes and instances between keys. linear: the quickest rays, but arcs take many segments."
-        " quadratic, cubic: 2 or 3 times the bytes a segment and slower rays, but arcs take few."
-        " auto: for each prim what takes the fewest bytes.",
+        help="How meshes and instances move between keys. linear: fastest rays, but arcs take many segments."
+        " quadratic, cubic: slower rays and 2 or 3 times the bytes per segment, but arcs take few segments."
+        " auto: whichever takes the fewest bytes, prim by prim.",
     ),
     click.option(
         "--segments",
         type=PowerOfTwo(),
         default=None,
         metavar="N",
-        help="Exactly these for meshes and instances that move: a power of two, 1 to 128. Memory grows in"
-        " proportion; too few miss --motion-tolerance, with a warning. Default: as few as it takes.",
+        help="Motion segments of every moving mesh and instance: a power of two, 1 to 128. Memory grows in proportion."
+        " Where these are too few for --motion-tolerance, a warning says so. Default: as few as the tolerance allows.",
     ),
     click.option(
         "--max-instances",
@@ -147,13 +147,14 @@ SCENE: Sequence[Decorator] = (
         default=MAX_INSTANCES,
         show_default=True,
         metavar="N",
-        help="More are refused before they are read; nested ones are multiplied out. Each takes about 1 kB.",
+        help="Refuse scenes with more instances than this, before reading them; nested instances multiply. Each takes about"
+        " 1 kB.",
     ),
     click.option(
         "--disableCameraLight",
         "disable_camera_light",
         is_flag=True,
-        help="No light at the camera where the scene has no lights.",
+        help="Do not add a light at the camera to scenes without lights.",
     ),
     click.option(
         "--complexity",
@@ -161,8 +162,8 @@ SCENE: Sequence[Decorator] = (
         type=click.Choice(("low", "medium", "high", "veryhigh")),
         default="low",
         show_default=True,
-        help="How fine spheres, cones and the like are: within 0.1, 0.05, 0.025 or 0.0125 pixels of the true shape."
-        " Each step takes twice the triangles. Subdivision surfaces are polygons at any value.",
+        help="How closely spheres, cones and the like are tessellated: to within 0.1, 0.05, 0.025 or 0.0125 pixels. Each"
+        " step doubles the triangles. Subdivision surfaces are drawn as their cages at any value.",
     ),
     click.option(
         "--sessionLayer",
@@ -191,8 +192,8 @@ SCENE: Sequence[Decorator] = (
 """What is read from the stage; shared by all commands."""
 
 ONE_FRAME: Sequence[Decorator] = (
-    click.option("--frame", "-f", metavar="TIMECODE", help="Default: the stage's start time."),
-    click.option("--json", "as_json", is_flag=True, help="For scripts."),
+    click.option("--frame", "-f", metavar="TIMECODE", help="Time code to look at. Default: the stage's start time."),
+    click.option("--json", "as_json", is_flag=True, help="Print JSON, for scripts."),
 )
 """Of the commands that look at a frame and render none."""
 
@@ -211,29 +212,34 @@ OUTPUT: Sequence[Decorator] = (
         type=click.Choice(MODES),
         default="sRGB",
         show_default=True,
-        help="For PNG, JPEG, TIFF; EXR stays linear. sRGB does not tone-map.",
+        help="Color correction of PNG, JPEG and TIFF files; EXR stays linear. sRGB does not tone-map.",
     ),
     click.option(
-        "--ocio-display", metavar="NAME", help="Of mode openColorIO; default: the built-in config's."
+        "--ocio-display",
+        metavar="NAME",
+        help="Display, for --colorCorrectionMode openColorIO. Default: that of the config.",
     ),
-    click.option("--ocio-view", metavar="NAME", help="Of mode openColorIO; default: the display's."),
+    click.option(
+        "--ocio-view", metavar="NAME", help="View, for --colorCorrectionMode openColorIO. Default: that of the display."
+    ),
     click.option(
         "--aov",
         "aovs",
         type=Names(_core.aov_names()),
         default=(),
         metavar="NAME[,...]",
-        help=f"Beside colour, as 32-bit channels of .exr files: any of {', '.join(_core.aov_names())}. Normals and albedo are"
-        " means, depths and ids those of a pixel's nearest sample; where nothing is, ids are -1, depth 1, the rest 0.",
+        help=f"AOVs to write as 32-bit channels of the same .exr files: {', '.join(_core.aov_names())}. Neye, normal and albedo"
+        " are averaged over a pixel; depths and ids are those of its nearest sample. Background: ids -1, depth 1, the"
+        " rest 0.",
     ),
-    click.option("--exr-float", is_flag=True, help="EXR in 32-bit floats instead of half: twice the bytes."),
+    click.option("--exr-float", is_flag=True, help="Write 32-bit float EXR files instead of half: twice the bytes."),
     click.option(
         "--stats",
         type=click.Path(path_type=Path),
         metavar="FILE.json",
-        help="Write times, counts, memory, the effect plan and the warnings.",
+        help="Write timings, counts, memory, the effect plan and all warnings to this file.",
     ),
-    click.option("--strict", is_flag=True, help="Exit with 3 if anything was missing or degraded."),
+    click.option("--strict", is_flag=True, help="Exit with code 3 if anything was missing or degraded."),
 )
 """Which files are written, and how."""
 
@@ -243,48 +249,65 @@ RENDER: Sequence[Decorator] = (
         type=click.IntRange(1, MAX_SPP),
         default=64,
         show_default=True,
-        help="Samples a pixel: noise falls with the square root, time grows in proportion.",
+        help="Samples per pixel. Four times the samples halve the noise and take four times as long.",
     ),
     click.option(
         "--seed",
         type=click.IntRange(0, 2**32 - 1),
         default=0,
         show_default=True,
-        help="The same seed gives the same pixels, on any number of threads.",
+        help="Random seed. The same seed gives the same pixels, whatever the number of threads.",
     ),
     click.option(
         "--max-bounces",
         type=click.IntRange(0, 64),
         default=2,
         show_default=True,
-        help="Of indirect light; 0: direct light only.",
+        help="Bounces of indirect light; 0: direct light only.",
     ),
     click.option(
         "--enableDomeLightVisibility",
         "show_domes",
         is_flag=True,
-        help="Dome lights are seen behind the scene; alpha is coverage all the same.",
+        help="Show dome lights behind the scene. Alpha stays the coverage of the scene.",
     ),
-    click.option("--threads", type=click.IntRange(0, 4096), default=0, show_default=True, help="0: all."),
+    click.option(
+        "--threads",
+        type=click.IntRange(0, 4096),
+        default=0,
+        show_default=True,
+        help="Threads to render with; 0: all cores.",
+    ),
     click.option(
         "--builder",
         type=click.Choice(tuple(_core.builders())),
         default="msbvh",
         show_default=True,
-        help="For comparison: mbvh has no spatial splits (the paper's baseline), swept has still boxes (slow rays),"
-        " timesplit a tree for each motion segment (bytes and build grow with them).",
+        help="Acceleration structure, for comparisons. mbvh: no spatial splits (the paper's baseline). swept: static boxes"
+        " (slow rays). timesplit: one tree per motion segment (memory and build time grow with them).",
     ),
     click.option(
         "--refit",
         type=click.Choice(("auto", "always", "never")),
         default="auto",
         show_default=True,
-        help="Over frames: auto keeps the trees of what stands still and refits those of what moves, until rays"
-        " have become dearer by a fifth; always: however dear. Both hold the last frame beside the next. never:"
-        " builds each anew, for the quickest rays and the least memory. The picture is the same.",
+        help="What happens to trees from frame to frame. auto: keep those of static geometry and refit those of moving"
+        " geometry, until tracing is estimated to cost 20 % more. always: the same, regardless of cost. Both hold two"
+        " frames in memory. never: rebuild every frame, for the fastest rays and the least memory. The picture is the"
+        " same.",
     ),
-    click.option("--renderer", "-r", metavar="NAME", help="Accepted for usdrecord's sake; this is msbvh."),
-    click.option("--disableGpu", is_flag=True, expose_value=False, help="Accepted; there is no GPU in use."),
+    click.option(
+        "--renderer",
+        "-r",
+        metavar="NAME",
+        help="Accepted for compatibility with usdrecord; the renderer is always msbvh.",
+    ),
+    click.option(
+        "--disableGpu",
+        is_flag=True,
+        expose_value=False,
+        help="Accepted for compatibility with usdrecord; msbvh never uses a GPU.",
+    ),
 )
 """How the renderer works."""
 
@@ -293,7 +316,7 @@ CONFORM: Sequence[Decorator] = (
         "--suite",
         type=click.Path(path_type=Path),
         metavar="DIR",
-        help="A folder with rules.json. Default: testenv/motion of the checkout.",
+        help="Folder with a rules.json. Default: testenv/motion of the checkout.",
     ),
     click.option(
         "--rules",
@@ -301,30 +324,31 @@ CONFORM: Sequence[Decorator] = (
         default="*",
         show_default=True,
         metavar="GLOB[,...]",
-        help="Only rules of these names.",
+        help="Run only rules whose names match.",
     ),
     click.option(
         "--spp",
         type=click.IntRange(1, MAX_SPP),
         default=256,
         show_default=True,
-        help="Samples a pixel that msbvh takes and the allowed error is for. Fewer: quicker, and blinder.",
+        help="Samples per pixel; the allowed error follows from it. Fewer is faster but less sensitive.",
     ),
-    click.option("--json", "as_json", is_flag=True, help="For scripts."),
-    click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Keeps images and logs."),
+    click.option("--json", "as_json", is_flag=True, help="Print JSON, for scripts."),
+    click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Keep images and logs in this folder."),
     click.option(
         "--command",
         default="",
         metavar="COMMAND",
-        help="Another renderer, such as 'usdrecord --renderer X'. usdrecord's options, scene and image"
-        " follow, unless it names {scene} {out} {frame} {frames} {width} {height} {camera} {shutter} itself.",
+        help="Test another renderer, such as 'usdrecord --renderer X'. usdrecord's options, the scene and the image are"
+        " appended, unless the command has placeholders: {scene} {out} {frame} {frames} {width} {height} {camera}"
+        " {shutter}.",
     ),
     click.option(
         "--shutter",
         type=ShutterRange(),
         metavar="OPEN:CLOSE",
-        help="Hold the rules' scenes under this shutter instead of their own. The suite's own evaluation makes the"
-        " answers anew: seconds a rule. A renderer whose command has no {shutter} gets scenes whose cameras have it.",
+        help="Render the rules' scenes with this shutter instead of their own. Their answers are evaluated anew, which takes"
+        " seconds per rule. If the command has no {shutter}, the scenes' cameras are given it.",
     ),
     click.option(
         "--timeout",
@@ -333,7 +357,7 @@ CONFORM: Sequence[Decorator] = (
         default=120.0,
         show_default=True,
         metavar="SECONDS",
-        help="How long another renderer may take for a rule.",
+        help="Time limit of another renderer, per rule.",
     ),
 )
 """What the suite is, and which renderer is held to it."""
@@ -345,41 +369,52 @@ BENCH: Sequence[Decorator] = (
         default="*",
         show_default=True,
         metavar="GLOB[,...]",
-        help="Only scenes of these names: wheels, or wheels-9 for one number of keys. shared/*: public scenes"
-        " in ../shared/scenes.",
+        help="Measure only scenes whose names match: wheels, or wheels-9 for one number of keys. shared/*: public scenes in"
+        " ../shared/scenes.",
     ),
     click.option(
         "--peer",
         type=click.Choice(("embree", "cycles")),
-        help="Measure it side by side. Embree comes from the wheel embreex: pip install embreex==4.4.*. Cycles, for"
-        " --frames: see --peer-env.",
+        help="Measure another renderer side by side. embree: rays; needs pip install embreex==4.4.*. cycles: with --frames;"
+        " see --peer-env.",
     ),
-    click.option("--quick", is_flag=True, help="Small scenes and few rays: under 50 seconds on two cores."),
-    click.option("--json", "as_json", is_flag=True, help="For scripts."),
+    click.option("--quick", is_flag=True, help="Small scenes and few rays: less than 50 seconds on two cores."),
+    click.option("--json", "as_json", is_flag=True, help="Print JSON, for scripts."),
     click.option(
         "--builder",
         "builders",
         multiple=True,
         type=click.Choice(tuple(_core.builders())),
-        help="Only this one; may be repeated. Default: msbvh and mbvh.",
+        help="Measure only this builder; may be repeated. Default: msbvh and mbvh.",
     ),
     click.option(
         "--threads",
         type=Numbers(),
         metavar="N[,...]",
-        help="Numbers of threads to measure with, 0: all. Default: 1,0; of a quick run 1.",
+        help="Thread counts to measure with; 0: all cores. Default: 1,0; with --quick: 1.",
     ),
-    click.option("--seed", type=click.IntRange(0, 2**31 - 1), default=1, show_default=True, help="Of scenes and rays."),
+    click.option(
+        "--seed",
+        type=click.IntRange(0, 2**31 - 1),
+        default=1,
+        show_default=True,
+        help="Random seed of scenes and rays.",
+    ),
     click.option(
         "--repetitions",
         type=click.IntRange(1, 1000),
-        help="Rounds, in which each side has its turn. Default: 5; of a quick run 3.",
+        help="Interleaved rounds. Default: 5; with --quick: 3.",
     ),
     click.option(
         "--triangles",
         type=click.IntRange(64, 100_000_000),
-        help="About so many in every procedural scene. Default: each one's own, 10 thousand to 2 million.",
+        help="Approximate triangle count of every procedural scene. Default: each scene's own, 10 thousand to 2 million.",
     ),
-    click.option("--out", type=click.Path(path_type=Path, file_okay=False), metavar="DIR", help="For bench.json."),
+    click.option(
+        "--out",
+        type=click.Path(path_type=Path, file_okay=False),
+        metavar="DIR",
+        help="Write bench.json to this folder.",
+    ),
 )
 """What is measured, against whom, and how often."""

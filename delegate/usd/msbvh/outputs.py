@@ -9,8 +9,9 @@ import contextlib
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
@@ -21,8 +22,26 @@ from .stage import tf_messages
 
 _ASSETS = (Sdf.ValueTypeNames.Asset, Sdf.ValueTypeNames.AssetArray)
 _WITHOUT_TEXTURES = frozenset(
-    "Xform Scope Mesh GeomSubset Camera PointInstancer Points BasisCurves Cube Sphere Cylinder Cone Capsule Plane"
-    " SkelRoot Skeleton SkelAnimation BlendShape".split()
+    [
+        "Xform",
+        "Scope",
+        "Mesh",
+        "GeomSubset",
+        "Camera",
+        "PointInstancer",
+        "Points",
+        "BasisCurves",
+        "Cube",
+        "Sphere",
+        "Cylinder",
+        "Cone",
+        "Capsule",
+        "Plane",
+        "SkelRoot",
+        "Skeleton",
+        "SkelAnimation",
+        "BlendShape",
+    ]
 )
 """Types that most prims have: looking at their attributes would take as long as opening the stage."""
 
@@ -109,16 +128,20 @@ def _textures_of(stage: Usd.Stage) -> Iterator[str]:
     """The files that asset attributes name, at any time, in each layer that has an opinion."""
     for root in (stage.GetPseudoRoot(), *stage.GetPrototypes()):
         for prim in Usd.PrimRange(root, Usd.PrimAllPrimsPredicate):
-            if any(name in _WITHOUT_TEXTURES for name in _known(lambda prim=prim: [prim.GetTypeName()])):
+            if any(name in _WITHOUT_TEXTURES for name in _known(partial(_type_names, prim))):
                 continue
             for attribute in _known(prim.GetAuthoredAttributes):
-                yield from _known(lambda attribute=attribute: list(_textures_in(attribute)))
+                yield from _known(partial(_textures_in, attribute))
 
 
-def _known(ask: Callable[[], list[_T]]) -> list[_T]:
+def _type_names(prim: Usd.Prim) -> list[str]:
+    return [prim.GetTypeName()]
+
+
+def _known(ask: Callable[[], Iterable[_T]]) -> list[_T]:
     """Nothing where a damaged file does not say: the reader reports what it needs of it."""
     try:
-        return ask()
+        return list(ask())
     except (Tf.ErrorException, UnicodeDecodeError):
         return []
 
@@ -127,14 +150,22 @@ def _textures_in(attribute: Usd.Attribute) -> Iterator[str]:
     if attribute.GetTypeName() in _ASSETS:
         for spec in attribute.GetPropertyStack():
             layer, path = spec.layer, spec.path
-            values = _known(lambda spec=spec: [spec.default])
+            values = _known(partial(_default_of, spec))
             for time in layer.ListTimeSamplesForPath(path):
-                values += _known(lambda time=time, layer=layer, path=path: [layer.QueryTimeSample(path, time)])
+                values += _known(partial(_sample_of, layer, path, time))
             for value in values:
                 yield from _assets_in(value, layer)
 
 
-def _assets_in(value: object, layer: Sdf.Layer) -> Iterator[str]:
+def _default_of(spec: Sdf.AttributeSpec) -> list[object]:
+    return [spec.default]
+
+
+def _sample_of(layer: Sdf.Layer, path: Sdf.Path, time: float) -> list[object]:
+    return [layer.QueryTimeSample(path, time)]
+
+
+def _assets_in(value: Any, layer: Sdf.Layer) -> Iterator[str]:
     if isinstance(value, Sdf.AssetPath):
         yield from _resolved(layer, value.path)
     elif isinstance(value, Sdf.AssetPathArray):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -12,10 +12,10 @@ from pxr import Usd, UsdGeom
 from .context import FrameContext, array
 from .held_values import Stretch, stretches, values_within
 from .instance_choice import choose_prototypes, instances_of
-from .points import optional_samples, rate_clock, rates, raw_samples
+from .points import optional_samples, rate_times, rates, raw_samples
 from .primvars import held_by, read_primvar, sample_primvar
 from .stage_metadata import time_codes_per_second
-from .times import Shutter, breakpoints_of, xform_bends
+from .times import Shutter, breakpoints_of, xform_breakpoints
 from .transforms import Motion, XformCaches
 from .turns import NO_TURNS, Turns, uniform_turns, xform_turns
 from .typed_twin import Twin, typed_twin
@@ -28,6 +28,11 @@ _COLOUR = "displayColor"
 
 Colours = np.ndarray | list[tuple[float, np.ndarray]]
 """float32[N, 3], one an instance; where they change inside the shutter, (time01, colours) as MovingPrimvar has it."""
+
+
+def taken(indices: np.ndarray, every: np.ndarray) -> np.ndarray:
+    """Contiguous, as the bindings take it."""
+    return np.ascontiguousarray(every[indices])
 
 
 def each(colours: Colours, change: Callable[[np.ndarray], np.ndarray]) -> Colours:
@@ -97,14 +102,12 @@ def read_point_instancer(
             for selected, shown in instances_of(chosen, index):
                 visible = common_intervals(shown, stretch.shown)
                 if visible is None or len(visible):
-                    colour = None if colours is None else each(colours, lambda all_, some=selected: all_[some])
+                    colour = None if colours is None else each(colours, partial(taken, selected))
                     motion = _selected(every, selected, context)
                     yield PointInstances(prim, selected, arrays, motion, colour, visible)
 
 
-def _arrays(
-    instancer: UsdGeom.PointInstancer, count: int, context: FrameContext, velocity_scale: float
-) -> dict:
+def _arrays(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext, velocity_scale: float) -> dict:
     """The translator's keywords of a level of instancing (PointInstancerInput)."""
     orientations = _orientations(instancer, context)
     angular = instancer.GetAngularVelocitiesAttr()
@@ -120,7 +123,7 @@ def _arrays(
         "orientations_name": orientations.GetName(),
         **({"angular_velocities": optional_samples(angular, context, needs_times=True)} if spun else {}),
         **carried_by,
-        **rate_clock(context, velocity_scale),
+        **rate_times(context, velocity_scale),
     }
 
 
@@ -184,8 +187,8 @@ def _every_instance(
 
     spin, shutter = _spin(instancer, context), context.shutter
     times = set() if still else {t for each in moving_attributes(instancer) for t in breakpoints_of(each, shutter)}
-    bends01 = tuple(sorted(shutter.time01(time) for time in times))
-    return Motion(shutter, count, still, evaluate, bends01, turns=lambda _: spin)
+    breakpoints01 = tuple(sorted(shutter.time01(time) for time in times))
+    return Motion(shutter, count, still, evaluate, breakpoints01, turns=lambda _: spin)
 
 
 def _spin(instancer: UsdGeom.PointInstancer, context: FrameContext) -> Turns:
@@ -203,7 +206,7 @@ def _selected(every: Motion, selected: np.ndarray, context: FrameContext) -> Mot
     def evaluate(time01: float) -> np.ndarray:
         return every.at_time(time01)[selected]
 
-    return Motion(context.shutter, len(selected), every.still, evaluate, every.bends01, turns=every.turns)
+    return Motion(context.shutter, len(selected), every.still, evaluate, every.breakpoints01, turns=every.turns)
 
 
 def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) -> Motion:
@@ -214,7 +217,7 @@ def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) ->
     if "xformOpOrder" in authored:
         Orders().check(prototype, authored)
     moving = bool(xformable) and may_vary(xformable) and shutter.moving
-    bends = sorted({shutter.time01(time) for time in xform_bends(xformable, shutter)}) if moving else ()
+    breakpoints = sorted({shutter.time01(time) for time in xform_breakpoints(xformable, shutter)}) if moving else ()
 
     def evaluate(time01: float) -> np.ndarray:
         return np.array(local_transform(caches.cache(time01, shutter), prototype))[None]
@@ -225,7 +228,7 @@ def own_transform(prototype: Usd.Prim, caches: XformCaches, shutter: Shutter) ->
     def turns(_: int) -> Turns:
         return xform_turns(xformable, shutter) if xformable else NO_TURNS
 
-    return Motion(shutter, 1, not moving, evaluate, tuple(bends), carriers=carriers, turns=turns)
+    return Motion(shutter, 1, not moving, evaluate, tuple(breakpoints), carriers=carriers, turns=turns)
 
 
 def _display_color(

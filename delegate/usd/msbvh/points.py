@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,7 +16,7 @@ from .typed_twin import typed_twin
 from .value_types import FLOAT3S, QUATERNIONS
 from .values import Unreadable, ignore, raw, required
 
-RawSamples = list[tuple[float | None, np.ndarray]]
+RawSamples = Sequence[tuple[float | None, np.ndarray]]
 """(time01, values) at increasing times, the sizes as they are; the time is None for a value that is authored for
 all times."""
 
@@ -96,7 +97,7 @@ def rates(velocities: Usd.Attribute, accelerations: Usd.Attribute, context: Fram
     return {name: samples for name, samples in keywords.items() if samples} if keywords["velocities"] else {}
 
 
-def rate_clock(context: FrameContext, velocity_scale: float) -> dict:
+def rate_times(context: FrameContext, velocity_scale: float) -> dict:
     """The translator's keywords of what turns rates into positions: timeCodesPerSecond, not framesPerSecond."""
     shutter = context.shutter
     if not shutter.moving:
@@ -119,9 +120,7 @@ def carries_still_pose(attributes: list[Usd.Attribute], context: FrameContext) -
     return any(times and times[0] != frame for times in around)
 
 
-def sample_points(
-    shape: UsdGeom.PointBased, context: FrameContext, has_velocities: bool
-) -> tuple[Samples, dict]:
+def sample_points(shape: UsdGeom.PointBased, context: FrameContext, has_velocities: bool) -> tuple[Samples, dict]:
     """The points of a mesh, and the translator's keywords of its velocities and accelerations."""
     carried_by = {}
     if has_velocities and carries_still_pose([shape.GetVelocitiesAttr()], context):

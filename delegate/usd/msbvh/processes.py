@@ -39,6 +39,4 @@ def exit_code(command: Sequence[str], log: IO[bytes], timeout_seconds: float | N
 def last_line(said: bytes) -> str:
     """The last line of a log that says anything, cut to a length that fits a message."""
     lines = said.decode("utf-8", errors="replace").split("\n")
-    return next((" ".join(line.split()) for line in reversed(lines) if line.strip()), "it said nothing")[
-        :LONGEST_LINE
-    ]
+    return next((" ".join(line.split()) for line in reversed(lines) if line.strip()), "it said nothing")[:LONGEST_LINE]

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,15 +18,15 @@ from .camera import RenderCamera, optics, read_camera
 from .context import FrameContext
 from .crash_line import crash_line
 from .errors import Diagnostics, SceneError
+from .implicit import IMPLICIT_TYPES, SILHOUETTES
 from .instance_count import InstanceGraph
 from .instances import Placement, Placer, coarse_keywords, level_keywords
-from .implicit import IMPLICIT_TYPES, SILHOUETTES
 from .light_values import Switches
 from .lights import add_lights, camera_light
 from .materials import Materials
 from .motion_scales import scales_at
 from .overs import report_overs
-from .point_instancers import each
+from .point_instancers import each, taken
 from .samples import SampleLog
 from .shapes import BATCH_WEIGHT, Shape, Shapes
 from .shared_shapes import MOST_PLACES, Crowd, SharedShapes
@@ -35,7 +36,6 @@ from .transforms import XformCaches
 from .traversal import WORLD, Group, Part, Traversal
 from .usd_faults import leaving_out
 from .values import reported_to
-
 
 MAX_INSTANCES = 10_000_000
 """While they are read and their tree is built, instances take 0.8 kB each, moving ones 1 kB: these fit in 10 GB."""
@@ -215,7 +215,7 @@ class _FrameReader:
         prim = self._context.stage.GetPrimAtPath(self._camera.path)
         scales = scales_at(prim, self._context.shutter, Diagnostics())
         shutter = self._context.shutter.scaled(scales.blur)
-        found.camera(optics(UsdGeom.Camera(prim)), prim, shutter, self._camera.times01)
+        found.camera(optics(UsdGeom.Camera(prim)), prim, shutter, self._camera.times01.tolist())
 
     @contextmanager
     def _timed(self, step: str) -> Iterator[None]:
@@ -231,7 +231,7 @@ class _FrameReader:
             "times01": camera.times01,
             "world_from_camera": camera.world_from_camera,
             "windows": camera.windows,
-            "bends01": camera.bends01,
+            "breakpoints01": camera.breakpoints01,
             "periods01": camera.periods01,
             "lenses": camera.lenses,
             "near_clip": camera.near_clip,
@@ -337,7 +337,7 @@ class _FrameReader:
         for levels, indices in self._levels(placement, box):
             colour = placement.display_color
             if colour is not None:
-                colour = each(colour, lambda every, some=indices: np.ascontiguousarray(every[some]))
+                colour = each(colour, partial(taken, indices))
             if self._context.found is not None:
                 self._context.found.evaluated_instances(placement.path, levels)
             self._translator.add_instances(
@@ -353,7 +353,7 @@ class _FrameReader:
             group = self._traversal.groups[placement.key]
             for part in group.lights:
                 shutter = self._context.shutter.scaled(part.scales.blur)
-                motion = self._caches.motion([part.prim], group.root, part.varying, shutter, part.bends)
+                motion = self._caches.motion([part.prim], group.root, part.varying, shutter, part.breakpoints)
                 motion = motion.inside(placement.motion)
                 switches = Switches(part.blinking, placement.visible)
                 with leaving_out(part.prim, self._context.code):

@@ -62,7 +62,7 @@ TRACK_FIELDS = (
     "rule",
     "segments",
     "degree",
-    "clock",
+    "time_remap",
     "hidden_partly",
     "moving_transform",
     "error_pixels",
@@ -140,9 +140,8 @@ class Trees:
 
 
 def _frame_jobs(jobs: Sequence[FrameJob] | Sequence[str], stage: Usd.Stage) -> Sequence[FrameJob]:
-    if isinstance(jobs[0], str):
-        return [(start_time(stage), jobs)]
-    return jobs
+    files = [job for job in jobs if isinstance(job, str)]
+    return [(start_time(stage), files)] if files else [job for job in jobs if not isinstance(job, str)]
 
 
 def _record_frame(
@@ -198,9 +197,7 @@ def frame_label(frame: float | None) -> str:
     return "default time" if frame is None else f"frame {frame:g}"
 
 
-def _metadata(
-    rate: float, result: ReadResult, stats: FrameStats, settings: RenderSettings
-) -> ImageMetadata:
+def _metadata(rate: float, result: ReadResult, stats: FrameStats, settings: RenderSettings) -> ImageMetadata:
     camera = result.camera
     return ImageMetadata(
         software=software(),
@@ -216,9 +213,7 @@ def _metadata(
     )
 
 
-def _write_images(
-    files: Sequence[str], layers: Layers, metadata: ImageMetadata, settings: ImageSettings
-) -> None:
+def _write_images(files: Sequence[str], layers: Layers, metadata: ImageMetadata, settings: ImageSettings) -> None:
     """All that can be written: the picture is not lost where one of several disks is full."""
     faults: list[str] = []
     for file in files:

@@ -100,13 +100,9 @@ class SampleLog:
         self._camera_path = ""
         self._camera: tuple[FoundSamples, ...] = ()
 
-    def camera(
-        self, optics: Iterable[Usd.Attribute], prim: Usd.Prim, shutter: Shutter, at01: Sequence[float]
-    ) -> None:
+    def camera(self, optics: Iterable[Usd.Attribute], prim: Usd.Prim, shutter: Shutter, at01: Sequence[float]) -> None:
         """The render camera, evaluated at `at01`."""
-        found = [
-            found_samples(a, shutter) for a in optics if a.HasAuthoredValue() and a.ValueMightBeTimeVarying()
-        ]
+        found = [found_samples(a, shutter) for a in optics if a.HasAuthoredValue() and a.ValueMightBeTimeVarying()]
         found.extend(transform_samples_of(prim, None, shutter))
         if len(at01) > 1:
             path = f"{prim.GetPath()}.{COMPOSED_TRANSFORM}"

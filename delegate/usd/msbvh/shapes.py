@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import itemgetter
@@ -22,13 +22,16 @@ from .skinning import read_skinning
 from .times import Shutter
 from .transform_faults import report_unusable
 from .transform_sampling import SAMPLING_SHARE, TransformSamples, transform_samples
-from .transforms import XformCaches, bends_of, may_move
+from .transforms import XformCaches, may_move, transform_breakpoints
 from .traversal import Part
 from .usd_faults import FAULTS, report_left_out
 from .visibility import visible_intervals
 
 BATCH_WEIGHT = 2**22
 """Points that are held in memory at once, for meshes that are evaluated together."""
+
+
+Course = tuple[bool, tuple[float, ...], Shutter]
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,7 @@ class Shape:
     """Its points."""
     placed_by: Usd.Prim
     """Whose transform places it: itself, or its skeleton."""
-    course: tuple[bool, tuple[float, ...], Shutter]
+    course: Course
     """Whether that may vary, where it may change its course, and over which shutter."""
 
     @cached_property
@@ -56,8 +59,8 @@ class Shape:
 
     def extent(self, caches: XformCaches, root: Usd.Prim | None) -> Box:
         """Around the points in the space of the group, at a few times."""
-        varying, bends, shutter = self.course
-        motion = caches.motion([self.placed_by], root, varying, shutter, bends)
+        varying, breakpoints, shutter = self.course
+        motion = caches.motion([self.placed_by], root, varying, shutter, breakpoints)
         matrices = motion.at_times(motion.few_times01())[:, 0]
         return Box.around(np.concatenate([self.box.corners() @ matrix[:, :3] for matrix in matrices]))
 
@@ -93,7 +96,7 @@ class Shapes:
         mesh = read_shape(part.prim, context, part.scales.velocity, part.authored, choose_sides)
         if mesh is None:
             return None
-        placed_by, varying, bends = part.prim, part.varying, part.bends
+        placed_by, varying, breakpoints = part.prim, part.varying, part.breakpoints
         tolerance = self._skinning_tolerance(root, context, pixel_sizes)
         skinned = read_skinning(part.prim, mesh, context, tolerance, part.authored)
         samples = mesh.pop("samples")
@@ -103,7 +106,7 @@ class Shapes:
             samples, placed_by = skinned.samples, skinned.placed_by
             if placed_by != part.prim:
                 varying = may_move(placed_by, root)
-                bends = tuple(bends_of(placed_by, root, context.shutter))
+                breakpoints = tuple(transform_breakpoints(placed_by, root, context.shutter))
             mesh.update(normals=skinned.normals, normals_indices=None, computed_points=True)
             for name in ("velocities", "accelerations"):
                 mesh.pop(name, None)
@@ -114,20 +117,20 @@ class Shapes:
             context.found.shape(*own, placed_by, animation, times01)
         mesh["visible"] = visible_intervals(part.blinking, self._context.shutter)
         mesh.update(points=samples.values, points_held=samples.held)
-        return Shape(part, mesh, samples, placed_by, (varying, bends, context.shutter))
+        return Shape(part, mesh, samples, placed_by, (varying, breakpoints, context.shutter))
 
     def hand_down(
         self, shapes: list[Shape], root: Usd.Prim | None, pixel_sizes: Pixels, add: Callable[..., None]
     ) -> None:
         """Hands meshes to the translator with their transforms over the shutter, in their order."""
         held = self._context.held
-        alike: dict[Hashable, list[int]] = {}
+        alike: dict[Course, list[int]] = {}
         for index, shape in enumerate(shapes):
             alike.setdefault(shape.course, []).append(index)
         moved: dict[int, tuple[TransformSamples, int]] = {}
-        for (varying, bends, shutter), same in alike.items():
+        for (varying, breakpoints, shutter), same in alike.items():
             prims = [shapes[index].placed_by for index in same]
-            motion = self._caches.motion(prims, root, varying, shutter, bends)
+            motion = self._caches.motion(prims, root, varying, shutter, breakpoints)
             boxes = [] if motion.still else [shapes[index].box for index in same]
             for samples in transform_samples(motion, boxes, pixel_sizes, self._tolerance, held):
                 for place, index in enumerate(samples.indices.tolist()):
@@ -160,12 +163,12 @@ class Shapes:
     ) -> None:
         """With the materials of the subsets of `context`. Its matrices are number `place` of the samples'."""
         if self._context.found is not None:
-            self._context.found.evaluated_shape(shape.mesh["path"], transform.times01)
+            self._context.found.evaluated_shape(shape.mesh["path"], transform.times01.tolist())
         mesh = {
             **shape.mesh,
             "transform_times01": transform.times01,
             "transforms": np.ascontiguousarray(transform.matrices[:, place]),
-            "transform_bends01": transform.bends01,
+            "transform_breakpoints01": transform.breakpoints01,
             "transforms_held": transform.held,
             "transform_error_pixels": transform.error_pixels,
         }
@@ -195,7 +198,7 @@ class Shapes:
         """Of an implicit shape, by its size in pixels."""
 
         def matrices() -> np.ndarray:
-            motion = self._caches.motion([part.prim], root, part.varying, context.shutter, part.bends)
+            motion = self._caches.motion([part.prim], root, part.varying, context.shutter, part.breakpoints)
             return motion.at_times(motion.few_times01())[:, 0]
 
         return side_chooser(matrices, part.prim.GetTypeName() == "Sphere", pixel_sizes, self._silhouette)

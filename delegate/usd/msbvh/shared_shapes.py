@@ -103,7 +103,7 @@ class SharedShapes:
         for simple in map(self._simple.read, implicit):
             if simple is not None:
                 alike.setdefault(simple.alike, []).append(simple)
-        crowds = []
+        crowds: list[Crowd] = []
         for members in alike.values():
             if len(members) >= SHARED_FROM:
                 crowds.extend(self._crowds(members, root))
@@ -114,7 +114,7 @@ class SharedShapes:
         by_course: dict[Hashable, list[Simple]] = {}
         for simple in members:
             part = simple.part
-            course = part.varying, part.bends, part.scales, part.blinking, simple.colour is None
+            course = part.varying, part.breakpoints, part.scales, part.blinking, simple.colour is None
             by_course.setdefault(course, []).append(simple)
         for same in by_course.values():
             crowd = self._crowd(same, root)
@@ -130,16 +130,14 @@ class SharedShapes:
         shape_from_unit = np.tile(np.eye(4), (len(members), 1, 1))
         shape_from_unit[:, :3, :3] = scales[:, :, None] * turned[[simple.turn for simple in members]]
         prims = [part.prim for part in parts]
-        motion = self._caches.motion(prims, root, parts[0].varying, shutter, parts[0].bends)
+        motion = self._caches.motion(prims, root, parts[0].varying, shutter, parts[0].breakpoints)
         root_from_shape = motion.at_times(motion.few_times01())
         colours = None
         if members[0].colour is not None:
             colours = np.array([simple.colour for simple in members], np.float32)
         paths = [prim.GetPath().pathString for prim in prims]
         materials, root_from_unit = self._material_numbers(members), shape_from_unit @ root_from_shape
-        return Crowd(
-            members[0].alike, parts, paths, shape_from_unit, root_from_unit, colours, materials, shutter
-        )
+        return Crowd(members[0].alike, parts, paths, shape_from_unit, root_from_unit, colours, materials, shutter)
 
     def _material_numbers(self, members: list[Simple]) -> np.ndarray | None:
         bound = [index for index, simple in enumerate(members) if simple.binds]
@@ -185,17 +183,13 @@ class SharedShapes:
                 box, level = self._unit_box(sized.alike), Level(self._motion(sized, root))
                 for outer in placed:
                     visible = common_intervals(own, outer.visible)
-                    chain = Placement(
-                        outer.path, outer.key, (level, *outer.levels), visible, None, outer.place
-                    )
+                    chain = Placement(outer.path, outer.key, (level, *outer.levels), visible, None, outer.place)
                     for levels, indices in measure(chain, box):
                         inner = indices[: levels[0]["matrices"].shape[1]] % level.count
                         everywhere = _repeated(sized, inner, indices, outer)
                         # One report for what places the group: with the first thing in it.
                         whole = number == size == 0
-                        self._add(
-                            everywhere, outer.path, prototype, levels, visible, sized.some(inner).paths, whole
-                        )
+                        self._add(everywhere, outer.path, prototype, levels, visible, sized.some(inner).paths, whole)
 
     def _note(self, crowd: Crowd, root: Usd.Prim | None) -> None:
         if self._context.found is not None:
@@ -230,7 +224,7 @@ class SharedShapes:
     def _motion(self, crowd: Crowd, root: Usd.Prim | None) -> Motion:
         prims = [part.prim for part in crowd.parts]
         first, shutter, scaled = crowd.parts[0], crowd.shutter, crowd.shape_from_unit
-        placed = self._caches.motion(prims, root, first.varying, shutter, first.bends)
+        placed = self._caches.motion(prims, root, first.varying, shutter, first.breakpoints)
         if placed.still:
             return Motion(shutter, len(prims), True, lambda _: crowd.root_from_unit[0])
 
@@ -241,7 +235,7 @@ class SharedShapes:
             some = [prims[index] for index in indices.tolist()]
             return scaled[indices] @ self._caches.matrices(time01, some, root, shutter)
 
-        moved = evaluate, placed.bends01, evaluate_some, placed.carriers, placed.turns
+        moved = evaluate, placed.breakpoints01, evaluate_some, placed.carriers, placed.turns
         return Motion(shutter, len(prims), False, *moved)
 
     def _add(
@@ -305,7 +299,7 @@ def _unit_surface(alike: Alike, sides: int) -> Surface:
 
 
 def _mesh_keywords(path: str, surface: Surface, alike: Alike) -> dict:
-    opacity = None if alike.opacity is None else ("constant", np.float32([alike.opacity]), None)
+    opacity = None if alike.opacity is None else ("constant", np.array([alike.opacity], np.float32), None)
     return {
         "path": path,
         "face_vertex_counts": surface.counts,
@@ -316,7 +310,7 @@ def _mesh_keywords(path: str, surface: Surface, alike: Alike) -> dict:
         "points_held": False,
         "transform_times01": np.zeros(1),
         "transforms": np.eye(4)[None],
-        "transform_bends01": np.zeros(0),
+        "transform_breakpoints01": np.zeros(0),
         "transforms_held": False,
         "transform_error_pixels": 0.0,
         "normals": None,

@@ -25,7 +25,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
-from typing import Any, NoReturn, TypeVar
+from typing import Any, ClassVar, NoReturn, TypeVar
 
 from .exit_codes import BY_SIGNAL
 
@@ -61,7 +61,7 @@ class _State:
     raised = False
     deferred = 0
     """Depth of deferred()."""
-    undo: dict[int, Callable[[], object]] = {}
+    undo: ClassVar[dict[int, Callable[[], object]]] = {}
     """What else to do where the process ends without unwinding."""
     announced = threading.Lock()
 

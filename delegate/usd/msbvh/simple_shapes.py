@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from pxr import Gf, Usd, Vt
@@ -189,8 +189,8 @@ class SimpleShapes:
 class _Above:
     """What siblings inherit."""
 
-    colour: object = None
-    opacity: object = None
+    colour: Any = None
+    opacity: Any = None
     skinned: bool = False
     binds: bool = False
 
@@ -215,7 +215,7 @@ def _recipe(kind: str, authored: frozenset[str]) -> _Recipe:
     )
 
 
-def _single(values: object) -> object:
+def _single(values: object) -> Any:
     """The one element of an array of colours or opacities."""
     if isinstance(values, Vt.Vec3fArray | Vt.FloatArray) and len(values) == 1:
         return values[0]

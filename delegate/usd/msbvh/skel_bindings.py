@@ -66,9 +66,7 @@ def read_binding(prim: Usd.Prim, context: FrameContext, authored: frozenset[str]
     return SkelBinding(prim, skeleton, bound.GetAnimQuery(), shapes, influences, joints)
 
 
-def _read_skeleton(
-    prim: Usd.Prim, query: UsdSkel.SkinningQuery, context: FrameContext
-) -> UsdSkel.Skeleton | None:
+def _read_skeleton(prim: Usd.Prim, query: UsdSkel.SkinningQuery, context: FrameContext) -> UsdSkel.Skeleton | None:
     path = str(prim.GetPath())
     skeleton = UsdSkel.BindingAPI(prim).GetInheritedSkeleton()
     if not skeleton:
@@ -85,17 +83,13 @@ def _read_skeleton(
     if not query.HasJointInfluences():
         return skeleton
     if not bound.HasBindPose():
-        found = len(_matrices(skeleton.GetBindTransformsAttr()))
-        message = (
-            f"found {found} matrices, expected {len(bound.GetJointOrder())}, one a joint, to skin {path}"
-        )
+        count = len(_matrices(skeleton.GetBindTransformsAttr()))
+        message = f"found {count} matrices, expected {len(bound.GetJointOrder())}, one a joint, to skin {path}"
         context.diagnostics.warning(skeleton_path, "bindTransforms", f"{message}; {_REST}")
         return None
     if context.skeletons.pose(skeleton, context.code) is None:
-        found = len(_matrices(skeleton.GetRestTransformsAttr()))
-        message = (
-            f"found {found} matrices and no animation of all joints, expected {len(bound.GetJointOrder())}"
-        )
+        count = len(_matrices(skeleton.GetRestTransformsAttr()))
+        message = f"found {count} matrices and no animation of all joints, expected {len(bound.GetJointOrder())}"
         context.diagnostics.warning(skeleton_path, "restTransforms", f"{message}, to skin {path}; {_REST}")
         return None
     return skeleton
@@ -148,14 +142,9 @@ def _read_influences(query: UsdSkel.SkinningQuery, context: FrameContext) -> dic
     }
 
 
-def _joint_order(
-    query: UsdSkel.SkinningQuery, skeleton: UsdSkel.Skeleton, context: FrameContext
-) -> np.ndarray:
+def _joint_order(query: UsdSkel.SkinningQuery, skeleton: UsdSkel.Skeleton, context: FrameContext) -> np.ndarray:
     """The skeleton's index of each joint that the mesh's indices count; -1 for those it does not have."""
-    known = {
-        str(name): index
-        for index, name in enumerate(context.skeletons.skeleton_query(skeleton).GetJointOrder())
-    }
+    known = {str(name): index for index, name in enumerate(context.skeletons.skeleton_query(skeleton).GetJointOrder())}
     order = query.GetJointOrder()
     if order is None:
         return np.arange(len(known))

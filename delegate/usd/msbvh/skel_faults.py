@@ -30,8 +30,8 @@ def report_unusable_pose(
         (animation.GetRotationsAttr(), QUATERNIONS),
         (animation.GetScalesAttr(), HALF3S),
     ):
-        values = value(attribute, code, kind) if attribute else None
-        sound = [_is_sound(found) for found in values or ()]
+        values = (value(attribute, code, kind) if attribute else None) or ()
+        sound = [_is_sound(found) for found in values]
         if all(sound):
             continue
         index = sound.index(False)
@@ -47,7 +47,7 @@ def report_unusable_pose(
 
 
 def _is_sound(value: object) -> bool:
-    if hasattr(value, "GetReal"):
+    if hasattr(value, "GetReal") and hasattr(value, "GetImaginary"):
         value = (value.GetReal(), *value.GetImaginary())
     return bool((np.abs(np.array(value, np.float64)) <= LARGEST).all())
 

@@ -6,10 +6,10 @@ hands.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
-from pxr import Tf, Usd, UsdGeom, UsdSkel
+from pxr import Gf, Tf, Usd, UsdGeom, UsdSkel
 
 from .boxes import Box
 from .tokens import inherited_purpose
@@ -27,9 +27,7 @@ class SkinnedBounds:
             if prim.GetTypeName() == "SkelRoot" and not prim.GetAttribute("extent").HasAuthoredValue():
                 self._padded.extend(self._skeletons(UsdSkel.Root(prim), purposes))
 
-    def _skeletons(
-        self, root: UsdSkel.Root, purposes: set[str]
-    ) -> Iterator[tuple[UsdSkel.SkeletonQuery, float]]:
+    def _skeletons(self, root: UsdSkel.Root, purposes: set[str]) -> Iterator[tuple[UsdSkel.SkeletonQuery, float]]:
         """Each with how far the prims that it poses reach beyond its joints at rest."""
         predicate = Usd.TraverseInstanceProxies()
         try:
@@ -43,9 +41,7 @@ class SkinnedBounds:
             if not rest:
                 continue
             joints = _pivots(rest)
-            targets = [
-                target for target in binding.GetSkinningTargets() if _is_seen(target.GetPrim(), purposes)
-            ]
+            targets = [target for target in binding.GetSkinningTargets() if _is_seen(target.GetPrim(), purposes)]
             yield query, max((_reach(target, joints) for target in targets), default=0.0)
 
     def boxes(self, code: Usd.TimeCode) -> Iterator[Box]:
@@ -59,7 +55,7 @@ class SkinnedBounds:
                 yield Box.around(Box(around.lo - pad, around.hi + pad).corners() @ world[:, :3])
 
 
-def _pivots(joints: object) -> Box:
+def _pivots(joints: Iterable[Gf.Matrix4d]) -> Box:
     return Box.around(np.array([np.array(joint)[3, :3] for joint in joints]))
 
 

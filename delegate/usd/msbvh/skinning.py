@@ -58,10 +58,10 @@ def read_skinning(
 ) -> Skinned | None:
     """The skinned points and normals of a mesh; None where no skinning applies and it is drawn at rest.
 
-    `authored` are the names of its properties that have opinions. `mesh` holds the translator's keywords with the rest points as "samples". Between the returned samples the
-    straight line strays from UsdSkel's pose by at most `tolerance_units(placed_by, box of the points)`, in
-    units of the space of `placed_by`, measured at the middles of the sampling intervals. Warns, naming prim
-    and property, where a binding does not resolve.
+    `authored` are the names of its properties that have opinions. `mesh` holds the translator's keywords with the rest
+    points as "samples". Between the returned samples the straight line strays from UsdSkel's pose by at most
+    `tolerance_units(placed_by, box of the points)`, in units of the space of `placed_by`, measured at the middles of
+    the sampling intervals. Warns, naming prim and property, where a binding does not resolve.
     """
     binding = read_binding(prim, context, authored)
     if binding is None:
@@ -82,9 +82,7 @@ class _Rejected(Exception):
     """The core cannot use a binding, and has said why."""
 
 
-def _sample(
-    poser: _Poser, context: FrameContext, tolerance_units: Callable[[Box], float]
-) -> tuple[list[float], bool]:
+def _sample(poser: _Poser, context: FrameContext, tolerance_units: Callable[[Box], float]) -> tuple[list[float], bool]:
     """The sample times, and whether each holds until the next."""
     varying, authored = poser.contributing_times()
     if not varying:
@@ -144,8 +142,9 @@ class _Poser:
         if not shutter.moving:
             return False, []
         animation = binding.animation
-        varying = self._moving_rest is not None
-        if varying:
+        varying = False
+        if self._moving_rest is not None:
+            varying = True
             times.update(self._moving_rest.GetTimeSamplesInInterval(shutter.interval))
         if binding.joints is not None and animation and animation.JointTransformsMightBeTimeVarying():
             varying = True
@@ -169,7 +168,9 @@ class _Poser:
 
     def warn_of_coarse_poses(self, count: int) -> None:
         """Where no affordable number of poses lets straight lines follow."""
-        message = f"poses are read at {count} times of the shutter, too few for --motion-tolerance; a shorter shutter helps"
+        message = (
+            f"poses are read at {count} times of the shutter, too few for --motion-tolerance; a shorter shutter helps"
+        )
         self._context.diagnostics.group(str(self._binding.prim.GetPath()), "skel:animationSource", message)
 
     def evaluate(self, times01: list[float]) -> None:
@@ -193,9 +194,9 @@ class _Poser:
     def follows(self, times01: list[float], finer: list[float], tolerance: float) -> bool:
         """Whether straight lines between the poses stray from those at the finer times by no more than the
         tolerance, and normals by no more than theirs."""
-        if _bend(self.points, times01, finer) > tolerance:
+        if _breakpoint(self.points, times01, finer) > tolerance:
             return False
-        return not self.normals or _bend(self.normals, times01, finer, unit=True) <= NORMAL_TOLERANCE
+        return not self.normals or _breakpoint(self.normals, times01, finer, unit=True) <= NORMAL_TOLERANCE
 
     def _posed(self) -> tuple[dict[float, np.ndarray], ...]:
         return self.points, self.normals
@@ -218,7 +219,7 @@ class _Poser:
         if joints is not None and report_unusable_pose(binding, joints, codes, context):
             raise _Rejected
         shapes = [] if binding.shapes is None else binding.shapes.shapes
-        weights = [binding.shapes.weights(code, context) for code in codes] if shapes else None
+        weights = [binding.shapes.weights(code, context) for code in codes] if binding.shapes and shapes else None
         points, normals, diagnostics = _core.skin_points(
             path=str(binding.prim.GetPath()),
             times01=np.array(times01),
@@ -250,9 +251,7 @@ def _still(values: list[np.ndarray]) -> bool:
     return all(np.abs(value - values[0]).max(initial=0.0) <= rounding for value in values[1:])
 
 
-def _bend(
-    values: dict[float, np.ndarray], times01: list[float], finer: list[float], unit: bool = False
-) -> float:
+def _breakpoint(values: dict[float, np.ndarray], times01: list[float], finer: list[float], unit: bool = False) -> float:
     """How far values at the finer times stray from straight lines between the others; `unit`: from lines of
     directions."""
     worst = 0.0
@@ -319,5 +318,5 @@ def _nearest(samples: list[tuple[float, np.ndarray]], context: FrameContext) -> 
     """The sample next to the frame."""
     if len(samples) == 1:
         return samples[0][1]
-    at_frame = context.shutter.time01(context.shutter.frame)
+    at_frame = context.shutter.frame01_unclamped
     return min(samples, key=lambda sample: abs(sample[0] - at_frame))[1]

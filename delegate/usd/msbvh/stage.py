@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 
 from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
@@ -45,9 +46,7 @@ def _population_mask(paths: Sequence[str]) -> Usd.StagePopulationMask:
         if not Sdf.Path.IsValidPathString(path) or not Sdf.Path(path).IsAbsoluteRootOrPrimPath():
             raise SceneError(f"mask: found '{path}', expected the absolute path of a prim such as /World/Set")
         if not Sdf.Path(path).IsAbsolutePath():
-            raise SceneError(
-                f"mask: found the relative path '{path}', expected an absolute one such as /{path}"
-            )
+            raise SceneError(f"mask: found the relative path '{path}', expected an absolute one such as /{path}")
         mask.Add(path)
     return mask
 
@@ -62,7 +61,7 @@ def tf_messages(diagnostics: Diagnostics) -> Iterator[None]:
     finally:
         messages = delegate.TakeUncoalescedDiagnostics()
         # USD composes on many threads: sorted, the same scene says the same each time.
-        for text in sorted(text_of(lambda message=message: message.commentary) for message in messages):
+        for text in sorted(text_of(partial(getattr, message, "commentary")) for message in messages):
             _record(text, diagnostics)
         del delegate
 

@@ -75,7 +75,5 @@ class RunStats:
 
 def peak_memory_bytes() -> int:
     """The most memory that this process has held at once."""
-    unit = (
-        1 if sys.platform == "darwin" else 1024
-    )  # ru_maxrss: bytes on macOS, KiB elsewhere; see getrusage(2).
+    unit = 1 if sys.platform == "darwin" else 1024  # ru_maxrss: bytes on macOS, KiB elsewhere; see getrusage(2).
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import OpenImageIO as oiio
@@ -111,9 +112,7 @@ def _seek_small_level(image: oiio.ImageInput) -> None:
     image.seek_subimage(0, level)
 
 
-def _texels(
-    image: oiio.ImageInput, spec: oiio.ImageSpec, channels: int, kind: object
-) -> Iterator[np.ndarray | None]:
+def _texels(image: oiio.ImageInput, spec: oiio.ImageSpec, channels: int, kind: Any) -> Iterator[np.ndarray | None]:
     """A part after the other; None where reading fails."""
     if spec.tile_width:
         yield image.read_image(0, channels, kind)

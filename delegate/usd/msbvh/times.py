@@ -50,33 +50,41 @@ class Shutter:
         return Usd.TimeCode.Default() if self.frame is None else Usd.TimeCode(self.frame)
 
     @property
+    def frame_number(self) -> float:
+        """The frame's time code. Only for a frame that has one."""
+        assert self.frame is not None
+        return self.frame
+
+    @property
     def frame01_unclamped(self) -> float:
         """The frame's time, which may lie outside of the shutter; 0 where nothing moves."""
-        return self.time01(self.frame) if self.moving else 0.0
+        return self.time01(self.frame_number) if self.moving else 0.0
 
     @property
     def frame01(self) -> float:
         """The frame's time, or the shutter's end that is next to it; 0 where nothing moves."""
-        return min(max(self.time01(self.frame), 0.0), 1.0) if self.moving else 0.0
+        return min(max(self.time01(self.frame_number), 0.0), 1.0) if self.moving else 0.0
 
     @property
     def interval(self) -> Gf.Interval:
         """The open shutter in time codes. Only for a moving one."""
-        return Gf.Interval(self.frame + self.open, self.frame + self.close)
+        return Gf.Interval(self.frame_number + self.open, self.frame_number + self.close)
 
     def scaled(self, scale: float) -> Shutter:
         """The window of a prim with that motion:blurScale: scaled about the frame (UsdGeomMotionAPI)."""
-        return self if scale == 1.0 or not self.moving else replace(self, open=scale * self.open, close=scale * self.close)
+        return (
+            self if scale == 1.0 or not self.moving else replace(self, open=scale * self.open, close=scale * self.close)
+        )
 
     def time_code(self, time01: float) -> Usd.TimeCode:
         """The stage's time at `time01`; a closed shutter has the frame's alone."""
         if not self.moving:
             return self.frame_code
-        return Usd.TimeCode(self.frame + (1.0 - time01) * self.open + time01 * self.close)
+        return Usd.TimeCode(self.frame_number + (1.0 - time01) * self.open + time01 * self.close)
 
     def time01(self, time: float) -> float:
         """Of a time code. Only for a moving shutter."""
-        return (time - (self.frame + self.open)) / (self.close - self.open)
+        return (time - (self.frame_number + self.open)) / (self.close - self.open)
 
 
 SHUTTER_HINT = "--shutter -0.25:0.25 opens it"
@@ -122,9 +130,7 @@ def asked_shutter(frame: float, asked: tuple[float, float], diagnostics: Diagnos
     return Shutter(frame, open_frames, close_frames)
 
 
-def _warn_of_absurd_length(
-    length: float, subject: tuple[str, str], rendered: str, diagnostics: Diagnostics
-) -> None:
+def _warn_of_absurd_length(length: float, subject: tuple[str, str], rendered: str, diagnostics: Diagnostics) -> None:
     if length > ABSURD_SHUTTER_FRAMES:
         found = f"the shutter is open for {length:g} frames, expected about one"
         diagnostics.warning(*subject, f"{found}; rendered {rendered}")
@@ -176,8 +182,8 @@ def bracketing_times(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
     first, last = shutter.interval.min, shutter.interval.max
     around = {
         *_bracketing(attribute, first)[:1],
-        *_bracketing(attribute, shutter.frame),
-        *_bracketing(attribute, shutter.frame + Usd.TimeCode.SafeStep())[1:],
+        *_bracketing(attribute, shutter.frame_number),
+        *_bracketing(attribute, shutter.frame_number + Usd.TimeCode.SafeStep())[1:],
         *_bracketing(attribute, last)[1:],
     }
     if len(around) < 2:
@@ -219,12 +225,12 @@ def thinned(times: list[float], size: int) -> list[float]:
     return [times[index] for index in np.linspace(0, len(times) - 1, most).round().astype(int).tolist()]
 
 
-def xform_bends(xformable: UsdGeom.Xformable, shutter: Shutter) -> list[float]:
+def xform_breakpoints(xformable: UsdGeom.Xformable, shutter: Shutter) -> list[float]:
     """Time codes inside the shutter at which a transform may change its course: its ops' samples and the knots
     of their splines."""
     times: list[float] = []
     for op in ordered_ops(xformable):
-        times.extend(_bends_of(op.GetAttr(), shutter))
+        times.extend(_op_breakpoints(op.GetAttr(), shutter))
     return times
 
 
@@ -279,7 +285,7 @@ def breakpoints_of(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
     return list(attribute.GetTimeSamplesInInterval(shutter.interval))
 
 
-def _bends_of(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
+def _op_breakpoints(attribute: Usd.Attribute, shutter: Shutter) -> list[float]:
     """Breakpoints, and the instants before values that come at once: held or two-valued knots, blocks."""
     step = STEP01 * (shutter.close - shutter.open)
     inside = breakpoints_of(attribute, shutter)

@@ -44,15 +44,13 @@ def _bad_value(attribute: Usd.Attribute, shutter: Shutter) -> str:
     for time in bracketing_times(attribute, shutter):
         value = raw(attribute, time)
         if not _is_sound(value):
-            return (
-                f"found {value} at shutter time {shutter.time01(time):.9g} (0 is the opening, 1 the closing)"
-            )
+            return f"found {value} at shutter time {shutter.time01(time):.9g} (0 is the opening, 1 the closing)"
     return ""
 
 
 def _is_sound(value: object) -> bool:
     if value is None:
         return True
-    if hasattr(value, "GetReal"):
+    if hasattr(value, "GetReal") and hasattr(value, "GetImaginary"):
         value = (value.GetReal(), *value.GetImaginary())
     return bool((np.abs(np.array(value, np.float64)) <= LARGEST).all())

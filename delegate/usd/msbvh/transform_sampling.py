@@ -16,11 +16,11 @@ SAMPLING_SHARE = 0.1
 CUBIC_SPLIT = 2
 """From here on a stretch has the four samples that a cubic takes; lines before."""
 FINEST_SPLIT = 12
-"""The most often that a stretch between bends is halved: 4096 samples."""
+"""The most often that a stretch between breakpoints is halved: 4096 samples."""
 LARGEST_SAMPLES = 2**23
 """Matrices that are held at once, a gigabyte; beyond it sampling ends where it stands, and says so by its error."""
 JUMP01 = 6e-8
-"""Bends within this of each other are a jump (kTimeResolution in delegate/translate/time_layout.h)."""
+"""Breakpoints within this of each other are a jump (kTimeResolution in delegate/translate/time_layout.h)."""
 SAME_TIME01 = 1e-12
 """Times that are nearer are one: the translator's kSameTime."""
 TIMES_A_TURN = 8
@@ -39,7 +39,7 @@ class TransformSamples:
     """float64[T]."""
     matrices: np.ndarray
     """float64[T, M, 4, 4]."""
-    bends01: np.ndarray
+    breakpoints01: np.ndarray
     """float64[B]: where the motion may change its course."""
     held: bool = False
     error_pixels: float = 0.0
@@ -60,24 +60,24 @@ def transform_samples(
     """Samples matrices over the shutter until what is interpolated between them follows the stage within a share of
     the tolerance.
 
-    Halves the stretches between bends, for those things that need it. Every index comes once. `boxes` are those
+    Halves the stretches between breakpoints, for those things that need it. Every index comes once. `boxes` are those
     of the things, each in its own space; one: of each.
     """
     everything = np.arange(motion.count)
-    bends = np.array(motion.bends01)
+    breakpoints = np.array(motion.breakpoints01)
     if motion.still:
-        yield from _by_use(TransformSamples(everything, np.zeros(1), motion.at_time(0.0)[None], bends))
+        yield from _by_use(TransformSamples(everything, np.zeros(1), motion.at_time(0.0)[None], breakpoints))
         return
     if held:
-        times01 = np.array([0.0, *(time for time in motion.bends01 if time > 0.0)])
+        times01 = np.array([0.0, *(time for time in motion.breakpoints01 if time > 0.0)])
         # In the middle of what holds: a time that is rounded might lie before its own sample.
         middles = (times01 + np.append(times01[1:], 1.0)) / 2
         yield from _by_use(
-            TransformSamples(everything, times01, _evaluated(motion, middles, everything), bends, True)
+            TransformSamples(everything, times01, _evaluated(motion, middles, everything), breakpoints, True)
         )
         return
     local = corners_of(boxes)
-    yield from _smooth_samples(motion, local, pixel_sizes, tolerance_pixels, bends)
+    yield from _smooth_samples(motion, local, pixel_sizes, tolerance_pixels, breakpoints)
 
 
 def _by_use(samples: TransformSamples) -> Iterator[TransformSamples]:
@@ -97,15 +97,15 @@ def _by_use(samples: TransformSamples) -> Iterator[TransformSamples]:
 
 
 def _smooth_samples(
-    motion: Motion, local: np.ndarray, pixel_sizes: PixelSizes, tolerance_pixels: float, bends: np.ndarray
+    motion: Motion, local: np.ndarray, pixel_sizes: PixelSizes, tolerance_pixels: float, breakpoints: np.ndarray
 ) -> Iterator[TransformSamples]:
     """`local` is float64[N, 8, 4], or float64[1, 8, 4] for all."""
     limit = SAMPLING_SHARE * tolerance_pixels
-    ends = _distinct_ends(bends)
+    ends = _distinct_ends(breakpoints)
     remaining = np.arange(motion.count)
     coarse = _evaluated(motion, ends, remaining)
     # No splitting would make a number of what is none.
-    for samples in _by_use(TransformSamples(remaining, ends, coarse, bends)):
+    for samples in _by_use(TransformSamples(remaining, ends, coarse, breakpoints)):
         if samples.usable:
             remaining, coarse = samples.indices, samples.matrices
             local = local if len(local) == 1 else local[remaining]
@@ -140,7 +140,7 @@ def _smooth_samples(
         if good.any():
             found = float(np.maximum(error, _missed(corners, needed > split) / size)[good].max())
             periods = tuple(turns[index].periods01 for index in remaining[good].tolist())
-            yield TransformSamples(remaining[good], kept_times, kept[:, good], bends, False, found, periods)
+            yield TransformSamples(remaining[good], kept_times, kept[:, good], breakpoints, False, found, periods)
         if good.all():
             return
         remaining, coarse, probed, needed = remaining[~good], fine[:, ~good], probed[:, ~good], needed[~good]
@@ -161,7 +161,7 @@ def _missed(corners: np.ndarray, too_fast: np.ndarray) -> np.ndarray:
 
 
 class Course:
-    """The stretches between bends, each split evenly, and interpolation in them as the translator does it
+    """The stretches between breakpoints, each split evenly, and interpolation in them as the translator does it
     (delegate/translate/smooth_times.h)."""
 
     def __init__(self, ends: np.ndarray) -> None:
@@ -209,11 +209,11 @@ def _lagrange(place: np.ndarray, degree: int) -> np.ndarray:
     return weights
 
 
-def _distinct_ends(bends: np.ndarray) -> np.ndarray:
-    """0, 1 and the bends between. A bend at the shutter's end, or two at the same time, that differ by rounding
+def _distinct_ends(breakpoints: np.ndarray) -> np.ndarray:
+    """0, 1 and the breakpoints between. A breakpoint at the shutter's end, or two at the same time, that differ by rounding
     alone would make a stretch of no length, which cannot be halved."""
     ends = [0.0]
-    for time01 in sorted(bends.tolist()):
+    for time01 in sorted(breakpoints.tolist()):
         if ends[-1] + SAME_TIME01 < time01 < 1.0 - SAME_TIME01:
             ends.append(time01)
     return np.array([*ends, 1.0])
@@ -223,9 +223,7 @@ def _evaluated(motion: Motion, times01: np.ndarray, indices: np.ndarray) -> np.n
     return np.array([motion.some(time01, indices) for time01 in times01.tolist()])
 
 
-def _refined(
-    motion: Motion, course: Course, split: int, coarse: np.ndarray, indices: np.ndarray
-) -> np.ndarray:
+def _refined(motion: Motion, course: Course, split: int, coarse: np.ndarray, indices: np.ndarray) -> np.ndarray:
     """The matrices at the times of the next split; `coarse` has those of this one."""
     times01 = course.times01(split + 1)
     known = np.isin(np.arange(len(times01)), _kept(course, split))

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom
 
-from .times import Shutter, even_level, even_times01, xform_bends
+from .times import Shutter, even_level, even_times01, xform_breakpoints
 from .turns import NO_TURNS, Turns, total_turns, xform_turns
 from .xform_ops import may_vary, relative_transform, resets, world_transform, world_transforms
 
@@ -28,19 +28,19 @@ class Motion:
         count: int,
         still: bool,
         evaluate: Callable[[float], np.ndarray],
-        bends01: tuple[float, ...] = (),
+        breakpoints01: tuple[float, ...] = (),
         evaluate_some: Callable[[float, np.ndarray], np.ndarray] | None = None,
         carriers: Callable[[int], list[UsdGeom.Xformable]] | None = None,
         turns: Callable[[int], Turns] | None = None,
     ) -> None:
         """`evaluate(time01)` gives float64[count, 4, 4]; `evaluate_some(time01, indices)` those of some things,
-        where that is cheaper. `still`: it is the same at any time. `bends01`: times inside the shutter at which
+        where that is cheaper. `still`: it is the same at any time. `breakpoints01`: times inside the shutter at which
         the motion may change its course (or, on a held stage, its place). `carriers(index)`: the prims whose ops
         move a thing, the innermost first, for messages. `turns(index)`: how far a thing turns at most; none where
         nobody says."""
         self.count = count
         self.still = still
-        self.bends01 = bends01
+        self.breakpoints01 = breakpoints01
         self._shutter = shutter
         self._evaluate = evaluate
         self._evaluate_some = evaluate_some
@@ -84,7 +84,7 @@ class Motion:
         if self.still:
             return [0.0]
         fastest = max((turns.rate for turns in self.every_turns()), default=0.0)
-        return even_times01(max(level, even_level(per_turn * fastest)), self.bends01, held)
+        return even_times01(max(level, even_level(per_turn * fastest)), self.breakpoints01, held)
 
     def few_times01(self) -> list[float]:
         """A few times that show where things are: at least four a turn."""
@@ -104,9 +104,9 @@ class Motion:
         def turns(index: int) -> Turns:
             return self.turns(index % self.count) + outer.turns(index // self.count)
 
-        bends01 = tuple(sorted({*self.bends01, *outer.bends01}))
+        breakpoints01 = tuple(sorted({*self.breakpoints01, *outer.breakpoints01}))
         still = outer.still and self.still
-        return Motion(self._shutter, outer.count * self.count, still, evaluate, bends01, turns=turns)
+        return Motion(self._shutter, outer.count * self.count, still, evaluate, breakpoints01, turns=turns)
 
 
 class XformCaches:
@@ -126,9 +126,7 @@ class XformCaches:
             self._caches[key] = UsdGeom.XformCache(code)
         return self._caches[key]
 
-    def matrices(
-        self, time01: float, prims: Iterable[Usd.Prim], root: Usd.Prim | None, shutter: Shutter
-    ) -> np.ndarray:
+    def matrices(self, time01: float, prims: Iterable[Usd.Prim], root: Usd.Prim | None, shutter: Shutter) -> np.ndarray:
         """matrix() of several prims: float64[N, 4, 4]."""
         if root is not None:
             return np.array([self.matrix(time01, prim, root, shutter) for prim in prims])
@@ -156,10 +154,10 @@ class XformCaches:
         root: Usd.Prim | None,
         varying: bool,
         shutter: Shutter | None = None,
-        bends: Iterable[float] = (),
+        breakpoints: Iterable[float] = (),
     ) -> Motion:
         """How prims move in the space of `root`. `varying`: some transform between may change over time, its
-        course at the time codes `bends`. `shutter`: of the prims, where it is not the camera's."""
+        course at the time codes `breakpoints`. `shutter`: of the prims, where it is not the camera's."""
         own = shutter or self.shutter
 
         def evaluate(time01: float) -> np.ndarray:
@@ -175,8 +173,8 @@ class XformCaches:
             return total_turns(self._own_turns(xformable, own) for xformable in xformables(prims[index], root))
 
         still = not (varying and own.moving)
-        bends01 = () if still else tuple(sorted({own.time01(time) for time in bends}))
-        return Motion(own, len(prims), still, evaluate, bends01, evaluate_some, carriers, turns)
+        breakpoints01 = () if still else tuple(sorted({own.time01(time) for time in breakpoints}))
+        return Motion(own, len(prims), still, evaluate, breakpoints01, evaluate_some, carriers, turns)
 
     def _own_turns(self, xformable: UsdGeom.Xformable, shutter: Shutter) -> Turns:
         """xform_turns(), remembered: siblings have the same ancestors."""
@@ -194,14 +192,14 @@ def may_move(prim: Usd.Prim, root: Usd.Prim | None) -> bool:
     return any(may_vary(xformable) for xformable in xformables(prim, root))
 
 
-def bends_of(prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter) -> set[float]:
+def transform_breakpoints(prim: Usd.Prim, root: Usd.Prim | None, shutter: Shutter) -> set[float]:
     """The time codes inside the shutter at which the transform of a prim in the space of `root` may change its
     course."""
     if root is not None and not prim.GetPath().HasPrefix(root.GetPath()):
-        return bends_of(prim, None, shutter) | bends_of(root, None, shutter)
+        return transform_breakpoints(prim, None, shutter) | transform_breakpoints(root, None, shutter)
     if not shutter.moving:
         return set()
-    return set().union(*(xform_bends(xformable, shutter) for xformable in xformables(prim, root)))
+    return set().union(*(xform_breakpoints(xformable, shutter) for xformable in xformables(prim, root)))
 
 
 def xformables(prim: Usd.Prim, root: Usd.Prim | None) -> Iterator[UsdGeom.Xformable]:
@@ -219,4 +217,4 @@ def authored_xform_times(xformables: list[UsdGeom.Xformable], shutter: Shutter) 
     """The time codes within the shutter at which any of the prims has a transform authored."""
     if not shutter.moving:
         return set()
-    return set().union(*(xform_bends(xformable, shutter) for xformable in xformables))
+    return set().union(*(xform_breakpoints(xformable, shutter) for xformable in xformables))

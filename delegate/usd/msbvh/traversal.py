@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Iterator
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdSkel
 
@@ -17,16 +18,16 @@ from .meshes import is_shape
 from .motion_scales import MOTION_PROPERTIES, MotionScales, scales_at
 from .point_instancers import prototypes
 from .primvars import primvar_source
-from .times import Shutter, xform_bends
+from .times import Shutter, xform_breakpoints
 from .tokens import draw_mode, inherited_purpose
-from .transforms import bends_of
+from .transforms import transform_breakpoints
 from .usd_faults import FAULTS, report_left_out
 from .value_types import BOOL, TOKEN
 from .values import value
 from .visibility import changes_inside, visible_at_opening
 from .xform_ops import Orders, may_vary, resets
 
-WORLD: Hashable = ("world",)
+WORLD: tuple[Hashable, ...] = ("world",)
 DEEPEST_NESTING = 100
 """Instances in instances, far below what Python's stack holds."""
 
@@ -42,7 +43,7 @@ class Part:
     prim: Usd.Prim
     varying: bool
     """Whether a transform between the group's root and the prim, its own included, may change over time."""
-    bends: tuple[float, ...] = ()
+    breakpoints: tuple[float, ...] = ()
     """Time codes inside the prim's shutter at which such a transform may change its course."""
     scales: MotionScales = MotionScales()
     blinking: tuple[Usd.Attribute, ...] = ()
@@ -56,21 +57,21 @@ class Part:
 class Group:
     """A subtree that is drawn as a whole."""
 
-    key: Hashable
+    key: tuple[Hashable, ...]
     path: str
-    root: Usd.Prim | None
-    """Its own transform is not the group's but its users'; None: the world."""
+    root: Any
+    """Usd.Prim; its own transform is not the group's but its users'; None: the world."""
     native: bool = False
     """What native instances show: what hides the root hides the instance, which its users see to."""
     scales: MotionScales = MotionScales()
     """What holds at the root: its own transform, where a point instancer has it, moves by them."""
-    other_blurs: dict[float, Hashable] = field(default_factory=dict)
+    other_blurs: dict[float, tuple[Hashable, ...]] = field(default_factory=dict)
     """Of native instances: the group of what has another motion:blurScale than the root, by that scale. It counts for
     the whole motion, so that the same instances place it at other times."""
     resets: list[Sdf.Path] = field(default_factory=list)
     """Of native instances: what has !resetXformStack!, relative to the root. No instance moves it; it is part of the
     group around them."""
-    reset: Hashable = None
+    reset: tuple[Hashable, ...] | None = None
     """Of point instancers' prototypes: the group of what has !resetXformStack!, if any; the root's own transform is not
     for it. That is where UsdImaging resets the stack (UsdImagingPiPrototypeSceneIndex)."""
     shapes: list[Part] = field(default_factory=list)
@@ -102,7 +103,7 @@ class _State:
     varying: bool
     purpose: str
     blinking: tuple[Usd.Attribute, ...] = ()
-    bends: tuple[float, ...] = ()
+    breakpoints: tuple[float, ...] = ()
     scales: MotionScales = MotionScales()
     authored: frozenset[str] = frozenset()
 
@@ -122,7 +123,7 @@ class Traversal:
         self._add_group(Group(WORLD, str(top.GetPath()), None), _State(False, "default"), top, _DEFINED)
 
     @staticmethod
-    def prototype_key(prim: Usd.Prim) -> Hashable:
+    def prototype_key(prim: Usd.Prim) -> tuple[Hashable, ...]:
         """The key of the group that a point instancer's prototype makes."""
         return ("prototype", str(prim.GetPath()))
 
@@ -169,18 +170,14 @@ class Traversal:
             if (prim.IsInstance() and not is_root) or self._type(prim).instancer:
                 continue
             if prim.IsInstance() and predicate is _PROTOTYPE:
-                predicate = (
-                    _DEFINED  # Inside a native prototype everything is defined, seen from the instance.
-                )
+                predicate = _DEFINED  # Inside a native prototype everything is defined, seen from the instance.
             pending.extend((child, here) for child in reversed(prim.GetFilteredChildren(predicate)))
 
     def _type(self, prim: Usd.Prim) -> _Type:
         name = prim.GetTypeName()
         return self._types.get(name) or self._types.setdefault(name, _Type.of(prim))
 
-    def _leaves(
-        self, prim: Usd.Prim, above: _State, here: _State, group: Group, predicate: object
-    ) -> bool:
+    def _leaves(self, prim: Usd.Prim, above: _State, here: _State, group: Group, predicate: object) -> bool:
         """Whether a prim resets its transform stack inside a group, and so belongs elsewhere."""
         if group.root is None or "xformOpOrder" not in here.authored or group.key[0] == "reset":
             return False
@@ -213,7 +210,7 @@ class Traversal:
                 return None
         if "purpose" in authored:
             purpose = value(UsdGeom.Imageable(prim).GetPurposeAttr(), Usd.TimeCode.Default(), TOKEN) or purpose
-        state = _State(above.varying, purpose, blinking, above.bends, scales, authored)
+        state = _State(above.varying, purpose, blinking, above.breakpoints, scales, authored)
         if is_root or "xformOpOrder" not in authored or not kind.xformable:
             return state
         self._orders.check(prim, authored)
@@ -233,18 +230,18 @@ class Traversal:
         own = self._context.shutter.moving and may_vary(xformable)
         inherits = above.varying and not resets(xformable)
         if not (own or inherits):
-            return state if not (state.varying or state.bends) else replace(state, varying=False, bends=())
-        bends = set(above.bends) if inherits else set()
+            return state if not (state.varying or state.breakpoints) else replace(state, varying=False, breakpoints=())
+        breakpoints = set(above.breakpoints) if inherits else set()
         if own and shutter.moving:
-            bends.update(xform_bends(xformable, shutter))
+            breakpoints.update(xform_breakpoints(xformable, shutter))
         if inherits and state.scales.blur > above.scales.blur:  # Its shutter is open for longer.
-            bends = bends_of(xformable.GetPrim(), group_root, shutter)
-        return replace(state, varying=True, bends=tuple(sorted(bends)))
+            breakpoints = transform_breakpoints(xformable.GetPrim(), group_root, shutter)
+        return replace(state, varying=True, breakpoints=tuple(sorted(breakpoints)))
 
     def _sort(self, prim: Usd.Prim, state: _State, group: Group) -> None:
         """Puts a prim where it belongs, or says that it is not drawn."""
         around, group = group, self._at_blur(group, state.scales.blur)
-        part = Part(prim, state.varying, state.bends, state.scales, state.blinking, state.authored)
+        part = Part(prim, state.varying, state.breakpoints, state.scales, state.blinking, state.authored)
         kind = self._type(prim)
         if is_light(prim):
             group.lights.append(part)
@@ -289,10 +286,10 @@ class Traversal:
         shown = self.groups[self._instanced(part.prim, state)]
         self._at_blur(group, part.scales.blur).instances.setdefault(shown.key, []).append(part)
         for blur, key in shown.other_blurs.items():
-            bends: set[float] = set()
+            breakpoints: set[float] = set()
             if part.varying:
-                bends = bends_of(part.prim, group.root, self._context.shutter.scaled(blur))
-            other = replace(part, bends=tuple(sorted(bends)), scales=replace(part.scales, blur=blur))
+                breakpoints = transform_breakpoints(part.prim, group.root, self._context.shutter.scaled(blur))
+            other = replace(part, breakpoints=tuple(sorted(breakpoints)), scales=replace(part.scales, blur=blur))
             self._at_blur(group, blur).instances.setdefault(key, []).append(other)
         path = part.prim.GetPath()
         if group.native:
@@ -306,9 +303,10 @@ class Traversal:
         """A subtree inside an instance, as if there were no instance."""
         stage = instance.GetStage()
         for prefix in path.GetParentPath().GetPrefixes()[instance.GetPath().pathElementCount :]:
-            state = self._state(stage.GetPrimAtPath(prefix), state, False, group)
-            if state is None:
+            here = self._state(stage.GetPrimAtPath(prefix), state, False, group)
+            if here is None:
                 return
+            state = here
         self._scan(stage.GetPrimAtPath(path), state, group, _DEFINED)
 
     def _take_skins_along(self, group: Group) -> None:

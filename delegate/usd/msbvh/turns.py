@@ -29,8 +29,7 @@ _SAME_TIME01 = 1e-12
 """Times that are nearer are one: the translator's kSameTime."""
 
 _ROTATIONS = frozenset(
-    getattr(UsdGeom.XformOp, f"TypeRotate{axes}")
-    for axes in ("X", "Y", "Z", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
+    getattr(UsdGeom.XformOp, f"TypeRotate{axes}") for axes in ("X", "Y", "Z", "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
 )
 
 
@@ -87,7 +86,9 @@ MOST_FOLLOWED = 2048.0
 def report_too_fast(turns: Turns, path: str, diagnostics: Diagnostics) -> None:
     """Says so where a camera or a light turns faster than it is evaluated."""
     if turns.rate > MOST_FOLLOWED:
-        message = f"turns {turns.rate:g} times within the shutter, expected at most {MOST_FOLLOWED:g}; not followed exactly"
+        message = (
+            f"turns {turns.rate:g} times within the shutter, expected at most {MOST_FOLLOWED:g}; not followed exactly"
+        )
         diagnostics.warning(path, "xformOpOrder", message)
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from pxr import Gf, Sdf, Vt
@@ -25,11 +26,11 @@ class Kind:
     """As Sdf calls it, for messages about attributes that no schema defines."""
     exact: type
     """What Python sees of a value of this type."""
-    conversions: dict[type, Callable[[object], object]] = field(default_factory=dict)
+    conversions: dict[type, Callable[[Any], object]] = field(default_factory=dict)
     """From other types. They raise Lossy for a value that does not fit."""
 
 
-def _numbers(exact: type) -> Callable[[object], object]:
+def _numbers(exact: Any) -> Callable[[object], object]:
     """Converts arrays of numbers, or of tuples of numbers, to a Vt array."""
     empty = exact()
     dtype = np.asarray(exact(1)).dtype
@@ -40,9 +41,7 @@ def _numbers(exact: type) -> Callable[[object], object]:
             return empty
         with np.errstate(over="ignore", invalid="ignore"):
             converted = given.astype(dtype)
-        lost = (
-            converted != given if dtype.kind in "iu" else np.isinf(converted) & ~np.isinf(np.asarray(given, float))
-        )
+        lost = converted != given if dtype.kind in "iu" else np.isinf(converted) & ~np.isinf(np.asarray(given, float))
         if lost.any():
             raise Lossy(f"{given[lost].ravel()[0]}")
         return exact.FromNumpy(np.ascontiguousarray(converted))
@@ -67,7 +66,7 @@ def _flag(value: object) -> bool:
 
 
 def _vector(exact: type) -> Callable[[object], object]:
-    def convert(value: object) -> object:
+    def convert(value: Any) -> object:
         converted = exact(*value)
         if np.isinf(np.array(converted)).any() and not np.isinf(np.array(value, float)).any():
             raise Lossy(str(value))
@@ -83,7 +82,7 @@ _TRIPLE_ARRAYS = (Vt.Vec3dArray, Vt.Vec3hArray, Vt.Vec3iArray)
 
 BOOL = Kind("bool", bool, {int: _flag})
 INT = Kind("int", int)
-FLOAT = Kind("float", float, dict.fromkeys((int, Gf.TimeCode, Gf.Duration), float))
+FLOAT = Kind("float", float, dict.fromkeys((int, Gf.TimeCode, Gf.Duration), lambda value: float(value)))
 TOKEN = Kind("token", str)
 ASSET = Kind("asset", Sdf.AssetPath)
 FLOAT2 = Kind("float2", Gf.Vec2f, dict.fromkeys((Gf.Vec2d, Gf.Vec2h, Gf.Vec2i), _vector(Gf.Vec2f)))

@@ -13,6 +13,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from types import TracebackType
+from typing import Any
 
 from pxr import Sdf, Tf, Usd
 
@@ -68,7 +69,7 @@ def diagnostics() -> Diagnostics:
     return Diagnostics() if found is None else found
 
 
-def required(attribute: Usd.Attribute, code: Usd.TimeCode | float, kind: Kind) -> object:
+def required(attribute: Usd.Attribute, code: Usd.TimeCode | float, kind: Kind) -> Any:
     """A value as `kind.exact`; None where the attribute has none. Raises Unreadable for another type."""
     if asked is not None:
         asked[str(attribute.GetPrim().GetTypeName()), attribute.GetName()] = kind
@@ -94,7 +95,7 @@ def targets(prim: Usd.Prim, name: str) -> list[Sdf.Path]:
         raise Unreadable(str(prim.GetPath()), name, "found an attribute, expected a relationship") from None
 
 
-def value(attribute: Usd.Attribute, code: Usd.TimeCode | float, kind: Kind) -> object:
+def value(attribute: Usd.Attribute, code: Usd.TimeCode | float, kind: Kind) -> Any:
     """Like required(), but a value of another type is reported and counts as none."""
     try:
         return required(attribute, code, kind)
@@ -103,7 +104,7 @@ def value(attribute: Usd.Attribute, code: Usd.TimeCode | float, kind: Kind) -> o
         return None
 
 
-def raw(attribute: Usd.Attribute, code: Usd.TimeCode | float) -> object:
+def raw(attribute: Usd.Attribute, code: Usd.TimeCode | float) -> Any:
     """A value of any type, for those who look at the type themselves."""
     if asked is not None:
         asked.setdefault((str(attribute.GetPrim().GetTypeName()), attribute.GetName()), ANY)

@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from pxr import Gf, Tf, Usd, UsdGeom
+from pxr import Gf, Tf, Usd, UsdGeom, Vt
 
-from .value_types import TOKENS
 from .values import diagnostics, raw, type_name
 
 RESET = "!resetXformStack!"
@@ -100,7 +99,7 @@ def _may_vary(op: UsdGeom.XformOp) -> bool:
 
 def _order(prim: Usd.Prim) -> list[str]:
     found = raw(prim.GetAttribute("xformOpOrder"), Usd.TimeCode.Default())
-    return list(found) if type(found) is TOKENS.exact else []
+    return list(found) if isinstance(found, Vt.TokenArray) else []
 
 
 def _op(prim: Usd.Prim, name: str) -> UsdGeom.XformOp | None:
@@ -123,7 +122,7 @@ class Orders:
         """Reports ops that USD passes over: an order of another type, names without an attribute. `authored` are the
         names of the prim's properties."""
         found = raw(prim.GetAttribute("xformOpOrder"), Usd.TimeCode.Default())
-        if type(found) is not TOKENS.exact:
+        if not isinstance(found, Vt.TokenArray):
             report_ops(prim, Usd.TimeCode.Default())
         elif self._names != authored or found != self._sound:
             if authored.issuperset(found) or all(_is_known(name, authored) for name in found):
@@ -166,7 +165,7 @@ def report_ops(prim: Usd.Prim, code: Usd.TimeCode) -> None:
     path = str(prim.GetPath())
     order = xformable.GetXformOpOrderAttr()
     found = raw(order, Usd.TimeCode.Default())
-    if found is not None and type(found) is not TOKENS.exact:
+    if found is not None and not isinstance(found, Vt.TokenArray):
         message = f"found {type_name(order, found)}, expected token[]; no op applies, as USD has it"
         diagnostics().warning(path, "xformOpOrder", message)
         return
