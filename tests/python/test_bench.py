@@ -186,5 +186,5 @@ def test_public_scenes_are_read_with_an_open_shutter(tmp_path: Path, shutter: tu
         camera.GetShutterCloseAttr().Set(shutter[1])
     stage.Save()
     scene, _ = reader(tmp_path / "moving.usda", "")()
-    (begin, end) = (scene.points("/Cube", time).mean(axis=0)[0] for time in (0.0, 1.0))
+    begin, end = (scene.poses(time)[0][2].mean(axis=(0, 1))[0] for time in (0.0, 1.0))
     assert end - begin == pytest.approx(0.2 if shutter == (-0.1, 0.1) else 0.5, abs=1e-4)
