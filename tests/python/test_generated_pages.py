@@ -96,7 +96,7 @@ def test_without_a_peer_the_page_has_our_figures() -> None:
 
 
 FRAME_MACHINE = {
-    "processor": "A processor", "cores": 2, "commit": "abc1234", 
+    "processor": "A processor", "cores": 2, "commit": "abc1234",
     "sides": {"msbvh": "msbvh 0.1.0", "cycles": "Cycles of Blender 5"},
     "resolution": [480, 320], "spp": 128, "reference_spp": 2048, "max_bounces": 2, "seed": 1, "repetitions": 3, "quick": False,
     "scenes": ["*"], "threads": [1], "load_average": 0.0, "seconds": 7200.0,

@@ -193,9 +193,10 @@ def reader(path: Path, frame: str) -> Callable[[], Any]:
 
 def _shutter(stage: Usd.Stage, code: float) -> tuple[float, float] | None:
     """Half a frame where the stage leaves it shut, or has no camera; else None: the camera's own."""
-    camera = UsdGeom.Camera(find_camera(stage, None, Diagnostics()))
-    if not camera:
+    prim = find_camera(stage, None, Diagnostics())
+    if prim is None:
         return HALF_A_FRAME
+    camera = UsdGeom.Camera(prim)
     opening, closing = camera.GetShutterOpenAttr(), camera.GetShutterCloseAttr()
     return HALF_A_FRAME if value(opening, code, FLOAT) == value(closing, code, FLOAT) else None
 
