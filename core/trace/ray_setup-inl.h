@@ -62,15 +62,11 @@ class LevelTimes {
   HWY_ALIGN float weight_[16];
 };
 struct NoTimes {
-  NoTimes() = default;
-  NoTimes(float, const Bvh&) {}
   SegmentTime operator[](std::uint32_t) const { return {0, 0.0f}; }
 };
 
-template <Movement kMovement>
-struct RaySetup {
-  static constexpr bool kMoving = kMovement != Movement::kStill;
-
+// What a ray brings into a still tree, and into any other.
+struct StillSetup {
 #if HWY_TARGET == HWY_AVX3
   // |1 / direction| for the lower sides of 8 boxes, its negative for the upper ones; and for each axis all
   // bits where the direction is negative, so that the upper sides are met first.
@@ -91,13 +87,12 @@ struct RaySetup {
   struct alignas(16) Shear {
     float x, y, scale_z, unused;
   } shear;
-  std::conditional_t<kMoving, LevelTimes, NoTimes> at_level;
+  static constexpr NoTimes at_level{};
 
-  RaySetup() = default;
-  RaySetup(const Ray& ray, const Bvh& bvh)
+  StillSetup() = default;
+  StillSetup(const Ray& ray, const Bvh&)
       : org{ray.org.x, ray.org.y, ray.org.z},
-        tnear(is_line(ray) ? ray.tnear : std::numeric_limits<float>::quiet_NaN()),
-        at_level(kMoving ? clamped_time(ray.time) : 0.0f, bvh) {
+        tnear(is_line(ray) ? ray.tnear : std::numeric_limits<float>::quiet_NaN()) {
     const hn::FixedTag<float, 4> d;
     const hn::FixedTag<std::int32_t, 4> di;
     const auto one = hn::Set(d, 1.0f);
@@ -147,6 +142,16 @@ struct RaySetup {
 #endif
   }
 };
+
+struct MovingSetup : StillSetup {
+  LevelTimes at_level;
+
+  MovingSetup() = default;
+  MovingSetup(const Ray& ray, const Bvh& bvh) : StillSetup(ray, bvh), at_level(clamped_time(ray.time), bvh) {}
+};
+
+template <Movement kMovement>
+using RaySetup = std::conditional_t<kMovement == Movement::kStill, StillSetup, MovingSetup>;
 
 }  // namespace msbvh::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -3,8 +3,9 @@
 // A ray on its own waits: for the child's address, for the cache line behind it, and for the processor to
 // guess again where it guessed wrong which child comes next. Here the next box of a ray is fetched while the
 // others have their turns, and what would be a guess is made arithmetic: a node's children always go onto the
-// stack and the next place is always popped from it; rays at nodes and rays at leaves stand in two queues.
-// Rays need not be coherent. Same tests, same order, same hits as core/trace/traverse-inl.h.
+// stack and the next place is always popped from it; rays at nodes and rays at leaves stand in two queues,
+// and among moving instances of still objects those in a still tree in two of their own, whose steps know no
+// time. Rays need not be coherent. Same tests, same order, same hits as core/trace/traverse-inl.h.
 
 #if defined(MSBVH_STREAM_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef MSBVH_STREAM_INL_H
@@ -40,45 +41,42 @@ class Stream {
     rays_ = rays;
     count_ = count;
     next_ray_ = 0;
-    std::size_t nodes = 0, leaves = 0;
-    const auto enqueue = [&](Slot* slot) {
-      const std::size_t leaf = slot->at.ref.is_leaf();
-      slot->spot = spot_of(*slot->bvh, slot->at, *slot->in);
-      prefetch<kMovement>(slot->spot);
-      nodes_[nodes] = slot;
-      leaves_[leaves] = slot;
-      nodes += 1 - leaf;
-      leaves += leaf;
-    };
+    for (std::size_t& queued : queued_) queued = 0;
     const auto done = [&](Slot* slot) {
       finish(slot->index, slot->query);
       if (next_ray_ == count_) return;
       start(*slot);
       enqueue(slot);
     };
+    // A slot is put back only at or before its place in the queue that is being read.
+    const auto each_in = [&](std::size_t queue, const auto& step) {
+      const std::size_t count = queued_[queue];
+      queued_[queue] = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        Slot* slot = queues_[queue][i];
+        step(*slot) ? enqueue(slot) : done(slot);
+      }
+      return count;
+    };
     for (std::size_t i = 0; i < kSlots && next_ray_ < count_; ++i) {
       start(slots_[i]);
       enqueue(&slots_[i]);
     }
-    while (nodes + leaves > 0) {
-      // A slot is put back only at or before its place in the queue that is being read.
-      const std::size_t at_nodes = nodes;
-      nodes = 0;
-      for (std::size_t i = 0; i < at_nodes; ++i) {
-        Slot* slot = nodes_[i];
-        step_node(*slot);
-        next(*slot) ? enqueue(slot) : done(slot);
-      }
-      const std::size_t at_leaves = leaves;
-      leaves = 0;
-      for (std::size_t i = 0; i < at_leaves; ++i) {
-        Slot* slot = leaves_[i];
-        step_leaf(*slot) ? enqueue(slot) : done(slot);
+    for (std::size_t stepped = 1; stepped > 0;) {
+      stepped = each_in(kNodes, [&](Slot& slot) { return step_node<kMovement>(slot), next(slot); });
+      stepped += each_in(kLeaves, [&](Slot& slot) { return step_leaf<kMovement>(slot); });
+      if constexpr (kStillObjects) {
+        stepped += each_in(kStill + kNodes,
+                           [&](Slot& slot) { return step_node<Movement::kStill>(slot), next(slot); });
+        stepped += each_in(kStill + kLeaves, [&](Slot& slot) { return step_leaf<Movement::kStill>(slot); });
       }
     }
   }
 
  private:
+  static constexpr bool kStillObjects = kInstanced && kMovement != Movement::kStill;
+  static constexpr std::size_t kNodes = 0, kLeaves = 1, kStill = 2;
+
   struct Slot {
     Setup setup[kInstanced ? 2 : 1];  // in the world, and in an instance's object
     Query query{0.0f};
@@ -90,11 +88,19 @@ class Stream {
     Frame* base;
     std::uint32_t instance;
     std::uint32_t entered;  // the instance that setup[1] is for
+    std::uint32_t queues;   // where those of `bvh` begin: 0 or kStill
     Place at;
     Spot spot;  // of `at`
     Frame* top;
     Frame stack[2 * kMaxDepth + 2];
   };
+
+  HWY_INLINE void enqueue(Slot* slot) {
+    slot->spot = spot_of<kMovement>(*slot->bvh, slot->at, *slot->in);
+    prefetch<kMovement>(slot->spot);
+    const std::size_t queue = (kStillObjects ? slot->queues : 0) + slot->at.ref.is_leaf();
+    queues_[queue][queued_[queue]++] = slot;
+  }
 
   void start(Slot& slot) {
     slot.index = next_ray_++;
@@ -113,11 +119,14 @@ class Stream {
     slot.in = &slot.setup[setup];
     slot.base = slot.top;
     slot.instance = instance;
+    slot.queues = 0;
   }
 
+  template <Movement kTree>
   HWY_INLINE static void step_node(Slot& slot) {
     std::uint32_t hits;
-    const ChildKeys keys = test_children(slot.spot.bounds(), slot.at.form, *slot.in, slot.query.tfar, hits);
+    const ChildKeys keys =
+        test_children<kTree>(slot.spot.bounds(), slot.at.form, *slot.in, slot.query.tfar, hits);
     if (!kAnyHit) keys.store(slot.top->keys);
     slot.top->node = &slot.spot.node();
     slot.top->left = kAnyHit ? hits : static_cast<std::uint32_t>(std::popcount(hits));
@@ -135,6 +144,7 @@ class Stream {
         slot.in = &slot.setup[0];
         slot.base = slot.stack;
         slot.instance = kNoInstance;
+        slot.queues = 0;
         continue;
       }
       Frame& frame = slot.top[-1];
@@ -159,27 +169,28 @@ class Stream {
   }
 
   // False: the ray is done.
+  template <Movement kTree>
   HWY_INLINE bool step_leaf(Slot& slot) const {
     const BlockHeader* block = &slot.spot.block();
-    if (kInstanced && block->kind == BlockKind::kInstance) {  // alone in its leaf
+    if (kInstanced && kTree == kMovement && block->kind == BlockKind::kInstance) {  // alone in its leaf
       if (enter_instance(slot, *block)) return true;
       return next(slot);
     }
     if (kGrids && block->kind == BlockKind::kGrid) {  // alone, too
-      visit_grid(slot, *block);
+      visit_grid<kTree>(slot, *block);
       return !(kAnyHit && slot.query.found) && next(slot);
     }
     for (;; block = next_block(block)) {
-      test_triangles<kMovement, kAnyHit>(*slot.bvh, *block, *slot.in, slot.instance, slot.query);
+      test_triangles<kTree, kAnyHit>(*slot.bvh, *block, *slot.in, slot.instance, slot.query);
       if (kAnyHit && slot.query.found) return false;
       if (block->last) break;
     }
     return next(slot);
   }
 
+  template <Movement kTree>
   HWY_INLINE static void visit_grid(Slot& slot, const BlockHeader& block) {
-    if constexpr (kGrids)
-      test_grid<kMovement, kAnyHit>(*slot.bvh, block, *slot.in, slot.instance, slot.query);
+    if constexpr (kGrids) test_grid<kTree, kAnyHit>(*slot.bvh, block, *slot.in, slot.instance, slot.query);
   }
 
   // False: there is nothing to hit. Parts of one instance often follow each other: the ray in its space is
@@ -187,13 +198,18 @@ class Stream {
   bool enter_instance(Slot& slot, const BlockHeader& block) const {
     constexpr std::size_t kInner = kInstanced ? 1 : 0;
     const Instance& instance = world_->instances[block.owner];
+    const bool still = kStillObjects && instance.object->movement == Movement::kStill;
     if (slot.entered != block.owner) {
       Ray local = *slot.ray;
       if (!to_object<kMovement>(*world_, instance, local)) return false;
-      std::construct_at(&slot.setup[kInner], local, *instance.object);
+      if (still)
+        std::construct_at(static_cast<StillSetup*>(&slot.setup[kInner]), local, *instance.object);
+      else
+        std::construct_at(&slot.setup[kInner], local, *instance.object);
       slot.entered = block.owner;
     }
     enter(slot, *instance.object, kInner, block.owner);
+    slot.queues = still ? kStill : 0;
     slot.at = entry_of<kMovement>(block, *instance.object, *slot.in);
     return true;
   }
@@ -201,8 +217,8 @@ class Stream {
   const Bvh* world_ = nullptr;
   const Ray* rays_ = nullptr;
   std::size_t count_ = 0, next_ray_ = 0;
-  Slot* nodes_[kSlots + 1];
-  Slot* leaves_[kSlots + 1];
+  std::size_t queued_[kStillObjects ? 4 : 2];
+  Slot* queues_[kStillObjects ? 4 : 2][kSlots];
   Slot slots_[kSlots];
 };
 

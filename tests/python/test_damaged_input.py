@@ -93,6 +93,23 @@ def test_an_array_longer_than_its_file_is_refused_before_usd_makes_room_for_it(t
         assert found == ""
 
 
+@pytest.mark.parametrize("at", [0, 8, 16, "values"])
+@pytest.mark.parametrize("number", [0, 2**31, 2**60 - 1, 2**61, 2**63 - 1, 2**63, 2**64 - 1])
+def test_damaged_numbers_in_the_table_of_fields_are_left_to_usd(tmp_path: Path, at: int | str, number: int) -> None:
+    """The number of fields, the bytes of their names' numbers, the first of those, the bytes of their values."""
+    sound, damaged = tmp_path / "sound.usdc", tmp_path / "damaged.usdc"
+    Usd.Stage.CreateNew(str(sound)).Save()
+    content = bytearray(sound.read_bytes())
+    (contents,) = struct.unpack_from("<q", content, 16)
+    entry = content.index(b"FIELDS\0", contents)
+    (start,) = struct.unpack_from("<q", content, entry + 16)
+    (index_bytes,) = struct.unpack_from("<Q", content, start + 8)
+    struct.pack_into("<Q", content, start + (16 + index_bytes if at == "values" else at), number)
+    damaged.write_bytes(content)
+    found = crate_fault(str(damaged))
+    assert found == "" or found.startswith(f"found {number} elements in the ")
+
+
 @pytest.mark.soak
 def test_a_damaged_crate_file_is_drawn_or_one_error_that_names_it(tmp_path):
     count = soak_count(60, 20_000)

@@ -27,6 +27,8 @@ _SINCE_LONG_COUNTS = (0, 7)
 _ELEMENT_BYTES = np.ones(256, np.uint64)
 """Of an array in the file, by the number that its type has there: crateDataTypes.h."""
 _ELEMENT_BYTES[3:31] = [4, 4, 8, 8, 2, 4, 8, 4, 4, 4, 32, 72, 128, 32, 16, 8, 16, 8, 4, 8, 24, 12, 6, 12, 32, 16, 8, 16]
+_LZ4_EXPANSION = 255
+"""Bytes that come of one, at most."""
 _CHUNK_BYTES = 0x7E000000
 """The most that one block of LZ4 holds."""
 
@@ -77,8 +79,8 @@ def _array_fault(file: BinaryIO, sections: dict[bytes, tuple[int, int]], size: i
     file.seek(start)
     try:
         fields = _field_values(file.read(length))
-    except (struct.error, ValueError, lz4.block.LZ4BlockError):
-        return ""
+    except (struct.error, ValueError, OverflowError, lz4.block.LZ4BlockError):
+        return ""  # Nothing of the tables can be read: USD says so.
     is_array, is_inlined, is_compressed = ((fields >> np.uint64(bit)) & np.uint64(1) for bit in (63, 62, 61))
     places = fields & np.uint64((1 << 48) - 1)
     kept = (is_array == 1) & (is_inlined == 0) & (places > 0) & (places + np.uint64(8) <= size)
@@ -98,7 +100,10 @@ def _field_values(section: bytes) -> np.ndarray:
     count, index_bytes = struct.unpack_from("<QQ", section)
     (value_bytes,) = struct.unpack_from("<Q", section, 16 + index_bytes)
     begin = 24 + index_bytes
-    return np.frombuffer(_decompressed(section[begin : begin + value_bytes], 8 * count), "<u8")
+    compressed = section[begin : begin + value_bytes]
+    if 8 * count > _LZ4_EXPANSION * len(compressed):
+        raise ValueError(f"{len(compressed)} bytes cannot hold {count} values")
+    return np.frombuffer(_decompressed(compressed, 8 * count), "<u8")
 
 
 def _decompressed(data: bytes, size: int) -> bytes:
