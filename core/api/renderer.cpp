@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstddef>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <utility>
@@ -79,13 +80,18 @@ void Renderer::Data::render_tiles(Image& image, std::atomic<std::size_t>& finish
   const TileGrid grid(settings.width, settings.height);
   const TileJob job{*frame, plan.set, settings.spp, settings.batch_paths, cancelled};
   WorkspacePool workspaces;
-  std::atomic<std::uint64_t> rays = 0;
+  std::mutex summing;
+  TraceModes rays;
   const Stopwatch watch;
   Arena(settings.threads).execute([&] {
     parallel_for(grid.count(), [&](std::size_t i) {
       std::unique_ptr<TileWorkspace> workspace = workspaces.take();
-      rays += render_tile(job, grid.tile(i), *workspace, image);
+      const TraceModes traced = render_tile(job, grid.tile(i), *workspace, image);
       workspaces.give_back(std::move(workspace));
+      {
+        const std::scoped_lock lock(summing);
+        rays += traced;
+      }
       ++finished_tiles;
     });
   });

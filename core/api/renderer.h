@@ -11,6 +11,7 @@
 #include "core/film/image.h"
 #include "core/plan/effect_plan.h"
 #include "core/scene/scene.h"
+#include "core/trace/tracer.h"
 
 namespace msbvh {
 
@@ -32,7 +33,7 @@ struct RenderSettings {
 struct RenderStatistics {
   BvhStatistics accel;      // sums over all trees
   std::uint64_t trees = 0;  // bottom-level trees and the world's
-  std::uint64_t rays = 0;   // camera, bounce and shadow rays
+  TraceModes rays;          // camera, bounce and shadow rays
   std::uint64_t camera_rays = 0;
   double build_seconds = 0.0;
   double trace_seconds = 0.0;

@@ -3,8 +3,7 @@
 namespace msbvh {
 
 void find_closest(const Frame& frame, PathBatch& batch) {
-  frame.tracer.intersect(batch.rays, batch.hits.data());
-  batch.rays_traced += batch.rays.size();
+  frame.tracer.intersect(batch.rays, batch.hits.data(), batch.traced);
 }
 
 }  // namespace msbvh

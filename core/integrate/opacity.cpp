@@ -37,8 +37,7 @@ void see_through(const Frame& frame, PathBatch& batch) {
     places.resize(count);
     if (count == 0) return;
     batch.retraced_hits.resize(count);
-    frame.tracer.intersect(batch.retraced_rays, batch.retraced_hits.data());
-    batch.rays_traced += count;
+    frame.tracer.intersect(batch.retraced_rays, batch.retraced_hits.data(), batch.traced);
     for (std::size_t i = 0; i < count; ++i) batch.hits[places[i]] = batch.retraced_hits[i];
   }
 }

@@ -27,7 +27,7 @@ void PathBatch::reset(std::size_t paths) {
   scatter_pdf.resize(paths);
   shadows.clear();
   shadows.reserve(paths);
-  rays_traced = 0;
+  traced = {};
 }
 
 }  // namespace msbvh

@@ -22,6 +22,7 @@
 #include "core/integrate/sampler.h"
 #include "core/shade/surface_hit.h"
 #include "core/trace/ray.h"
+#include "core/trace/tracer.h"
 
 namespace msbvh {
 
@@ -81,7 +82,7 @@ struct PathBatch {
   std::vector<float> scatter_pdf;
 
   ShadowQueue shadows;
-  std::uint64_t rays_traced = 0;
+  TraceModes traced;
 
   // Of stages, between their own steps.
   std::vector<std::uint64_t> by_material;  // places in the queue, their materials in the upper half

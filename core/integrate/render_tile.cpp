@@ -55,24 +55,24 @@ void resolve(const Tile& tile, const TileWorkspace& workspace, Image& image) {
 
 }  // namespace
 
-std::uint64_t render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image) {
+TraceModes render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image) {
   const Generate generate = choose_generate(job.effects);
   const bool aovs = job.effects.has(Effect::kAovs);
   const std::uint32_t pixels = tile.pixels(), most = std::max(1u, job.batch_paths / pixels);
-  std::uint64_t rays = 0;
+  TraceModes traced;
   workspace.sums.reset(pixels);
   if (aovs) workspace.aov_sums.reset(pixels);
   for (SampleRange samples{0, 0}; samples.first < job.spp; samples.first += samples.count) {
-    if (job.cancelled.load(std::memory_order_relaxed)) return rays;
+    if (job.cancelled.load(std::memory_order_relaxed)) return traced;
     samples.count = std::min(most, job.spp - samples.first);
     generate(job.frame, tile, samples, workspace.batch);
     trace_paths(job.frame, job.effects, workspace.batch);
     accumulate(workspace.batch, pixels, workspace.sums);
     if (aovs) accumulate_aovs(workspace.batch, pixels, samples.first, workspace.aov_sums);
-    rays += workspace.batch.rays_traced;
+    traced += workspace.batch.traced;
   }
   resolve(tile, workspace, image);
-  return rays;
+  return traced;
 }
 
 std::unique_ptr<TileWorkspace> WorkspacePool::take() {

@@ -31,10 +31,10 @@ struct TileWorkspace {
   SumTrees<AovSum> aov_sums;
 };
 
-// Writes the tile's pixels into the whole image; returns the number of rays traced.
+// Writes the tile's pixels into the whole image; returns how many rays were traced.
 // Depends on nothing but its arguments, so that the image does not depend on who renders which tile. Leaves
 // the pixels alone when cancelled.
-std::uint64_t render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image);
+TraceModes render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image);
 
 // Workspaces for as many threads as there turn out to be.
 class WorkspacePool {

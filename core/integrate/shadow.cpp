@@ -7,8 +7,7 @@ namespace {
 
 void trace_opaque(const Frame& frame, PathBatch& batch) {
   const ShadowQueue& queue = batch.shadows;
-  frame.tracer.occluded(queue.rays(), batch.occluded.get());
-  batch.rays_traced += queue.size();
+  frame.tracer.occluded(queue.rays(), batch.occluded.get(), batch.traced);
   for (std::size_t i = 0; i < queue.size(); ++i) {
     if (!batch.occluded[i]) batch.radiance[queue.path(i)] += queue.contribution(i);
   }
@@ -20,8 +19,7 @@ void trace_dimmed(const Frame& frame, PathBatch& batch) {
   std::vector<Hit>& hits = batch.retraced_hits;
   while (queue.size() > 0) {
     hits.resize(queue.size());
-    frame.tracer.intersect(queue.rays(), hits.data());
-    batch.rays_traced += queue.size();
+    frame.tracer.intersect(queue.rays(), hits.data(), batch.traced);
     std::size_t left = 0;
     for (std::size_t i = 0; i < hits.size(); ++i) {
       if (!hits[i].found()) {

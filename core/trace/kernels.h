@@ -8,8 +8,8 @@
 namespace msbvh {
 
 using IntersectKernel = bool (*)(const Bvh&, const Ray&, Hit&, TraceCounts*);
-using IntersectManyKernel = void (*)(const Bvh&, const Ray*, std::size_t, Hit*);
-using OccludedManyKernel = void (*)(const Bvh&, const Ray*, std::size_t, bool*);
+using IntersectManyKernel = void (*)(const Bvh&, const Ray*, std::size_t, Hit*, TraceModes&);
+using OccludedManyKernel = void (*)(const Bvh&, const Ray*, std::size_t, bool*, TraceModes&);
 using OccludedKernel = bool (*)(const Bvh&, const Ray&, TraceCounts*);
 
 // Of trees that move in one way (Movement). Index: what a tree holds beside triangles (nothing, instances,

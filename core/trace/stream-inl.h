@@ -259,11 +259,13 @@ struct TimeSorted {
 
 // Coherent rays, `count` a multiple of kPacket: by packets, and interleaved where those do not pay.
 template <Movement kMovement, bool kAnyHit, typename Finish>
-void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
+void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes& modes,
+                    const Finish& finish) {
   using P = Packets<kMovement, kAnyHit>;
   static thread_local const std::unique_ptr<P> packets = std::make_unique<P>();
   const auto interleaved = [&](const Ray* some, std::size_t n, const auto& place) {
     if (n == 0) return;
+    modes.interleaved += n;
     thread_stream<kMovement, false, false, kAnyHit>().run(
         bvh, some, n, [&](std::size_t k, const Query& query) { finish(place(k), query); });
   };
@@ -276,9 +278,11 @@ void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, const Fi
     const TimeSorted sorted(rays + from, most, kMovement != Movement::kStill);
     packets->forget();
     std::size_t i = 0;
-    for (; i < most && packets->pays(); i += kPacket)
+    for (; i < most && packets->pays(); i += kPacket) {
+      modes.packets += kPacket;
       packets->trace(bvh, sorted.rays + i,
                      [&](std::size_t k, const Query& query) { finish(from + sorted.place[i + k], query); });
+    }
     interleaved(sorted.rays + i, most - i, [&](std::size_t k) { return from + sorted.place[i + k]; });
     from += most;
   }
@@ -286,16 +290,18 @@ void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, const Fi
 
 // Coherent rays in packets, the others interleaved.
 template <Movement kMovement, bool kAnyHit, typename Finish>
-void trace_mixed(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
+void trace_mixed(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes& modes,
+                 const Finish& finish) {
   const auto packet_at = [&](std::size_t i) { return i + kPacket <= count && coherent(rays + i); };
   for (std::size_t i = 0; i < count;) {
     std::size_t end = i;
     const auto ours = [&](std::size_t k, const Query& query) { finish(i + k, query); };
     while (packet_at(end)) end += kPacket;
     if (end > i) {
-      trace_coherent<kMovement, kAnyHit>(bvh, rays + i, end - i, ours);
+      trace_coherent<kMovement, kAnyHit>(bvh, rays + i, end - i, modes, ours);
     } else {
       while (end < count && !packet_at(end)) end = std::min(count, end + kPacket);
+      modes.interleaved += end - i;
       thread_stream<kMovement, false, false, kAnyHit>().run(bvh, rays + i, end - i, ours);
     }
     i = end;
@@ -305,28 +311,29 @@ void trace_mixed(const Bvh& bvh, const Ray* rays, std::size_t count, const Finis
 // Among instances packets do not pay (docs/design/traversal.md), and rays at different times begin in
 // different slices of the shutter: all interleaved.
 template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, typename Finish>
-void trace_many(const Bvh& bvh, const Ray* rays, std::size_t count, const Finish& finish) {
+void trace_many(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes& modes, const Finish& finish) {
   if constexpr (!kInstanced && !kGrids) {
-    if (bvh.slice_roots.empty()) return trace_mixed<kMovement, kAnyHit>(bvh, rays, count, finish);
+    if (bvh.slice_roots.empty()) return trace_mixed<kMovement, kAnyHit>(bvh, rays, count, modes, finish);
   }
+  modes.interleaved += count;
   thread_stream<kMovement, kInstanced, kGrids, kAnyHit>().run(bvh, rays, count, finish);
 }
 
 template <Movement kMovement, bool kInstanced, bool kGrids>
-void intersect_many(const Bvh& bvh, const Ray* rays, std::size_t count, Hit* hits) {
+void intersect_many(const Bvh& bvh, const Ray* rays, std::size_t count, Hit* hits, TraceModes& modes) {
   for (std::size_t i = 0; bvh.empty && i < count; ++i) hits[i] = Hit{};
   if (bvh.empty) return;
-  trace_many<kMovement, kInstanced, kGrids, false>(bvh, rays, count, [&](std::size_t i, const Query& query) {
-    hits[i] = query.found ? query.hit : Hit{};
-  });
+  trace_many<kMovement, kInstanced, kGrids, false>(
+      bvh, rays, count, modes,
+      [&](std::size_t i, const Query& query) { hits[i] = query.found ? query.hit : Hit{}; });
 }
 
 template <Movement kMovement, bool kInstanced, bool kGrids>
-void occluded_many(const Bvh& bvh, const Ray* rays, std::size_t count, bool* occluded) {
+void occluded_many(const Bvh& bvh, const Ray* rays, std::size_t count, bool* occluded, TraceModes& modes) {
   for (std::size_t i = 0; bvh.empty && i < count; ++i) occluded[i] = false;
   if (bvh.empty) return;
   trace_many<kMovement, kInstanced, kGrids, true>(
-      bvh, rays, count, [&](std::size_t i, const Query& query) { occluded[i] = query.found; });
+      bvh, rays, count, modes, [&](std::size_t i, const Query& query) { occluded[i] = query.found; });
 }
 
 }  // namespace msbvh::HWY_NAMESPACE

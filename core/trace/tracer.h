@@ -26,6 +26,21 @@ struct TraceCounts {
   std::uint64_t instances = 0;  // instances entered
 };
 
+// How many rays went in which way.
+struct TraceModes {
+  std::uint64_t packets = 0;      // in packets of 16 that go down a tree together
+  std::uint64_t interleaved = 0;  // many at once, each on its own way
+  std::uint64_t single = 0;       // one after another
+
+  std::uint64_t rays() const { return packets + interleaved + single; }
+  TraceModes& operator+=(const TraceModes& other) {
+    packets += other.packets;
+    interleaved += other.interleaved;
+    single += other.single;
+    return *this;
+  }
+};
+
 // Chooses the kernel once; cheap to copy. The Bvh must outlive it. Thread-safe.
 class Tracer {
  public:
@@ -40,12 +55,21 @@ class Tracer {
   // some dozens of rays on faster than one by one, and more so where the tree outgrows the caches, or where
   // neighbours among the rays look the same way. Hundreds at once and more let rays at like times meet.
   void intersect(std::span<const Ray> rays, Hit* hits) const {
-    intersect_many_(*bvh_, rays.data(), rays.size(), hits);
+    TraceModes modes;
+    intersect(rays, hits, modes);
+  }
+  // Adds to `modes`.
+  void intersect(std::span<const Ray> rays, Hit* hits, TraceModes& modes) const {
+    intersect_many_(*bvh_, rays.data(), rays.size(), hits, modes);
   }
   // Whether anything lies in [tnear, tfar].
   bool occluded(const Ray& ray) const { return occluded_(*bvh_, ray, nullptr); }
   void occluded(std::span<const Ray> rays, bool* occluded) const {
-    occluded_many_(*bvh_, rays.data(), rays.size(), occluded);
+    TraceModes modes;
+    this->occluded(rays, occluded, modes);
+  }
+  void occluded(std::span<const Ray> rays, bool* occluded, TraceModes& modes) const {
+    occluded_many_(*bvh_, rays.data(), rays.size(), occluded, modes);
   }
 
   bool intersect_counted(const Ray& ray, Hit& hit, TraceCounts& counts) const;
@@ -56,8 +80,8 @@ class Tracer {
   using OccludedFunction = bool (*)(const Bvh&, const Ray&, TraceCounts*);
 
   const Bvh* bvh_;
-  void (*intersect_many_)(const Bvh&, const Ray*, std::size_t, Hit*);
-  void (*occluded_many_)(const Bvh&, const Ray*, std::size_t, bool*);
+  void (*intersect_many_)(const Bvh&, const Ray*, std::size_t, Hit*, TraceModes&);
+  void (*occluded_many_)(const Bvh&, const Ray*, std::size_t, bool*, TraceModes&);
   IntersectFunction intersect_, intersect_counted_;
   OccludedFunction occluded_, occluded_counted_;
 };

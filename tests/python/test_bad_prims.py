@@ -269,3 +269,44 @@ def test_instances_nested_beyond_all_measure_are_named():
     assert shows_good(pixels)
     (message,) = messages(result)
     assert "found instances nested more than 100 deep" in message
+
+
+NAN_TIMES = {
+    "translate": 'def Cube "Bad" { double3 xformOp:translate.timeSamples = { nan: (0, 0, 0), 11: (1, 0, 0) }\n'
+    ' uniform token[] xformOpOrder = ["xformOp:translate"]\n}',
+    "above": 'def Xform "Bad" { float xformOp:rotateZ.timeSamples = { nan: 0, 11: 90 }\n'
+    ' uniform token[] xformOpOrder = ["xformOp:rotateZ"]\n def Cube "Below" {}\n}',
+    "points": 'def Mesh "Bad" { int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 2]\n'
+    " point3f[] points.timeSamples = { nan: [(0, 0, 0), (1, 0, 0), (0, 1, 0)], 11: [(0, 0, 0), (1, 0, 0), (0, 1, 1)] }\n}",
+    "velocities": 'def Mesh "Bad" { int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 2]\n'
+    " point3f[] points.timeSamples = { 10: [(0, 0, 0), (1, 0, 0), (0, 1, 0)] }\n"
+    " vector3f[] velocities.timeSamples = { nan: [(0, 0, 0), (1, 0, 0), (0, 1, 0)] }\n}",
+    "visibility": 'def Cube "Bad" { token visibility.timeSamples = { nan: "invisible", 11: "inherited" }\n}',
+    "radius": 'def Sphere "Bad" { double radius.timeSamples = { nan: 1, 11: 2 }\n}',
+    "color": 'def Cube "Bad" { color3f[] primvars:displayColor.timeSamples = { nan: [(1, 0, 0)], 11: [(0, 1, 0)] }\n}',
+    "intensity": 'def SphereLight "Bad" { float inputs:intensity.timeSamples = { nan: 1, 11: 2 }\n}',
+    "texture": 'def DomeLight "Bad" { asset inputs:texture:file.timeSamples = { nan: @a.exr@, 11: @b.exr@ }\n}',
+    "instancer": 'def PointInstancer "Bad" { rel prototypes = </Bad/Proto>\n int[] protoIndices = [0]\n'
+    ' point3f[] positions.timeSamples = { nan: [(0, 0, 0)], 11: [(1, 0, 0)] }\n def Cube "Proto" {}\n}',
+    "hidden": 'def PointInstancer "Bad" { rel prototypes = </Bad/Proto>\n'
+    " int[] protoIndices.timeSamples = { nan: [0], 11: [0] }\n"
+    ' int64[] invisibleIds.timeSamples = { nan: [], 11: [1] }\n point3f[] positions = [(0, 0, 0)]\n def Cube "Proto" {}\n}',
+    "subset": 'def Mesh "Bad" { int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 2]\n'
+    " int[] holeIndices.timeSamples = { nan: [0], 11: [] }\n point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]\n"
+    ' def GeomSubset "S" { int[] indices.timeSamples = { nan: [0], 11: [] }\n }\n}',
+    "blur scale": 'def Cube "Bad" { float motion:blurScale.timeSamples = { nan: 1, 11: 2 }\n}',
+}
+
+
+@pytest.mark.parametrize("name", NAN_TIMES)
+def test_samples_at_times_that_are_nan(name: str) -> None:
+    """USD cannot even count them. The prim is drawn or named, everything else is drawn."""
+    result, pixels = render(stage_of(CAMERA + GOOD + NAN_TIMES[name]))
+    assert shows_good(pixels)
+    assert np.isfinite(pixels).all()
+    drawn = {track.path for track in result.tracks}
+    assert (
+        any(path.startswith("/Bad") for path in drawn)
+        or name in ("intensity", "texture")
+        or any(str(message).startswith("/Bad") for message in messages(result))
+    )

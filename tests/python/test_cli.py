@@ -111,6 +111,8 @@ def test_stats(msbvh: Run, tmp_path: Path, scene: Path) -> None:
     assert first["scene"]["triangles"] == 2
     assert first["render"]["camera_rays"] == 48 * 32 * 4
     assert first["render"]["rays"] >= first["render"]["camera_rays"]
+    ways = ("rays_in_packets", "rays_interleaved", "rays_single")
+    assert sum(first["render"][way] for way in ways) == first["render"]["rays"]
     assert first["render"]["accel"]["references"] >= 2
     assert {track["path"] for track in first["tracks"]} == {"/world/main_cam", "/world/square"}
     assert any("/world/square" in entry["prim"] for entry in first["plan"])

@@ -13,8 +13,10 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import lz4.block
+import numpy as np
 import pytest
-from msbvh.crate_check import crate_fault
+from msbvh.crate_check import crate_fault, path_jumps
 from msbvh.errors import Diagnostics, SceneError
 from msbvh.stage import open_stage
 from pxr import Usd, UsdGeom
@@ -108,6 +110,53 @@ def test_damaged_numbers_in_the_table_of_fields_are_left_to_usd(tmp_path: Path, 
     damaged.write_bytes(content)
     found = crate_fault(str(damaged))
     assert found == "" or found.startswith(f"found {number} elements in the ")
+
+
+def packed(numbers: list[int]) -> bytes:
+    """As Usd_IntegerCompression packs integers, each difference in four bytes."""
+    differences = np.diff(numbers, prepend=0).astype("<i4")
+    codes = np.full((2 * len(numbers) + 7) // 8, 255, np.uint8)
+    return b"\0" + lz4.block.compress(bytes(4) + codes.tobytes() + differences.tobytes(), store_size=False)
+
+
+@pytest.mark.parametrize(
+    "jumps", [[-1, 0, 3, -1, -2, -2], [-1, 0, 2, -1, -2, -2], [-1, 4, 3, -1, -2, -2], [-1, 0, 9, -2, -2, -2]]
+)
+def test_paths_that_are_no_tree_are_refused_before_usd_follows_them(tmp_path: Path, jumps: list[int]) -> None:
+    """/, /A, /B, /B/C, /B/C/D, /E: an element's jump leads to its sibling."""
+    sound, damaged = tmp_path / "sound.usdc", tmp_path / "damaged.usdc"
+    stage = Usd.Stage.CreateNew(str(sound))
+    for path in ("/A", "/B/C/D", "/E"):
+        stage.DefinePrim(path)
+    stage.Save()
+    content = bytearray(sound.read_bytes())
+    (contents,) = struct.unpack_from("<q", content, 16)
+    entry = content.index(b"PATHS\0", contents)
+    start, length = struct.unpack_from("<qq", content, entry + 16)
+    assert path_jumps(bytes(content[start : start + length])).tolist() == [-1, 0, 3, -1, -2, -2]
+    at = start + 16
+    for _ in range(2):
+        at += 8 + struct.unpack_from("<Q", content, at)[0]
+    new = packed(jumps)
+    table = bytes(content[start:at]) + struct.pack("<Q", len(new)) + new
+    struct.pack_into("<qq", content, entry + 16, len(content), len(table))
+    damaged.write_bytes(bytes(content) + table)
+    if jumps == [-1, 0, 3, -1, -2, -2]:
+        assert crate_fault(str(damaged)) == ""
+        assert str(Usd.Stage.Open(str(damaged)).GetPrimAtPath("/B/C/D").GetPath()) == "/B/C/D"
+        return
+    with pytest.raises(SceneError, match=r"damaged\.usdc: cannot be read as USD: found \d of 6 paths that are reached"):
+        open_stage(str(damaged), Diagnostics())
+
+
+def test_the_paths_of_a_large_layer_are_a_tree(tmp_path: Path) -> None:
+    rng, stage = np.random.default_rng(3), Usd.Stage.CreateNew(str(tmp_path / "large.usdc"))
+    paths = ["/Root"]
+    for i in range(3000):
+        paths.append(f"{paths[rng.integers(len(paths))]}/P{i}")
+        UsdGeom.Xform.Define(stage, paths[-1]).AddTranslateOp()
+    stage.Save()
+    assert crate_fault(str(tmp_path / "large.usdc")) == ""
 
 
 @pytest.mark.soak

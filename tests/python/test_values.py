@@ -38,6 +38,7 @@ EVALUATORS = {
     r"\.GetOrderedXformOps\(": {"xform_ops"},
     r"\.GetResetXformStack\(": {"xform_ops"},
     r"\.TransformMightBeTimeVarying\(": {"xform_ops"},
+    r"\.ValueMightBeTimeVarying\(": {"values"},
     r"\.GetTimeCodesPerSecond\(": {"stage_metadata"},
     r"\.GetFramesPerSecond\(": {"stage_metadata"},
     r"\.GetStartTimeCode\(": {"stage_metadata", "bench"},

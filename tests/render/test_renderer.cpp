@@ -73,7 +73,7 @@ TEST_CASE("figures: rays of each kind, trees, triangles") {
   renderer.render();
   const RenderStatistics& figures = renderer.statistics();
   CHECK(figures.camera_rays == 8 * 8 * 4);
-  CHECK(figures.rays == 2 * 8 * 8 * 4);  // each with one shadow ray towards the dome
+  CHECK(figures.rays.rays() == 2 * 8 * 8 * 4);  // each with one shadow ray towards the dome
   CHECK(figures.trees == 2);
   CHECK(figures.accel.triangles == 2 + 12);
   CHECK(figures.accel.instances == 1);

@@ -162,7 +162,10 @@ nb::dict statistics(const Renderer& renderer) {
   nb::dict result;
   result["build_seconds"] = s.build_seconds;
   result["trace_seconds"] = s.trace_seconds;
-  result["rays"] = s.rays;
+  result["rays"] = s.rays.rays();
+  result["rays_in_packets"] = s.rays.packets;
+  result["rays_interleaved"] = s.rays.interleaved;
+  result["rays_single"] = s.rays.single;
   result["camera_rays"] = s.camera_rays;
   result["trees"] = s.trees;
   result["accel"] = accel_statistics(s.accel);

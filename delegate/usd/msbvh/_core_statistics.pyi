@@ -44,6 +44,12 @@ class RenderStatistics(TypedDict):
     build_seconds: float
     trace_seconds: float
     rays: int
+    rays_in_packets: int
+    """16 that go down a tree together."""
+    rays_interleaved: int
+    """Many at once, each on its own way."""
+    rays_single: int
+    """One after another."""
     camera_rays: int
     trees: int
     accel: AccelStatistics

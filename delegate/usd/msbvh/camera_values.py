@@ -5,7 +5,7 @@ from __future__ import annotations
 from pxr import Gf, Usd, UsdGeom
 
 from .value_types import FLOAT, FLOAT2, TOKEN, Kind
-from .values import diagnostics, value
+from .values import diagnostics, might_vary, value
 from .xform_ops import world_transform
 
 _PROPERTIES = {
@@ -29,8 +29,8 @@ class CameraValues:
         self._prim = camera.GetPrim()
         names = {"projection": TOKEN, **_PROPERTIES}
         attributes = [(name, self._prim.GetAttribute(name), kind) for name, kind in names.items()]
-        self._still = [each for each in attributes if not each[1].ValueMightBeTimeVarying()]
-        self._varying = [each for each in attributes if each[1].ValueMightBeTimeVarying()]
+        self._still = [each for each in attributes if not might_vary(each[1])]
+        self._varying = [each for each in attributes if might_vary(each[1])]
         self._known: dict[str, object] | None = None
 
     def at(self, code: Usd.TimeCode) -> Gf.Camera:

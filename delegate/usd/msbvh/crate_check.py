@@ -34,8 +34,8 @@ _CHUNK_BYTES = 0x7E000000
 
 
 def crate_fault(path: str) -> str:
-    """What is wrong with a binary layer's sections or the lengths of its arrays, in words; empty where nothing is, or it
-    is another format."""
+    """What is wrong with a binary layer's sections, its paths or the lengths of its arrays, in words; empty where nothing
+    is, or it is another format."""
     try:
         size = Path(path).stat().st_size
         with open(path, "rb") as file:
@@ -52,7 +52,10 @@ def crate_fault(path: str) -> str:
             table = file.read(_SECTION.size * count)
             sections = [_SECTION.unpack_from(table, i * _SECTION.size) for i in range(len(table) // _SECTION.size)]
             named = {name.rstrip(b"\0"): (start, length) for name, start, length in sections}
-            return _section_fault(file, named, size) or _array_fault(file, named, size, (version[0], version[1]))
+            fault = _section_fault(file, named, size)
+            if fault or (version[0], version[1]) < _SINCE_LONG_COUNTS:
+                return fault
+            return _path_fault(file, named) or _array_fault(file, named, size)
     except OSError:
         pass  # USD says what is wrong.
     return ""
@@ -71,9 +74,60 @@ def _section_fault(file: BinaryIO, sections: dict[bytes, tuple[int, int]], size:
     return ""
 
 
-def _array_fault(file: BinaryIO, sections: dict[bytes, tuple[int, int]], size: int, version: tuple[int, int]) -> str:
+def _path_fault(file: BinaryIO, sections: dict[bytes, tuple[int, int]]) -> str:
+    """Paths that are no tree: USD follows each way to a path, of which there may be exponentially many. An element is
+    followed by the next one unless its jump is -2, and by the one that a positive jump leads to."""
+    if b"PATHS" not in sections:
+        return ""
+    start, length = sections[b"PATHS"]
+    file.seek(start)
+    try:
+        jumps = path_jumps(file.read(length))
+    except (struct.error, ValueError, IndexError, OverflowError, lz4.block.LZ4BlockError):
+        return ""  # Nothing of the table can be read: USD says so.
+    from_here = np.flatnonzero(jumps > 0)
+    to = from_here + jumps[from_here]
+    outside = int((to >= len(jumps)).sum() + (jumps < -2).sum())
+    inside = to[to < len(jumps)]
+    twice = len(inside) - len(np.unique(inside)) + int((jumps[inside - 1] != -2).sum())
+    if outside or twice:
+        return f"found {outside + twice} of {len(jumps)} paths that are reached in two ways or nowhere, expected a tree"
+    return ""
+
+
+def path_jumps(section: bytes) -> np.ndarray:
+    """int64: of each path's element, the distance to its sibling; 0: the next one is, -1: has children alone, -2: has
+    neither."""
+    (count,) = struct.unpack_from("<Q", section, 8)
+    at = 16
+    for _ in range(2):  # The numbers of the paths, and of their names.
+        (compressed_bytes,) = struct.unpack_from("<Q", section, at)
+        at += 8 + compressed_bytes
+    (compressed_bytes,) = struct.unpack_from("<Q", section, at)
+    return _integers(section[at + 8 : at + 8 + compressed_bytes], count)
+
+
+def _integers(compressed: bytes, count: int) -> np.ndarray:
+    """int64: what Usd_IntegerCompression has packed: the commonest difference, two bits each for how many bytes a
+    difference takes (none: it is that one; 1, 2, 4), and those bytes."""
+    code_bytes = (2 * count + 7) // 8
+    if code_bytes > _LZ4_EXPANSION * len(compressed):
+        raise ValueError(f"{len(compressed)} bytes cannot hold {count} integers")
+    data = np.frombuffer(_decompressed(compressed, 4 + code_bytes + 4 * count), np.uint8)
+    codes = data[4 : 4 + code_bytes]
+    kinds = (codes[:, None] >> np.array([0, 2, 4, 6], np.uint8) & 3).reshape(-1)[:count]
+    sizes = np.array([0, 1, 2, 4])[kinds]
+    begins = 4 + code_bytes + np.concatenate([[0], np.cumsum(sizes)[:-1]])
+    differences = np.full(count, data[:4].view("<i4")[0], np.int64)
+    for kind, dtype in ((1, "<i1"), (2, "<i2"), (3, "<i4")):
+        at = begins[kinds == kind]
+        differences[kinds == kind] = data[at[:, None] + np.arange(np.dtype(dtype).itemsize)].view(dtype).reshape(-1)
+    return np.cumsum(differences)
+
+
+def _array_fault(file: BinaryIO, sections: dict[bytes, tuple[int, int]], size: int) -> str:
     """Arrays in the table of fields whose lengths the file cannot hold. Those inside time samples are not looked at."""
-    if b"FIELDS" not in sections or version < _SINCE_LONG_COUNTS:
+    if b"FIELDS" not in sections:
         return ""
     start, length = sections[b"FIELDS"]
     file.seek(start)

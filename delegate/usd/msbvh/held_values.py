@@ -12,7 +12,7 @@ from pxr import Usd
 
 from .errors import Diagnostics
 from .times import JUMP_TIME01, Shutter
-from .values import raw
+from .values import might_vary, raw
 from .visibility import intervals_between, steps
 
 MOST_STRETCHES = 32
@@ -36,7 +36,7 @@ def stretches(attributes: Sequence[Usd.Attribute], shutter: Shutter, diagnostics
 
     What does not change within the shutter is read at its opening: the frame may lie outside of it.
     """
-    varying = [attribute for attribute in attributes if attribute.ValueMightBeTimeVarying()]
+    varying = [attribute for attribute in attributes if might_vary(attribute)]
     if not shutter.moving or not varying:
         return [Stretch(shutter.frame_code)]
     begins = sorted(set().union(*(steps(attribute, shutter) for attribute in varying)))
@@ -68,7 +68,7 @@ def _warn_of_many(attributes: Sequence[Usd.Attribute], shutter: Shutter, diagnos
 def values_within(attribute: Usd.Attribute, shutter: Shutter) -> list[Any]:
     """The values at which an attribute of any type changes its course over the open shutter, the frame's alone where
     nothing moves. What begins at the closing is not seen."""
-    if not shutter.moving or not attribute.ValueMightBeTimeVarying():
+    if not shutter.moving or not might_vary(attribute):
         return [raw(attribute, shutter.frame_code)]
     opening, closing = shutter.interval.min, shutter.interval.max
     times = [time for time in attribute.GetTimeSamplesInInterval(shutter.interval) if opening < time < closing]

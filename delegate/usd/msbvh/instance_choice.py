@@ -13,7 +13,7 @@ from .held_values import Stretch, stretches
 from .instance_mask import instance_mask
 from .times import Shutter
 from .value_types import INTS, LONGS
-from .values import required, targets, value
+from .values import might_vary, required, targets, value
 from .visibility import common_intervals, steps
 
 _NOT_DRAWN = -1
@@ -81,7 +81,7 @@ def _stays(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext)
     speeds = (instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr())
     if any(speed.GetNumTimeSamples() for speed in speeds):
         return False  # The translator says so if they do not apply.
-    if not shutter.moving or not attribute.ValueMightBeTimeVarying():
+    if not shutter.moving or not might_vary(attribute):
         return True
     if all(len(value(attribute, time, INTS) or ()) == count for time in steps(attribute, shutter)):
         return True

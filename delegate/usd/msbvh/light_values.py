@@ -11,7 +11,7 @@ from pxr import Usd, UsdGeom, UsdLux
 
 from .times import FINEST_LEVEL, JUMP_TIME01, Shutter, breakpoints_of
 from .value_types import BOOL, FLOAT, FLOAT3, TOKEN, Kind
-from .values import Unreadable, required, value
+from .values import Unreadable, might_vary, required, value
 
 SIZES = {"angle": 0.53, "radius": 0.5, "width": 1.0, "height": 1.0}
 """Inputs by which lights differ in size, with the values of those that have none. Degrees and stage units."""
@@ -149,7 +149,7 @@ def _codes(attributes: list[Usd.Attribute], switched: set[float], shutter: Shutt
     inside the shutter with an instant before each, since values may jump there. The closing stands for the
     instant before it: what begins then is not seen.
     """
-    varying = [attribute for attribute in attributes if attribute.ValueMightBeTimeVarying()]
+    varying = [attribute for attribute in attributes if might_vary(attribute)]
     if not shutter.moving or not (varying or switched):
         return {}
     even = np.linspace(0.0, 1.0, 2**FINEST_LEVEL + 1)

@@ -14,7 +14,7 @@ from .times import FINEST_LEVEL
 from .transforms import Motion
 from .turns import report_too_fast
 from .value_types import ASSET, BOOL
-from .values import Unreadable, value
+from .values import Unreadable, might_vary, value
 
 TIMES_A_TURN = 64
 """Of a light that turns: chords leave the circle by a thousandth of its radius."""
@@ -119,7 +119,7 @@ def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
     path = str(prim.GetPath())
     texture = prim.GetAttribute("inputs:texture:file")
     textures = []
-    if texture and (value(texture, context.code, ASSET) or texture.ValueMightBeTimeVarying()):
+    if texture and (value(texture, context.code, ASSET) or might_vary(texture)):
         found = values_within(texture, context.shutter)
         textures = [asset for asset in found if isinstance(asset, Sdf.AssetPath) and asset]
     if textures:

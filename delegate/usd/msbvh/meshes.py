@@ -11,7 +11,7 @@ from .implicit import IMPLICIT_TYPES, ChooseSides, read_implicit
 from .points import changes, optional_samples, rate_times, sample_points
 from .primvars import MovingPrimvar, held_by, sample_primvar
 from .value_types import INTS, TOKEN
-from .values import required, value
+from .values import might_vary, required, value
 from .visibility import common_intervals
 
 PRIMVARS = (("display_color", "displayColor", 3), ("display_opacity", "displayOpacity", None))
@@ -127,7 +127,7 @@ def held_attributes(
             held += held_by(prim, name, context)
     if prim.IsA(UsdGeom.Mesh):
         held += _held_by_faces(UsdGeom.Mesh(prim), keywords, authored)
-    held = [attribute for attribute in held if attribute.ValueMightBeTimeVarying()]
+    held = [attribute for attribute in held if might_vary(attribute)]
     if not keywords.get("topology_varies"):
         return held
     for attribute in held:

@@ -20,7 +20,7 @@ from .transforms import Motion, XformCaches
 from .turns import NO_TURNS, Turns, uniform_turns, xform_turns
 from .typed_twin import Twin, typed_twin
 from .value_types import FLOAT3S, QUATERNIONS
-from .values import required, targets, value
+from .values import might_vary, required, targets, value
 from .visibility import common_intervals
 from .xform_ops import Orders, local_transform, may_vary
 
@@ -167,7 +167,7 @@ def _every_instance(
     speeds = (instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr())
     still = not context.shutter.moving or not (
         any(attribute.HasAuthoredValue() for attribute in speeds)
-        or any(attribute.ValueMightBeTimeVarying() for attribute in moving_attributes(instancer))
+        or any(might_vary(attribute) for attribute in moving_attributes(instancer))
     )
 
     @cache

@@ -14,7 +14,7 @@ from .stage_metadata import time_codes_per_second
 from .times import bracketing_times, sample_times, thinned
 from .typed_twin import typed_twin
 from .value_types import FLOAT3S, QUATERNIONS
-from .values import Unreadable, ignore, raw, required
+from .values import Unreadable, ignore, might_vary, raw, required
 
 RawSamples = Sequence[tuple[float | None, np.ndarray]]
 """(time01, values) at increasing times, the sizes as they are; the time is None for a value that is authored for
@@ -137,7 +137,7 @@ def sample_points(shape: UsdGeom.PointBased, context: FrameContext, has_velociti
 def changes(attribute: Usd.Attribute, context: FrameContext) -> bool:
     """Whether an int[] attribute takes more than one value within the shutter. Compares values, not sample
     counts."""
-    if not context.shutter.moving or not attribute.ValueMightBeTimeVarying():
+    if not context.shutter.moving or not might_vary(attribute):
         return False
     # Integers are held until the next sample: the one after the shutter says nothing.
     interval = context.shutter.interval

@@ -9,7 +9,7 @@ from .context import FrameContext, array
 from .held_values import Stretch, changes_within, values_within
 from .times import JUMP_TIME01, Shutter, sample_times
 from .value_types import COLOR_PRIMVAR, FLOAT_PRIMVAR, INTS, Kind
-from .values import Unreadable, ignore, required, value
+from .values import Unreadable, ignore, might_vary, required, value
 
 PrimvarInput = tuple[str, np.ndarray, np.ndarray | None]
 """Interpolation, float32[K] or float32[K, 3], int32 indices or None."""
@@ -91,7 +91,7 @@ def held_by(prim: Usd.Prim, name: str, context: FrameContext) -> list[Usd.Attrib
     attribute, held = primvar.GetAttr(), []
     if primvar.IsIndexed() and changes_within(primvar.GetIndicesAttr(), context.shutter):
         held.append(primvar.GetIndicesAttr())
-    if not attribute.ValueMightBeTimeVarying() or not (context.held or primvar.IsIndexed()):
+    if not might_vary(attribute) or not (context.held or primvar.IsIndexed()):
         return held
     first, *others = values_within(attribute, context.shutter)
     if any(value != first if context.held else len(value or ()) != len(first or ()) for value in others):

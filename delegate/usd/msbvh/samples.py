@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pxr import Usd, UsdGeom
 
 from .times import Shutter, bracketing_times
+from .values import might_vary
 from .xform_ops import ordered_ops, resets
 
 COMPOSED_TRANSFORM = "xformOpOrder"
@@ -87,8 +88,8 @@ class _Entry:
     def _tells(self, attribute: Usd.Attribute, name: str) -> bool:
         """Whether an attribute is worth a line: topology and sizes only where they may change."""
         if name in _TOPOLOGY or name == "protoIndices":
-            return self.shutter.moving and attribute.ValueMightBeTimeVarying()
-        return name in _SHAPE[:5] + _INSTANCER + _RATES or attribute.ValueMightBeTimeVarying()
+            return self.shutter.moving and might_vary(attribute)
+        return name in _SHAPE[:5] + _INSTANCER + _RATES or might_vary(attribute)
 
 
 class SampleLog:
@@ -102,7 +103,7 @@ class SampleLog:
 
     def camera(self, optics: Iterable[Usd.Attribute], prim: Usd.Prim, shutter: Shutter, at01: Sequence[float]) -> None:
         """The render camera, evaluated at `at01`."""
-        found = [found_samples(a, shutter) for a in optics if a.HasAuthoredValue() and a.ValueMightBeTimeVarying()]
+        found = [found_samples(a, shutter) for a in optics if a.HasAuthoredValue() and might_vary(a)]
         found.extend(transform_samples_of(prim, None, shutter))
         if len(at01) > 1:
             path = f"{prim.GetPath()}.{COMPOSED_TRANSFORM}"

@@ -21,7 +21,7 @@ from .primvars import sample_primvar
 from .times import Shutter, sample_times
 from .transforms import LARGEST
 from .traversal import Part
-from .values import raw
+from .values import might_vary, raw
 
 COLOUR, OPACITY = "primvars:displayColor", "primvars:displayOpacity"
 
@@ -153,7 +153,7 @@ class SimpleShapes:
     def _steady(self, attribute: Usd.Attribute, shutter: Shutter) -> object:
         """The value at the frame; None where it changes within the shutter."""
         found = raw(attribute, self._code)
-        if shutter.moving and attribute.ValueMightBeTimeVarying():
+        if shutter.moving and might_vary(attribute):
             if any(raw(attribute, time) != found for time in sample_times([attribute], shutter)):
                 return None
         return found

@@ -23,7 +23,7 @@ from .times import even_level, even_times01
 from .transform_sampling import TIMES_A_TURN
 from .turns import NO_TURNS, Turns
 from .value_types import FLOAT3S
-from .values import required, value
+from .values import might_vary, required, value
 
 COARSEST_LEVEL = 2
 """Poses are sampled at 2^2 intervals at least, and at as many as joints turn for (skel_turns.py)."""
@@ -282,7 +282,7 @@ def _moving_points(prim: Usd.Prim, context: FrameContext) -> Usd.Attribute | Non
     if not prim.IsA(UsdGeom.PointBased) or not context.shutter.moving:
         return None
     attribute = UsdGeom.PointBased(prim).GetPointsAttr()
-    return attribute if attribute.ValueMightBeTimeVarying() else None
+    return attribute if might_vary(attribute) else None
 
 
 def _rest_normals(

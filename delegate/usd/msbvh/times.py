@@ -15,7 +15,7 @@ import numpy as np
 from pxr import Gf, Ts, Usd, UsdGeom
 
 from .errors import Diagnostics
-from .values import raw
+from .values import might_vary, raw
 from .xform_ops import ordered_ops
 
 ABSURD_SHUTTER_FRAMES = 16.0
@@ -197,7 +197,7 @@ def sample_times(attributes: Iterable[Usd.Attribute], shutter: Shutter) -> list[
 
     The union of their bracketing samples, and many even times for splines.
     """
-    varying = [attribute for attribute in attributes if attribute.ValueMightBeTimeVarying()]
+    varying = [attribute for attribute in attributes if might_vary(attribute)]
     if not shutter.moving or not varying:
         return []
     times: set[float] = set()

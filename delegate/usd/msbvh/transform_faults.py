@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Tf, Usd, UsdGeom
 
 from .errors import Diagnostics
 from .times import Shutter, bracketing_times
 from .transforms import LARGEST, Motion
-from .values import raw
+from .values import might_vary, raw
 from .xform_ops import ordered_ops, singular_op
 
 _EXPECTED = f"expected finite numbers of at most 2^{int(np.log2(LARGEST))} in size"
@@ -38,10 +38,14 @@ def unusable_op(carriers: list[UsdGeom.Xformable], shutter: Shutter) -> tuple[st
 
 def _bad_value(attribute: Usd.Attribute, shutter: Shutter) -> str:
     """In words, the first value of an op that the shutter or the frame lies beside; empty where all are sound."""
-    if not shutter.moving or not attribute.ValueMightBeTimeVarying():
+    if not shutter.moving or not might_vary(attribute):
         value = raw(attribute, shutter.frame_code)
         return "" if _is_sound(value) else f"found {value}"
-    for time in bracketing_times(attribute, shutter):
+    try:
+        times = bracketing_times(attribute, shutter)
+    except Tf.ErrorException:
+        return "found samples at times that are NaN"
+    for time in times:
         value = raw(attribute, time)
         if not _is_sound(value):
             return f"found {value} at shutter time {shutter.time01(time):.9g} (0 is the opening, 1 the closing)"

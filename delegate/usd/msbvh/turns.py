@@ -15,7 +15,7 @@ from pxr import Usd, UsdGeom
 
 from .errors import Diagnostics
 from .times import Shutter, breakpoints_of, loop_length
-from .values import raw
+from .values import might_vary, raw
 from .xform_ops import may_vary, ordered_ops
 
 FEWEST_REPEATS, MOST_REPEATS = 2.0, 512.0
@@ -118,9 +118,9 @@ def xform_turns(xformable: UsdGeom.Xformable, shutter: Shutter) -> Turns:
 def _op_turns(op: UsdGeom.XformOp, shutter: Shutter) -> Turns:
     attribute, kind = op.GetAttr(), op.GetOpType()
     if kind == UsdGeom.XformOp.TypeOrient:
-        return _of_orientations(attribute, shutter) if attribute.ValueMightBeTimeVarying() else NO_TURNS
+        return _of_orientations(attribute, shutter) if might_vary(attribute) else NO_TURNS
     if kind in _ROTATIONS:
-        return _of_angles(attribute, shutter) if attribute.ValueMightBeTimeVarying() else NO_TURNS
+        return _of_angles(attribute, shutter) if might_vary(attribute) else NO_TURNS
     loops = _loop_periods(attribute, shutter)
     return Turns(NO_TURNS.times01, NO_TURNS.total, loops) if loops else NO_TURNS
 

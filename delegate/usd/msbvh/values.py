@@ -104,6 +104,15 @@ def value(attribute: Usd.Attribute, code: Usd.TimeCode | float, kind: Kind) -> A
         return None
 
 
+def might_vary(attribute: Usd.Attribute) -> bool:
+    """attribute.ValueMightBeTimeVarying(), which raises where a sample's time is NaN: then whoever reads the samples finds
+    out."""
+    try:
+        return attribute.ValueMightBeTimeVarying()
+    except Tf.ErrorException:
+        return True
+
+
 def raw(attribute: Usd.Attribute, code: Usd.TimeCode | float) -> Any:
     """A value of any type, for those who look at the type themselves."""
     if asked is not None:

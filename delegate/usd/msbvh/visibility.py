@@ -9,12 +9,12 @@ from pxr import Usd, UsdGeom
 
 from .times import Shutter
 from .value_types import TOKEN
-from .values import value
+from .values import might_vary, value
 
 
 def changes_inside(visibility: Usd.Attribute, shutter: Shutter) -> bool:
     """Whether a visibility changes inside the shutter, for more than its last instant."""
-    if not shutter.moving or not visibility.ValueMightBeTimeVarying():
+    if not shutter.moving or not might_vary(visibility):
         return False
     return len({value(visibility, time, TOKEN) for time in steps(visibility, shutter)}) > 1
 
