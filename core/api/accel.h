@@ -17,6 +17,7 @@
 
 #include "core/base/affine.h"
 #include "core/build/settings.h"
+#include "core/bvh/statistics.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/motion/time_remap.h"
 #include "core/motion/track.h"
@@ -26,8 +27,7 @@ namespace msbvh {
 
 class Bvh;  // core/bvh/bvh.h
 struct BvhInput;
-struct BvhStatistics;  // core/bvh/statistics.h
-struct GridMesh;       // core/geometry/grid_mesh.h
+struct GridMesh;  // core/geometry/grid_mesh.h
 
 class Accel {
  public:
