@@ -76,8 +76,8 @@ lint: setup  ## formatting of C++ and Python, ruff's rules, mypy's types
 	@$(BIN)/ruff check $(PYTHON_FOLDERS)
 	@$(BIN)/mypy --python-executable $(BIN)/python
 
-# The kernels for this machine's instruction set alone: all of them take over ten minutes to compile with sanitizers. Cases
-# that take minutes with them are left out; `cmake --preset asan` builds all there is.
+# The kernels for this machine's instruction set alone: compiling all of them with sanitizers takes far longer. The
+# longest cases are left out; `cmake --preset asan` builds all there is.
 sanitize: setup  ## a sample of the C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@cmake -S . -B build/sanitize -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO='-O1 -g1' \
 	  -DMSBVH_SANITIZE=address,undefined -DMSBVH_NATIVE_KERNELS=ON > build/sanitize.log

@@ -71,7 +71,10 @@ Tracer::Tracer(const Bvh& bvh) : Tracer(bvh, best_instruction_set()) {}
 
 Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
   const Kernels* kernels = kernels_for(set, bvh.movement);
-  if (!kernels) throw Error(std::string("this processor does not support ") + instruction_set_name(set));
+  if (!kernels) {
+    throw Error(std::string("instruction set ") + instruction_set_name(set) +
+                ": found no kernels that this processor can run in this build");
+  }
   const std::size_t content = bvh.gridded ? 2 : bvh.instanced;
   intersect_ = kernels->intersect[content];
   intersect_many_ = kernels->intersect_many[content];

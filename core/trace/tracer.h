@@ -46,7 +46,7 @@ class Tracer {
  public:
   // Uses the best supported instruction set.
   explicit Tracer(const Bvh& bvh);
-  // Throws Error if this machine does not support `set`.
+  // Throws Error if the processor or the build does not support `set`.
   Tracer(const Bvh& bvh, InstructionSet set);
 
   // The closest hit in [tnear, tfar]; `hit` is written only where true is returned.

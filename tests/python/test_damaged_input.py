@@ -145,7 +145,10 @@ def test_paths_that_are_no_tree_are_refused_before_usd_follows_them(tmp_path: Pa
         assert crate_fault(str(damaged)) == ""
         assert str(Usd.Stage.Open(str(damaged)).GetPrimAtPath("/B/C/D").GetPath()) == "/B/C/D"
         return
-    with pytest.raises(SceneError, match=r"damaged\.usdc: cannot be read as USD: found \d of 6 paths that are reached"):
+    with pytest.raises(
+        SceneError,
+        match=r"damaged\.usdc: cannot be read as USD: found (\d of 6 paths that are reached|a sibling outside)",
+    ):
         open_stage(str(damaged), Diagnostics())
 
 

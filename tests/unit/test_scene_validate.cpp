@@ -141,6 +141,11 @@ TEST_CASE("indices must be in range") {
     scene.world = {mesh_id(7)};
     CHECK(complaint(scene) == "scene: world: found index 7; expected less than 1");
   }
+  SUBCASE("what a scene does not hold") {
+    scene.world = {{GeometryKind::kGridMesh, 0}};
+    CHECK(complaint(scene) ==
+          "scene: world: found geometry that is no triangle mesh; expected triangle meshes alone");
+  }
   SUBCASE("prototype's mesh") {
     scene.prototypes[0].geometry = {mesh_id(0), mesh_id(2)};
     CHECK(complaint(scene) == "/prototype: geometry: found index 2; expected less than 1");

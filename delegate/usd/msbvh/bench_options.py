@@ -1,4 +1,4 @@
-"""The options of `msbvh bench --frames`, and which of bench's go with it."""
+"""The options of `msbvh bench`: of rays, of whole frames, and which go together."""
 
 from __future__ import annotations
 
@@ -8,7 +8,66 @@ from typing import Any
 
 import click
 
+from . import _core
+from .option_types import Names, Numbers
 from .options import MAX_PIXELS_ACROSS, MAX_SPP, Decorator
+
+BENCH: Sequence[Decorator] = (
+    click.option(
+        "--scenes",
+        type=Names(),
+        default="*",
+        show_default=True,
+        metavar="GLOB[,...]",
+        help="Measure only scenes whose names match: wheels, or wheels-9 for one number of keys. shared/*: public scenes in"
+        " ../shared/scenes.",
+    ),
+    click.option(
+        "--peer",
+        type=click.Choice(("embree", "cycles")),
+        help="Measure another renderer side by side. embree: rays; needs pip install embreex==4.4.*. cycles: with --frames;"
+        " see --peer-env.",
+    ),
+    click.option("--quick", is_flag=True, help="Small scenes and few rays: less than 50 seconds on two cores."),
+    click.option("--json", "as_json", is_flag=True, help="Print JSON, for scripts."),
+    click.option(
+        "--builder",
+        "builders",
+        multiple=True,
+        type=click.Choice(tuple(_core.builders())),
+        help="Measure only this builder; may be repeated. Default: msbvh and mbvh.",
+    ),
+    click.option(
+        "--threads",
+        type=Numbers(),
+        metavar="N[,...]",
+        help="Thread counts to measure with; 0: all cores. Default: 1,0; with --quick: 1.",
+    ),
+    click.option(
+        "--seed",
+        type=click.IntRange(0, 2**31 - 1),
+        default=1,
+        show_default=True,
+        help="Random seed of scenes and rays.",
+    ),
+    click.option(
+        "--repetitions",
+        type=click.IntRange(1, 1000),
+        help="Interleaved rounds. Default: 5; with --quick: 3.",
+    ),
+    click.option(
+        "--triangles",
+        type=click.IntRange(64, 100_000_000),
+        help="Approximate triangle count of every procedural scene. Default: each scene's own, 10 thousand to 2 million.",
+    ),
+    click.option(
+        "--out",
+        type=click.Path(path_type=Path, file_okay=False),
+        metavar="DIR",
+        help="Write bench.json to this folder.",
+    ),
+)
+"""What is measured, against whom, and how often."""
 
 FRAMES: Sequence[Decorator] = (
     click.option(

@@ -231,7 +231,7 @@ class Course:
     """Values jump at the breakpoints."""
 
     @property
-    def courses_change01(self) -> list[float]:
+    def breakpoints_with_jumps01(self) -> list[float]:
         """The breakpoints; of a held stage with the instants before them."""
         before = [time - JUMP_TIME01 for time in self.breakpoints01 if self.held and time > JUMP_TIME01]
         return sorted([*self.breakpoints01, *before])
@@ -304,7 +304,7 @@ def _sampled(
         times01=np.array(times01[:keep]),
         world_from_camera=matrices[:keep],
         windows=windows[:keep],
-        breakpoints01=np.array(course.courses_change01),
+        breakpoints01=np.array(course.breakpoints_with_jumps01),
         periods01=np.array(course.turns.periods01),
         lenses=lenses[:keep],
         near_clip=float(clips[:, 0].min()),

@@ -21,7 +21,7 @@ from .bench import run as run_bench
 from .bench_frames import FrameSettings
 from .bench_frames import run as run_frames
 from .bench_frames_table import table as frames_table
-from .bench_options import FRAMES, frame_options
+from .bench_options import BENCH, FRAMES, frame_options
 from .bench_table import table as bench_table
 from .color import ColorCorrection, ColorError
 from .conform_shutter import check_suite, shutter_text, with_shutter
@@ -33,7 +33,7 @@ from .frames import FrameError, check_single_outputs, frame_jobs, parse_frame_sp
 from .images import ImageSettings
 from .motion import motion_report
 from .motion_table import beyond_text, motion_text
-from .options import BENCH, CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
+from .options import CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
 from .outputs import OutputClash
 from .progress import Progress
 from .reader import ReadResult, ReadSettings, read_frame

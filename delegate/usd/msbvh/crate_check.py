@@ -7,6 +7,7 @@ are left to USD.
 from __future__ import annotations
 
 import struct
+from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO
 
@@ -77,22 +78,29 @@ def _section_fault(file: BinaryIO, sections: dict[bytes, tuple[int, int]], size:
 def _path_fault(file: BinaryIO, sections: dict[bytes, tuple[int, int]]) -> str:
     """Paths that are no tree: USD follows each way to a path, of which there may be exponentially many. An element is
     followed by the next one unless its jump is -2, and by the one that a positive jump leads to."""
-    if b"PATHS" not in sections:
-        return ""
-    start, length = sections[b"PATHS"]
-    file.seek(start)
-    try:
-        jumps = path_jumps(file.read(length))
-    except (struct.error, ValueError, IndexError, OverflowError, lz4.block.LZ4BlockError):
-        return ""  # Nothing of the table can be read: USD says so.
+    jumps = _table(file, sections, b"PATHS", path_jumps).astype(np.int64)
     from_here = np.flatnonzero(jumps > 0)
     to = from_here + jumps[from_here]
-    outside = int((to >= len(jumps)).sum() + (jumps < -2).sum())
-    inside = to[to < len(jumps)]
-    twice = len(inside) - len(np.unique(inside)) + int((jumps[inside - 1] != -2).sum())
-    if outside or twice:
-        return f"found {outside + twice} of {len(jumps)} paths that are reached in two ways or nowhere, expected a tree"
+    outside = np.concatenate([to[to >= len(jumps)], np.flatnonzero(jumps < -2)])
+    inside, times = np.unique(to[to < len(jumps)], return_counts=True)
+    twice = inside[(times > 1) | (jumps[inside - 1] != -2)]
+    if len(outside):
+        return f"found a sibling outside of the table of {len(jumps)} paths, expected one inside"
+    if len(twice):
+        return f"found {len(twice)} of {len(jumps)} paths that are reached in two ways, expected a tree"
     return ""
+
+
+def _table(
+    file: BinaryIO, sections: dict[bytes, tuple[int, int]], name: bytes, decoded: Callable[[bytes], np.ndarray]
+) -> np.ndarray:
+    """The numbers of a section; none where it is absent or cannot be decoded, which USD says itself."""
+    start, length = sections.get(name, (0, 0))
+    file.seek(start)
+    try:
+        return decoded(file.read(length))
+    except (struct.error, ValueError, IndexError, OverflowError, lz4.block.LZ4BlockError):
+        return np.zeros(0, np.uint64)
 
 
 def path_jumps(section: bytes) -> np.ndarray:
@@ -127,14 +135,7 @@ def _integers(compressed: bytes, count: int) -> np.ndarray:
 
 def _array_fault(file: BinaryIO, sections: dict[bytes, tuple[int, int]], size: int) -> str:
     """Arrays in the table of fields whose lengths the file cannot hold. Those inside time samples are not looked at."""
-    if b"FIELDS" not in sections:
-        return ""
-    start, length = sections[b"FIELDS"]
-    file.seek(start)
-    try:
-        fields = _field_values(file.read(length))
-    except (struct.error, ValueError, OverflowError, lz4.block.LZ4BlockError):
-        return ""  # Nothing of the tables can be read: USD says so.
+    fields = _table(file, sections, b"FIELDS", _field_values)
     is_array, is_inlined, is_compressed = ((fields >> np.uint64(bit)) & np.uint64(1) for bit in (63, 62, 61))
     places = fields & np.uint64((1 << 48) - 1)
     kept = (is_array == 1) & (is_inlined == 0) & (places > 0) & (places + np.uint64(8) <= size)
