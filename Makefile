@@ -6,7 +6,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup render test lint sanitize bench soak clean
+.PHONY: help setup render test lint sanitize bench soak clean FORCE
 
 PYTHON ?= python3
 JOBS ?= $(shell nproc)
@@ -44,8 +44,13 @@ $(STAMPS)/venv: $(STAMPS)/system
 	@$(BIN)/pip install --quiet 'scikit-build-core>=0.10' 'nanobind>=2.4'
 	@touch $@
 
+# Changes where a Python module comes, goes or moves: an editable installation knows where each one stands.
+$(STAMPS)/modules: FORCE
+	@mkdir -p $(STAMPS)
+	@echo '$(sort $(PYTHON_SOURCES))' | cmp --silent - $@ || echo '$(sort $(PYTHON_SOURCES))' > $@
+
 # One build tree holds the library, its tests, the bench and the Python extension; the package is installed editable.
-$(STAMPS)/installed: $(STAMPS)/venv pyproject.toml $(CXX_SOURCES)
+$(STAMPS)/installed: $(STAMPS)/venv $(STAMPS)/modules pyproject.toml $(CXX_SOURCES)
 	@echo 'Building with $(JOBS) jobs: minutes the first time.'
 	@$(BIN)/pip install --quiet --no-build-isolation --config-settings=build-dir=$(BUILD) \
 	  --config-settings=cmake.define.MSBVH_BUILD_TESTS=ON --config-settings=cmake.define.MSBVH_BUILD_BENCH=ON \

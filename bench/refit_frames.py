@@ -12,9 +12,9 @@ from __future__ import annotations
 import sys
 
 from msbvh import _core
-from msbvh.errors import Diagnostics
-from msbvh.reader import ReadSettings, read_frame
-from msbvh.stage import open_stage
+from msbvh.base.errors import Diagnostics
+from msbvh.scene.reader import ReadSettings, read_frame
+from msbvh.stage.opening import open_stage
 
 ROUNDS = 5
 SETTINGS = {"spp": 4, "max_bounces": 1, "threads": 1}

@@ -19,9 +19,9 @@ sys.path.insert(0, str(ROOT / "tests" / "python"))
 
 from alpha_references import BOUND, SAMPLING, SPP, alpha_errors, comparisons
 from msbvh import _core
-from msbvh.conformance import Outcome, conform, find_suite, own_renderer, read_rules
-from msbvh.conformance_record import STANDARD_ERRORS, read_record
-from msbvh.progress import Progress
+from msbvh.base.progress import Progress
+from msbvh.conform.record import STANDARD_ERRORS, read_record
+from msbvh.conform.suite import Outcome, conform, find_suite, own_renderer, read_rules
 from pxr import Usd
 
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from msbvh.errors import Diagnostics
-from msbvh.reader import ReadSettings, read_frame
-from msbvh.stage import open_stage
+from msbvh.base.errors import Diagnostics
+from msbvh.scene.reader import ReadSettings, read_frame
+from msbvh.stage.opening import open_stage
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "design" / "motion.md"

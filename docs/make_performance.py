@@ -22,8 +22,8 @@ from typing import Any
 
 import performance_frames
 import provenance
-from msbvh.bench import find_peer
-from msbvh.errors import SceneError
+from msbvh.base.errors import SceneError
+from msbvh.bench.rays import find_peer
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"

@@ -17,10 +17,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from msbvh.cli import main as msbvh
-from msbvh.conformance import Rule, errors, image_of, own_renderer, read_expected, read_rules
-from msbvh.conformance_record import RECORD
-from msbvh.images import read_alpha
+from msbvh.cli.main import main as msbvh
+from msbvh.conform.record import RECORD
+from msbvh.conform.suite import Rule, errors, image_of, own_renderer, read_expected, read_rules
+from msbvh.output.images import read_alpha
 
 SUITE = Path(__file__).resolve().parent
 SPP = 256

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from msbvh.images import read_alpha
-from msbvh.implicit import IMPLICIT_TYPES
+from msbvh.output.images import read_alpha
+from msbvh.scene.implicit import IMPLICIT_TYPES
 from projection_oracle import Sampling, coverage
 from pxr import Usd, UsdGeom
 from shared_scenes import SharedScene, every_scene

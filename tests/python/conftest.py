@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
-from msbvh.cli import main
+from msbvh.cli.main import main
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -87,7 +87,7 @@ def in_child(action: Callable[[], int]) -> tuple[int, str]:
 def outcomes(folder: Path, first: int, count: int) -> Iterator[dict]:
     """What `msbvh record` makes of each."""
     warnings.simplefilter("ignore", DeprecationWarning)  # Nothing has started a thread before the forks.
-    from msbvh.cli import main
+    from msbvh.cli.main import main
 
     in_child(lambda: sound_crates(folder) and 0)  # USD starts threads, which no fork takes along.
     crates = [file.read_bytes() for file in sorted(folder.glob("*.usdc"))]

@@ -196,10 +196,10 @@ def mutated(seed: int) -> tuple[str, str]:
 def outcome(text: str) -> str:
     """drawn, unreadable (no USD any more), refused: and why, or what must not be."""
     from msbvh import _core
-    from msbvh.crash_line import crash_line
-    from msbvh.errors import SceneError
-    from msbvh.reader import ReadSettings, read_frame
-    from msbvh.stage_metadata import frames_per_second, start_time
+    from msbvh.base.crash_line import crash_line
+    from msbvh.base.errors import SceneError
+    from msbvh.scene.reader import ReadSettings, read_frame
+    from msbvh.stage.stage_metadata import frames_per_second, start_time
     from pxr import Sdf, Tf, Usd
 
     layer = Sdf.Layer.CreateAnonymous(".usda")

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 from msbvh import _core
-from msbvh.errors import Diagnostics
-from msbvh.reader import ReadSettings, read_frame
+from msbvh.base.errors import Diagnostics
+from msbvh.scene.reader import ReadSettings, read_frame
 from pxr import Gf, Usd, UsdGeom
 
 

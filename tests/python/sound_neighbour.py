@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from msbvh import _core
-from msbvh.reader import ReadResult, ReadSettings, read_frame
+from msbvh.scene.reader import ReadResult, ReadSettings, read_frame
 from pxr import Sdf, Usd
 
 WIDTH, HEIGHT = 32, 18

@@ -12,10 +12,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from msbvh.context import FrameContext
-from msbvh.errors import Diagnostics
-from msbvh.implicit import IMPLICIT_TYPES, read_implicit
-from msbvh.times import Shutter
+from msbvh.base.errors import Diagnostics
+from msbvh.motion.context import FrameContext
+from msbvh.motion.times import Shutter
+from msbvh.scene.implicit import IMPLICIT_TYPES, read_implicit
 from pxr import Gf, Sdf, Usd, UsdGeom
 from skinning_truth import Skinning
 

@@ -13,7 +13,7 @@ from bad_scenes import FAULTS, Fault, scene_with
 from bad_unseen import CAMERA_FAULTS, UNSEEN, UNSEEN_SHUTTER
 from conftest import Run
 from exr import read_exr
-from msbvh.cli import main
+from msbvh.cli.main import main
 from pxr import UsdGeom
 
 DRAWN = 20.0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from msbvh.cli import main
-from msbvh.errors import SceneError
+from msbvh.base.errors import SceneError
+from msbvh.cli.main import main
 from sound_neighbour import CAMERA, GOOD, messages, render, shows_good, stage_of
 
 FAULTS = {

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 from conftest import Run
 from msbvh import _core
-from msbvh.bench import BenchSettings, cases, find_peer, reader
-from msbvh.errors import SceneError
+from msbvh.base.errors import SceneError
+from msbvh.bench.rays import BenchSettings, cases, find_peer, reader
 from pxr import Gf, Usd, UsdGeom
 
 TINY = ("--quick", "--triangles", 600, "--repetitions", 2)

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import Fails, Run
-from msbvh import cycles_peer, frame_sides
-from msbvh.bench_frames import FrameSettings
-from msbvh.cycles_peer import Cycles, find_cycles, installed, usual_folder
-from msbvh.cycles_script import phases
-from msbvh.errors import SceneError
-from msbvh.frame_noise import Picture, likeness, noise
-from msbvh.frame_scenes import CAMERA, FRAME, IRRADIANCE, RATE, SCENES, SHUTTER
-from msbvh.frame_sides import Job, old_build, rendered, this_build
+from msbvh.base.errors import SceneError
+from msbvh.bench import cycles_peer, frame_sides
+from msbvh.bench.cycles_peer import Cycles, find_cycles, installed, usual_folder
+from msbvh.bench.cycles_script import phases
+from msbvh.bench.frame_noise import Picture, likeness, noise
+from msbvh.bench.frame_scenes import CAMERA, FRAME, IRRADIANCE, RATE, SCENES, SHUTTER
+from msbvh.bench.frame_sides import Job, old_build, rendered, this_build
+from msbvh.bench.frames import FrameSettings
 from pxr import Usd, UsdGeom, UsdLux
 
 OURS = f"{shlex.quote(sys.executable)} -m msbvh"

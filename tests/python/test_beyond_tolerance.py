@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 import turning_stages as turning
-from msbvh.errors import Diagnostics
-from msbvh.reader import ReadSettings, read_frame
+from msbvh.base.errors import Diagnostics
+from msbvh.scene.reader import ReadSettings, read_frame
 from pxr import Gf, Usd
 from recording import interpolated
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import ROOT, Run
-from msbvh.conformance import allowed_errors, errors
-from msbvh.images import read_alpha
+from msbvh.conform.suite import allowed_errors, errors
+from msbvh.output.images import read_alpha
 
 SUITE = ROOT / "testenv" / "motion"
 RULES = "rotate_op,shutter_zero,velocity_at_48,frame_fractional,frame_in_sequence,large_world"

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT, Run
-from msbvh.conformance import image_of, judged, read_expected, read_rules
-from msbvh.conformance_record import HALF_STEP, Recorded, read_record
-from msbvh.images import read_alpha
+from msbvh.conform.record import HALF_STEP, Recorded, read_record
+from msbvh.conform.suite import image_of, judged, read_expected, read_rules
+from msbvh.output.images import read_alpha
 from test_conform import fake, outcomes
 
 SUITE = ROOT / "testenv" / "motion"

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import ROOT
-from msbvh.conformance import Rule, allowed_errors, conform, errors, own_renderer, read_rules
-from msbvh.conformance_record import read_record
-from msbvh.images import read_alpha
+from msbvh.conform.record import read_record
+from msbvh.conform.suite import Rule, allowed_errors, conform, errors, own_renderer, read_rules
+from msbvh.output.images import read_alpha
 from projection_oracle import Sampling, coverage
 from pxr import Usd, UsdGeom
 

@@ -16,9 +16,9 @@ from pathlib import Path
 import lz4.block
 import numpy as np
 import pytest
-from msbvh.crate_check import crate_fault, path_jumps
-from msbvh.errors import Diagnostics, SceneError
-from msbvh.stage import open_stage
+from msbvh.base.errors import Diagnostics, SceneError
+from msbvh.stage.crate_check import crate_fault, path_jumps
+from msbvh.stage.opening import open_stage
 from pxr import Usd, UsdGeom
 from soak import soak_count, soak_figure
 

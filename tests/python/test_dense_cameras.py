@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from msbvh.camera import find_camera
-from msbvh.conform import conformed
-from msbvh.errors import Diagnostics
-from msbvh.reader import ReadResult, ReadSettings, read_frame
-from msbvh.stage import open_stage
+from msbvh.base.errors import Diagnostics
+from msbvh.camera.aspect import conformed
+from msbvh.camera.render_camera import find_camera
+from msbvh.scene.reader import ReadResult, ReadSettings, read_frame
+from msbvh.stage.opening import open_stage
 from pxr import Gf, UsdGeom
 from recording import DENSE_TIMES01, Shot
 from shared_scenes import SharedScene, broken, here, scene_parameters

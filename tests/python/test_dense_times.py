@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from msbvh.errors import Diagnostics
-from msbvh.implicit import SIDES
-from msbvh.reader import ReadResult, ReadSettings, read_frame
-from msbvh.stage import open_stage
+from msbvh.base.errors import Diagnostics
+from msbvh.scene.implicit import SIDES
+from msbvh.scene.reader import ReadResult, ReadSettings, read_frame
+from msbvh.stage.opening import open_stage
 from pxr import Gf, Usd, UsdGeom
 from recording import DENSE_TIMES01
 from shared_scenes import SharedScene, here, scene_parameters
@@ -25,7 +25,7 @@ LARGEST_MATCH = 2**22
 @pytest.fixture(autouse=True)
 def implicit_shapes_of_one_fineness(monkeypatch: pytest.MonkeyPatch) -> None:
     """As the truth has them, whatever their size in pixels: points are compared by their number."""
-    monkeypatch.setattr("msbvh.implicit.SIDE_COUNTS", (SIDES,))
+    monkeypatch.setattr("msbvh.scene.implicit.SIDE_COUNTS", (SIDES,))
 
 
 @dataclass

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from conftest import MOVING_SQUARE, ROOT, Run
-from msbvh import cli
+from msbvh.cli import main as cli
 
 CODES = [0, 1, 2, 3, 70, 129, 130, 143]
 

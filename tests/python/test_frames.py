@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from msbvh.frames import FrameError, find_placeholder, format_frame, output_files, parse_frame_specs
+from msbvh.farm.frames import FrameError, find_placeholder, format_frame, output_files, parse_frame_specs
 from pxr import UsdUtils
 
 

@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 import pytest
-from msbvh import _core, images
-from msbvh.atomic import OutputError, write_whole
-from msbvh.color import ColorCorrection, ColorError
-from msbvh.images import ImageSettings, write_image
-from msbvh.metadata import ImageMetadata, rational_rate, world_to_camera, world_to_ndc
+from msbvh import _core
+from msbvh.base.atomic import OutputError, write_whole
+from msbvh.base.image_metadata import ImageMetadata, rational_rate, world_to_camera, world_to_ndc
+from msbvh.look.color import ColorCorrection, ColorError
+from msbvh.output import images
+from msbvh.output.images import ImageSettings, write_image
 
 WORLD_FROM_CAMERA = np.array([[0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [5.0, 2.0, 3.0, 1.0]])
 """A camera at (5, 2, 3) that looks along -x; row vectors."""

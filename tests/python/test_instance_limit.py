@@ -6,8 +6,8 @@ import time
 
 import numpy as np
 import pytest
-from msbvh.errors import SceneError
-from msbvh.reader import ReadSettings
+from msbvh.base.errors import SceneError
+from msbvh.scene.reader import ReadSettings
 from pxr import Sdf, UsdGeom, UsdLux, Vt
 from recording import Shot, messages
 

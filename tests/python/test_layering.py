@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 import pytest
@@ -46,16 +46,31 @@ LIBRARY_HOMES = {
 """Headers of a library, and the only places that may include them."""
 
 PACKAGE = "delegate/usd/msbvh/"
+SUBPACKAGES = [
+    "base",
+    "stage",
+    "motion",
+    "skel",
+    "look",
+    "camera",
+    "scene",
+    "output",
+    "render",
+    "farm",
+    "motion_report",
+    "conform",
+    "bench",
+    "cli",
+]
+"""In the order in which data flows: a subpackage imports itself and those before it."""
 MODULE_HOMES = {
-    "click": {"bench_options", "cli", "option_types", "options"},
-    "tqdm": {"progress"},
-    "lz4": {"crate_check"},
-    "OpenImageIO": {"images", "texture_mean"},
-    "PyOpenColorIO": {"color"},
+    "click": {"cli.bench_options", "cli.main", "cli.option_types", "cli.options"},
+    "tqdm": {"base.progress"},
+    "lz4": {"stage.crate_check"},
+    "OpenImageIO": {"output.images", "look.texture_mean"},
+    "PyOpenColorIO": {"look.color"},
 }
 """Python libraries, and the only modules of the package that may import them."""
-TOP_MODULES = {"cli": {"__main__"}, "__main__": set[str](), "record": {"cli"}}
-"""Modules of the package, and the only ones that may import them."""
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*[<"]([^>"]+)[>"]', re.MULTILINE)
 
@@ -85,38 +100,61 @@ def include_violations(files: Files) -> Iterator[str]:
                     yield f"{file} includes {header}: only {' and '.join(homes)} may"
 
 
-def imports_of(text: str) -> tuple[set[str], set[str]]:
-    """The modules of our own package and the top-level names of other libraries that a Python file
-    imports."""
+def module_name(file: str) -> str:
+    """Of a Python file: `stage.values`, or `stage` for its __init__.py, below the package."""
+    return file.removeprefix(PACKAGE).removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+
+
+def imports_of(text: str, module: str) -> tuple[set[str], set[str]]:
+    """What a module of our package imports: our own, as `stage.values`, perhaps with a name behind; and the top-level
+    names of other libraries."""
     own: set[str] = set()
     others: set[str] = set()
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
             names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            parent = "msbvh." if node.level else ""
-            stem = f"{parent}{node.module or ''}".rstrip(".")
+            at = ["msbvh", *module.split(".")][: -node.level] if node.level else []
+            stem = ".".join([*at, *([node.module] if node.module else [])])
             names = [f"{stem}.{alias.name}" for alias in node.names]
         else:
             continue
         for name in names:
             top, _, rest = name.partition(".")
-            own.add(rest.partition(".")[0]) if top == "msbvh" else others.add(top)
+            own.add(rest) if top == "msbvh" else others.add(top)
     return own, others
 
 
 def import_violations(files: Files) -> Iterator[str]:
     """The same for the Python package's modules."""
-    modules = {Path(file).stem: imports_of(text) for file, text in files.items()}
-    graph = {module: own & modules.keys() for module, (own, _) in modules.items()}
-    for module, (own, others) in modules.items():
+    imports = {
+        name: imports_of(text, name) for name, text in ((module_name(file), text) for file, text in files.items())
+    }
+    known = {module: {_longest(name, imports.keys()) for name in own} - {""} for module, (own, _) in imports.items()}
+    for module, (_, others) in imports.items():
+        place = module.partition(".")[0]
+        if place not in SUBPACKAGES and module not in ("__init__", "__main__"):
+            yield f"{module}: stands in no subpackage; expected one of {', '.join(SUBPACKAGES)}"
+            continue
         for library, homes in MODULE_HOMES.items():
             if library in others and module not in homes:
                 yield f"{module} imports {library}: only {', '.join(sorted(homes))} may"
-        for target in sorted(own & TOP_MODULES.keys()):
-            if module not in TOP_MODULES[target]:
-                yield f"{module} imports {target}: against the direction"
-    yield from (f"import cycle: {' -> '.join(cycle)}" for cycle in cycles(graph))
+        for target in sorted(known[module]):
+            subpackage = target.partition(".")[0]
+            if module != "__main__" and _order(subpackage) > _order(place):
+                yield f"{module} imports {target}: against the direction, {place} comes before {subpackage}"
+    yield from (f"import cycle: {' -> '.join(cycle)}" for cycle in cycles(known))
+
+
+def _longest(name: str, modules: Iterable[str]) -> str:
+    """The module that an imported name belongs to; empty for the extension's."""
+    parts = name.split(".")
+    starts = (".".join(parts[:count]) for count in range(len(parts), 0, -1))
+    return next((start for start in starts if start in modules), "")
+
+
+def _order(subpackage: str) -> int:
+    return SUBPACKAGES.index(subpackage) if subpackage in SUBPACKAGES else len(SUBPACKAGES)
 
 
 def cycles(graph: Mapping[str, set[str]]) -> Iterator[list[str]]:
@@ -148,7 +186,7 @@ def test_includes_run_one_way() -> None:
 
 def test_imports_run_one_way() -> None:
     files = {file: text for file, text in read(PACKAGE, ".py").items()}
-    assert f"{PACKAGE}cli.py" in files
+    assert {module_name(file).partition(".")[0] for file in files} > set(SUBPACKAGES)
     assert list(import_violations(files)) == []
 
 
@@ -181,12 +219,21 @@ def test_a_planted_include_is_caught(file: str, header: str, reason: str) -> Non
 @pytest.mark.parametrize(
     ("modules", "reason"),
     [
-        ({"stage": "import click"}, "stage imports click: only bench_options, cli, option_types, options may"),
-        ({"reader": "from .cli import main", "cli": ""}, "reader imports cli: against the direction"),
-        ({"reader": "def f():\n    from msbvh.record import record", "record": ""}, "reader imports record"),
+        ({"stage/opening": "import click"}, "stage.opening imports click: only cli.bench_options, cli.main"),
         (
-            {"a": "from . import b", "b": "from .c import x", "c": "import msbvh.a"},
-            "import cycle: a -> b -> c -> a",
+            {"scene/reader": "from ..cli.main import main", "cli/main": ""},
+            "scene.reader imports cli.main: against the direction, scene comes before cli",
+        ),
+        (
+            {"scene/reader": "def f():\n    from msbvh.render.record import record", "render/record": ""},
+            "scene.reader imports render.record",
+        ),
+        ({"scene/reader": "from ..render import record", "render/record": ""}, "scene.reader imports render.record"),
+        ({"base/a": "from .. import __main__", "__main__": ""}, "base.a imports __main__"),
+        ({"reader": ""}, "reader: stands in no subpackage"),
+        (
+            {"base/a": "from . import b", "base/b": "from .c import x", "base/c": "import msbvh.base.a"},
+            "import cycle: base.a -> base.b -> base.c -> base.a",
         ),
     ],
 )
@@ -202,8 +249,10 @@ def test_what_is_allowed_passes() -> None:
         "delegate/usd/bindings/core.cpp": '#include <nanobind/nanobind.h>\n#include "core/api/renderer.h"\n',
     }
     imports = {
-        f"{PACKAGE}cli.py": "import click\nfrom .record import record\n",
-        f"{PACKAGE}record.py": "import os\n",
+        f"{PACKAGE}__main__.py": "from .cli.main import main\n",
+        f"{PACKAGE}cli/main.py": "import click\nfrom ..render.record import record\nfrom .. import _core\n",
+        f"{PACKAGE}render/__init__.py": "",
+        f"{PACKAGE}render/record.py": "import os\n",
     }
     assert list(include_violations(includes)) == []
     assert list(import_violations(imports)) == []

@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 from conftest import MOVING_SQUARE
-from msbvh.cli import main
-from msbvh.motion import MOST_TIMES, motion_report
-from msbvh.reader import ReadSettings, read_frame
-from msbvh.samples import SampleLog
+from msbvh.cli.main import main
+from msbvh.motion.samples import SampleLog
+from msbvh.motion_report.report import MOST_TIMES, motion_report
+from msbvh.scene.reader import ReadSettings, read_frame
 from pxr import Gf, Usd
 from recording import Shot
 from shared_scenes import SCENES, require

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import MOVING_SQUARE, Fails, Run
-from msbvh.images import ImageSettings, write_image
+from msbvh.output.images import ImageSettings, write_image
 from test_images import metadata
 
 SMALL = ("-w", 48, "--spp", 4)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import io
 
 import pytest
-from msbvh import progress as progress_module
-from msbvh.progress import Progress
-from msbvh.reader import read_frame
+from msbvh.base import progress as progress_module
+from msbvh.base.progress import Progress
+from msbvh.scene.reader import read_frame
 from pxr import Gf, UsdGeom
 from recording import Shot
 

@@ -11,9 +11,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 from drawn import assert_as_the_stage, drawn_at, in_order
-from msbvh.errors import Diagnostics
-from msbvh.reader import ReadSettings, read_frame
-from msbvh.samples import SampleLog
+from msbvh.base.errors import Diagnostics
+from msbvh.motion.samples import SampleLog
+from msbvh.scene.reader import ReadSettings, read_frame
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
 from recording import DENSE_TIMES01, Recording, Shot, messages
 from stage_truth import StageTruth

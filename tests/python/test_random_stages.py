@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from msbvh import _core
-from msbvh.errors import Diagnostics
-from msbvh.reader import ReadSettings, read_frame
+from msbvh.base.errors import Diagnostics
+from msbvh.scene.reader import ReadSettings, read_frame
 from random_stages import FRAME, StageMaker
 from recording import DENSE_TIMES01
 from stage_truth import StageTruth

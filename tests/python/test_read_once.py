@@ -15,7 +15,7 @@ import pytest
 from conftest import ROOT
 from drawn import assert_as_the_stage
 from msbvh import _core
-from msbvh.reader import ReadSettings, read_frame
+from msbvh.scene.reader import ReadSettings, read_frame
 from projection_oracle import Sampling, coverage
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, UsdShade, UsdSkel, Vt
 from recording import DENSE_TIMES01, Shot, interpolated, messages

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from msbvh.errors import Diagnostics, SceneError
-from msbvh.stage import open_stage
+from msbvh.base.errors import Diagnostics, SceneError
+from msbvh.stage.opening import open_stage
 from pxr import Sdf, Usd, UsdGeom
 from recording import Recording, Shot, messages
 

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from msbvh.conform import POLICIES
-from msbvh.errors import SceneError
+from msbvh.base.errors import SceneError
+from msbvh.camera.aspect import POLICIES
 from pxr import Gf, Usd, UsdGeom
 from recording import Shot, messages
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from msbvh import _core
-from msbvh.reader import ReadSettings, read_frame
+from msbvh.scene.reader import ReadSettings, read_frame
 from recording import Shot, messages
 
 

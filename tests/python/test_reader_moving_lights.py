@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 from msbvh import _core
-from msbvh.light_values import SIZES, emission, normalization
-from msbvh.reader import ReadSettings, read_frame
+from msbvh.look.light_values import SIZES, emission, normalization
+from msbvh.scene.reader import ReadSettings, read_frame
 from pxr import Gf, Usd, UsdGeom, UsdLux
 from recording import DENSE_TIMES01, Shot, interpolated, messages
 

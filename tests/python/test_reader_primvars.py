@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from msbvh import _core
-from msbvh.reader import ReadSettings, read_frame
+from msbvh.scene.reader import ReadSettings, read_frame
 from pxr import Gf, Usd, UsdGeom
 from recording import DENSE_TIMES01, Shot, interpolated, messages
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from msbvh.implicit import IMPLICIT_TYPES
+from msbvh.scene.implicit import IMPLICIT_TYPES
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdShade
 from recording import Shot, messages
 

@@ -12,9 +12,9 @@ import pytest
 from conftest import ROOT, Run
 from exr import read_exr
 from msbvh import _core
-from msbvh.errors import Diagnostics, SceneError
-from msbvh.reader import ReadSettings, read_frame
-from msbvh.stage import open_stage
+from msbvh.base.errors import Diagnostics, SceneError
+from msbvh.scene.reader import ReadSettings, read_frame
+from msbvh.stage.opening import open_stage
 from pxr import Usd
 from random_edits import EditedStage
 from shared_scenes import SharedScene, here, scene_parameters

@@ -22,9 +22,9 @@ from bad_scenes import vec3s
 from bad_skins import bad_arm
 from exr import read_exr
 from msbvh import _core
-from msbvh.cli import main
-from msbvh.errors import Diagnostics
-from msbvh.reader import ReadResult, ReadSettings, read_frame
+from msbvh.base.errors import Diagnostics
+from msbvh.cli.main import main
+from msbvh.scene.reader import ReadResult, ReadSettings, read_frame
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 from recording import Shot
 

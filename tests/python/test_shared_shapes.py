@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from msbvh import _core
-from msbvh.errors import Diagnostics
-from msbvh.implicit import IMPLICIT_TYPES
-from msbvh.motion import motion_report
-from msbvh.reader import ReadResult, ReadSettings, read_frame
-from msbvh.samples import SampleLog
+from msbvh.base.errors import Diagnostics
+from msbvh.motion.samples import SampleLog
+from msbvh.motion_report.report import motion_report
+from msbvh.scene.implicit import IMPLICIT_TYPES
+from msbvh.scene.reader import ReadResult, ReadSettings, read_frame
 from pxr import Gf, Sdf, UsdGeom, UsdShade
 from recording import Shot, messages
 
@@ -162,7 +162,7 @@ def picture(result: ReadResult) -> np.ndarray:
 @pytest.fixture
 def alone(monkeypatch: pytest.MonkeyPatch) -> Callable[[], None]:
     """From here on every shape stands for itself."""
-    return lambda: monkeypatch.setattr("msbvh.shared_shapes.SHARED_FROM", 10**9)
+    return lambda: monkeypatch.setattr("msbvh.scene.shared_shapes.SHARED_FROM", 10**9)
 
 
 @pytest.mark.parametrize("author", SCENES, ids=lambda author: author.__name__)
@@ -224,7 +224,7 @@ def deviation(surface) -> float:
 
 
 def test_the_silhouette_strays_by_a_tenth_of_a_pixel_at_most() -> None:
-    from msbvh.implicit import SIDE_COUNTS, sides_for, sphere
+    from msbvh.scene.implicit import SIDE_COUNTS, sides_for, sphere
 
     for silhouette in (0.1, 0.0125):
         for radius_pixels in (0.3, 1.0, 3.0, 10.0, 50.0, 200.0, 700.0):
@@ -314,9 +314,9 @@ FIGURES = """
 import sys, time
 from pxr import Usd, UsdGeom
 from msbvh import _core
-from msbvh.errors import Diagnostics
-from msbvh.reader import read_frame
-from msbvh.stage import open_stage
+from msbvh.base.errors import Diagnostics
+from msbvh.scene.reader import read_frame
+from msbvh.stage.opening import open_stage
 start = time.process_time()
 stage = open_stage(sys.argv[1], Diagnostics())
 result = read_frame(stage, 1.0)

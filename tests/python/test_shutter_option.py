@@ -11,7 +11,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from conftest import MOVING_SQUARE
-from msbvh.cli import main
+from msbvh.cli.main import main
 from pxr import Gf, UsdGeom
 from recording import Shot, messages
 from skinning_oracle import ARM_POINTS, Arm

@@ -129,7 +129,7 @@ def test_nohup_is_respected(tmp_path: Path, scene: Path) -> None:
 
 SCRIPT = """
 import os, signal, sys, time
-from msbvh import signals
+from msbvh.base import signals
 signals.listen()
 signals.loaded()
 kill = lambda: os.kill(os.getpid(), signal.SIGTERM)

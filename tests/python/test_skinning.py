@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from msbvh import _core
-from msbvh.errors import Diagnostics
-from msbvh.reader import ReadSettings, read_frame
+from msbvh.base.errors import Diagnostics
+from msbvh.scene.reader import ReadSettings, read_frame
 from pxr import Gf, Usd, UsdGeom, UsdSkel, Vt
 from recording import Shot, interpolated, messages, points_at
 from skinning_oracle import (

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from msbvh.errors import Diagnostics
-from msbvh.implicit import SIDES
-from msbvh.reader import ReadSettings, read_frame
+from msbvh.base.errors import Diagnostics
+from msbvh.scene.implicit import SIDES
+from msbvh.scene.reader import ReadSettings, read_frame
 from pxr import Gf, Usd, UsdGeom
 from recording import Recording, interpolated, messages, points_at
 from shared_scenes import SCENES, require
@@ -27,7 +27,7 @@ pytestmark = pytest.mark.shared
 def _scenes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Implicit shapes of one fineness, as the truth has them: points are compared by their number."""
     require(SKINNED)
-    monkeypatch.setattr("msbvh.implicit.SIDE_COUNTS", (SIDES,))
+    monkeypatch.setattr("msbvh.scene.implicit.SIDE_COUNTS", (SIDES,))
 
 
 def read(stage: Usd.Stage, frame: float | None, **settings: Any) -> Any:

@@ -49,7 +49,7 @@ def drawn(shot: Shot, width: int = 96, frame: float = 10.0) -> np.ndarray:
     shot.camera.CreateHorizontalApertureAttr(24.0)
     shot.camera.CreateVerticalApertureAttr(12.0)
     shot.camera.CreateFocalLengthAttr(80.0)
-    from msbvh.reader import ReadSettings, read_frame
+    from msbvh.scene.reader import ReadSettings, read_frame
 
     result = read_frame(shot.stage, frame, ReadSettings(width=width))
     renderer = _core.Renderer(result.scene, width=width, height=width // 2, spp=64, max_bounces=0)
@@ -130,9 +130,9 @@ def test_a_moving_mesh_keeps_its_parts_in_a_prototype_too(instanced: bool):
 
 FIGURES = """
 import sys, time
-from msbvh.stage import open_stage
-from msbvh.errors import Diagnostics
-from msbvh.reader import read_frame
+from msbvh.stage.opening import open_stage
+from msbvh.base.errors import Diagnostics
+from msbvh.scene.reader import read_frame
 diagnostics = Diagnostics()
 stage = open_stage(sys.argv[1], diagnostics)
 def peak_kib():

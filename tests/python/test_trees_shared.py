@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 from msbvh import _core
-from msbvh.errors import Diagnostics
-from msbvh.reader import ReadSettings, read_frame
-from msbvh.stage import open_stage
+from msbvh.base.errors import Diagnostics
+from msbvh.scene.reader import ReadSettings, read_frame
+from msbvh.stage.opening import open_stage
 from shared_scenes import SharedScene, here, scene_parameters
 
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from msbvh.errors import Diagnostics
-from msbvh.reader import ReadResult, ReadSettings, read_frame
+from msbvh.base.errors import Diagnostics
+from msbvh.scene.reader import ReadResult, ReadSettings, read_frame
 from pxr import Usd, UsdGeom
 from recording import DENSE_TIMES01
 from shared_scenes import SCENES, require

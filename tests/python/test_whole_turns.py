@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import turning_stages as turning
 from msbvh import _core
-from msbvh.errors import Diagnostics
-from msbvh.reader import ReadResult, ReadSettings, read_frame
-from msbvh.times import Shutter
+from msbvh.base.errors import Diagnostics
+from msbvh.motion.times import Shutter
+from msbvh.scene.reader import ReadResult, ReadSettings, read_frame
 from pxr import Ts, Usd, UsdGeom
 from soak import soak_count, soak_figure
 from turning_stages import SOURCES, Source
@@ -150,7 +150,7 @@ def test_a_camera_that_rolls_whole_turns_moves() -> None:
 
 
 def test_turns_are_bounded_by_the_ops() -> None:
-    from msbvh.turns import xform_turns
+    from msbvh.motion.turns import xform_turns
 
     shutter = Shutter(turning.FRAME, *turning.SHUTTER)
     for number in (0.25, 4.0, 99.75):

@@ -6,8 +6,8 @@ import os
 import sys
 
 try:
-    from . import signals, streams
-    from .exit_codes import DONE, WRONG
+    from .base import signals, streams
+    from .base.exit_codes import DONE, WRONG
 except KeyboardInterrupt:  # Some milliseconds in which nobody listens yet. Before them Python itself starts.
     os.write(2, b"msbvh: error: interrupted\n")
     os._exit(130)
@@ -28,7 +28,7 @@ def main() -> int:
 
 def _run() -> int:
     try:
-        from .cli import main as run
+        from .cli.main import main as run
     except (ImportError, OSError, MemoryError) as error:  # Before cli can say so.
         why = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         print(f"msbvh: error: the installation cannot be loaded (make setup mends it): {why}", file=sys.stderr)

@@ -1,0 +1,1 @@
+"""`msbvh bench`: rays and whole frames, side by side with peers."""

@@ -1,0 +1,346 @@
+"""The render camera: which one, what it sees, and how it moves over its shutter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
+
+from ..base.errors import Diagnostics, SceneError
+from ..base.image_metadata import world_to_camera, world_to_ndc
+from ..motion.boxes import Box, PixelSize
+from ..motion.held_values import warn_of_change
+from ..motion.motion_scales import scales_at
+from ..motion.times import (
+    JUMP_TIME01,
+    Shutter,
+    asked_shutter,
+    breakpoints_of,
+    checked_shutter,
+    even_level,
+    even_times01,
+    is_held,
+)
+from ..motion.transform_faults import unusable_op
+from ..motion.transforms import LARGEST, authored_xform_times, xformables
+from ..motion.turns import NO_TURNS, Turns, report_too_fast, total_turns, xform_turns
+from ..stage.opening import tf_reason
+from ..stage.value_types import FLOAT
+from ..stage.values import value
+from .aspect import Window, conformed, image_height, window_of
+from .camera_values import CameraValues
+from .framing import framing_camera
+from .lens import read_lenses
+
+LARGEST_OFFSET = 1e6
+"""Apertures by which an aperture's offset may shift it: beyond, single precision has no pixels left to tell apart."""
+CAMERA_LEVEL = 10
+"""2^10 intervals at least."""
+TIMES_A_TURN = 64
+"""Of a camera that rolls or orbits: cubics between stay within a millionth of the radius."""
+
+
+@dataclass(frozen=True)
+class RenderCamera:
+    """A camera over the shutter, with the image that it makes. Spaces as in USD: looks along -z, y up."""
+
+    path: str
+    """Of the prim; empty for a framing camera."""
+    projection: str
+    """perspective or orthographic."""
+    shutter: Shutter
+    times01: np.ndarray
+    """float64[T], increasing."""
+    world_from_camera: np.ndarray
+    """float64[T, 4, 4]."""
+    windows: np.ndarray
+    """float32[T, 4]: left, right, bottom, top of the image at unit distance (orthographic: stage units)."""
+    breakpoints01: np.ndarray
+    """float64[B]: where the camera may change its course."""
+    periods01: np.ndarray
+    """float64[P]: shares of the shutter after which its motion may repeat."""
+    lenses: np.ndarray
+    """float32[T, 2]: radius and focus distance, in the camera's space; radius 0: a pinhole."""
+    near_clip: float
+    """The nearest and the farthest of the shutter."""
+    far_clip: float
+    clips: np.ndarray | None
+    """float32[T, 2]: near and far, where they change; None: the same throughout."""
+    width: int
+    height: int
+    frame_matrix: np.ndarray
+    """world_from_camera at the frame, float64[4, 4]."""
+    frame_window: Window
+    """At the frame."""
+    pixel_aspect_ratio: float
+    """Width of a pixel over its height; not 1 only where the conform policy says so."""
+
+    @property
+    def world_to_camera(self) -> np.ndarray:
+        """float64[4, 4] at the frame, in OpenEXR's convention."""
+        return world_to_camera(self.frame_matrix)
+
+    @property
+    def world_to_ndc(self) -> np.ndarray:
+        """float64[4, 4] at the frame, in OpenEXR's convention."""
+        return world_to_ndc(self.world_to_camera, self.frame_window, self.projection == "perspective")
+
+    def pixel_size(self) -> PixelSize:
+        """The size of a pixel in the world, the smallest over the shutter."""
+        extent = self.windows[:, [1, 3]] - self.windows[:, [0, 2]]
+        per_unit = float(np.abs(extent / (self.width, self.height)).min())
+        eyes = Box.around(self.world_from_camera[:, 3, :3])
+        return PixelSize(eyes, self.projection == "perspective", per_unit, max(self.near_clip, 0.0))
+
+
+def read_camera(
+    stage: Usd.Stage,
+    frame: float | None,
+    name: str | None,
+    image_size: tuple[int, int | None],
+    conform: str,
+    purposes: list[str],
+    diagnostics: Diagnostics,
+    asked: tuple[float, float] | None = None,
+) -> RenderCamera:
+    """Finds the camera, and samples it over its shutter.
+
+    `image_size` is width and height in pixels; height None: the camera's aspect ratio decides, as in
+    usdrecord. `asked`: a shutter in place of the camera's own, in frames relative to the frame. Raises SceneError
+    for an unknown camera, an unknown conform policy and optics that make no image.
+    """
+    prim = find_camera(stage, name, diagnostics)
+    if prim is None:
+        shutter = _shutter(None, frame, asked, diagnostics)
+        framing = framing_camera(stage, shutter, purposes, image_size, conform, diagnostics)
+        course = Course(shutter, (), NO_TURNS, False)
+        return _sampled("", shutter, course, lambda _: framing, image_size, conform, diagnostics)
+    try:
+        return _read(prim, frame, image_size, conform, diagnostics, asked)
+    except Tf.ErrorException as error:
+        raise SceneError(f"{prim.GetPath()}: USD cannot evaluate it: {tf_reason(error)}") from error
+
+
+def _read(
+    prim: Usd.Prim,
+    frame: float | None,
+    image_size: tuple[int, int | None],
+    conform: str,
+    diagnostics: Diagnostics,
+    asked: tuple[float, float] | None,
+) -> RenderCamera:
+    camera = UsdGeom.Camera(prim)
+    code = Shutter(frame).frame_code
+    shutter = _shutter(camera, frame, asked, diagnostics)
+    own = shutter.scaled(scales_at(prim, shutter, diagnostics).blur)
+    course = _course(prim, own, is_held(prim.GetStage()))
+    report_too_fast(course.turns, str(prim.GetPath()), diagnostics)
+    values_at = CameraValues(camera).at
+
+    warn_of_change(camera.GetProjectionAttr(), "", own, diagnostics)
+    projection = values_at(code).projection
+
+    def camera_at(code: Usd.TimeCode) -> Gf.Camera:
+        found = values_at(code)
+        found.projection = projection
+        if not (np.abs(np.array(found.transform)) <= LARGEST).all():
+            path, attribute, message = unusable_op(list(xformables(prim, None)), own)
+            raise SceneError(f"{path}.{attribute}: {message}")
+        return found
+
+    return _sampled(str(prim.GetPath()), shutter, course, camera_at, image_size, conform, diagnostics)
+
+
+def _shutter(
+    camera: UsdGeom.Camera | None,
+    frame: float | None,
+    asked: tuple[float, float] | None,
+    diagnostics: Diagnostics,
+) -> Shutter:
+    """The one that was asked for, else the camera's; closed where a camera is made up, which says so itself."""
+    if frame is not None and asked is not None:
+        return asked_shutter(frame, asked, diagnostics)
+    if camera is None:
+        return checked_shutter(frame, 0.0, 0.0, "", diagnostics) if frame is None else Shutter(frame)
+    code = Shutter(frame).frame_code
+    opening = value(camera.GetShutterOpenAttr(), code, FLOAT)
+    closing = value(camera.GetShutterCloseAttr(), code, FLOAT)
+    return checked_shutter(frame, opening or 0.0, closing or 0.0, str(camera.GetPath()), diagnostics)
+
+
+def find_camera(stage: Usd.Stage, name: str | None, diagnostics: Diagnostics) -> Usd.Prim | None:
+    """The camera of that path or name; without one the primary camera of USD's convention, else the first.
+
+    None if the stage has no camera and none was asked for. Raises SceneError if the one asked for is not
+    there.
+    """
+    cameras = list(_cameras(stage))
+    if name:
+        return _named_camera(cameras, name)
+    if not cameras:
+        return None
+    primary = [prim for prim in cameras if prim.GetName() == UsdUtils.GetPrimaryCameraName()]
+    chosen = (primary or cameras)[0]
+    if len(cameras) > 1 and not primary:
+        diagnostics.note(str(chosen.GetPath()), "", f"the first of {len(cameras)} cameras; --camera chooses another")
+    return chosen
+
+
+def _cameras(stage: Usd.Stage) -> Iterator[Usd.Prim]:
+    """Those in instances too. What has none is looked through once, however many instances show it."""
+    known: dict[Sdf.Path, bool] = {}
+
+    def has_camera(prototype: Usd.Prim) -> bool:
+        path = prototype.GetPath()
+        if path not in known:
+            known[path] = any(
+                prim.IsA(UsdGeom.Camera) or (prim.IsInstance() and has_camera(prim.GetPrototype()))
+                for prim in Usd.PrimRange(prototype)
+            )
+        return known[path]
+
+    prims = iter(Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()))
+    for prim in prims:
+        if prim.IsA(UsdGeom.Camera):
+            yield prim
+        if prim.IsInstance() and not has_camera(prim.GetPrototype()):
+            prims.PruneChildren()
+
+
+def _named_camera(cameras: list[Usd.Prim], name: str) -> Usd.Prim:
+    for prim in cameras:
+        # As usdrecord has it, a relative path counts from the root.
+        if prim.GetName() == name or str(prim.GetPath()) == "/" + name.lstrip("/"):
+            return prim
+    known = ", ".join(str(prim.GetPath()) for prim in cameras[:8]) or "none"
+    raise SceneError(f"camera: found no camera '{name}', expected one of the stage's cameras: {known}")
+
+
+@dataclass(frozen=True)
+class Course:
+    """Where a camera may change its course, and how far it turns."""
+
+    shutter: Shutter
+    """The camera's own, scaled where it has a motion:blurScale."""
+    breakpoints01: tuple[float, ...]
+    turns: Turns
+    held: bool
+    """Values jump at the breakpoints."""
+
+    @property
+    def breakpoints_with_jumps01(self) -> list[float]:
+        """The breakpoints; of a held stage with the instants before them."""
+        before = [time - JUMP_TIME01 for time in self.breakpoints01 if self.held and time > JUMP_TIME01]
+        return sorted([*self.breakpoints01, *before])
+
+    def times01(self) -> list[float]:
+        """Where the camera is evaluated: one time for a closed shutter."""
+        if not self.shutter.moving:
+            return [0.0]
+        level = max(CAMERA_LEVEL, even_level(TIMES_A_TURN * self.turns.rate))
+        return even_times01(level, self.breakpoints01, self.held)
+
+
+def _course(prim: Usd.Prim, shutter: Shutter, held: bool) -> Course:
+    """Of a camera's optics and its own and its ancestors' transforms."""
+    if not shutter.moving:
+        return Course(shutter, (), NO_TURNS, held)
+    carriers = list(xformables(prim, None))
+    times = authored_xform_times(carriers, shutter)
+    times = times.union(*(breakpoints_of(each, shutter) for each in optics(UsdGeom.Camera(prim))))
+    breakpoints01 = tuple(sorted({shutter.time01(time) for time in times}))
+    return Course(shutter, breakpoints01, total_turns(xform_turns(each, shutter) for each in carriers), held)
+
+
+def optics(camera: UsdGeom.Camera) -> tuple[Usd.Attribute, ...]:
+    """The attributes that zoom and focus a camera, and where it cuts off."""
+    return (
+        camera.GetFocalLengthAttr(),
+        camera.GetHorizontalApertureAttr(),
+        camera.GetVerticalApertureAttr(),
+        camera.GetHorizontalApertureOffsetAttr(),
+        camera.GetVerticalApertureOffsetAttr(),
+        camera.GetFStopAttr(),
+        camera.GetFocusDistanceAttr(),
+        camera.GetClippingRangeAttr(),
+    )
+
+
+def _sampled(
+    path: str,
+    shutter: Shutter,
+    course: Course,
+    camera_at: Callable[[Usd.TimeCode], Gf.Camera],
+    image_size: tuple[int, int | None],
+    conform: str,
+    diagnostics: Diagnostics,
+) -> RenderCamera:
+    """Evaluates `camera_at` as densely as interpolation between needs, to a thousandth of a pixel; or once if it does
+    not move."""
+    at_frame = camera_at(shutter.frame_code)
+    _check_optics(path, at_frame)
+    width, height = image_size
+    height = height or image_height(width, at_frame.aspectRatio)
+    window, pixel_aspect = conformed(window_of(at_frame), width / height, conform)
+
+    times01 = course.times01()
+    cameras = [camera_at(course.shutter.time_code(time01)) for time01 in times01]
+    for camera in cameras:
+        _check_optics(path, camera)
+    matrices = np.array([np.array(camera.transform) for camera in cameras])
+    windows = np.array([conformed(window_of(camera), width / height, conform)[0] for camera in cameras], np.float32)
+    lenses = read_lenses(path, at_frame, cameras, diagnostics)
+    keep = len(times01)
+    clips = np.array([(camera.clippingRange.min, camera.clippingRange.max) for camera in cameras], np.float32)
+    if all((values == values[0]).all() for values in (matrices, windows, lenses, clips)):
+        keep = 1
+    return RenderCamera(
+        path=path,
+        projection=at_frame.projection.displayName.lower(),
+        shutter=shutter,
+        times01=np.array(times01[:keep]),
+        world_from_camera=matrices[:keep],
+        windows=windows[:keep],
+        breakpoints01=np.array(course.breakpoints_with_jumps01),
+        periods01=np.array(course.turns.periods01),
+        lenses=lenses[:keep],
+        near_clip=float(clips[:, 0].min()),
+        far_clip=float(clips[:, 1].max()),
+        clips=None if (clips == clips[0]).all() else clips,
+        width=width,
+        height=height,
+        frame_matrix=np.array(at_frame.transform),
+        frame_window=window,
+        pixel_aspect_ratio=pixel_aspect,
+    )
+
+
+def _check_optics(path: str, camera: Gf.Camera) -> None:
+    sizes = {"horizontalAperture": camera.horizontalAperture, "verticalAperture": camera.verticalAperture}
+    if camera.projection != Gf.Camera.Orthographic:
+        sizes["focalLength"] = camera.focalLength
+    for attribute, value in sizes.items():
+        if not (math.isfinite(value) and value > 0.0):
+            raise SceneError(f"{path}.{attribute}: found {value:g}, expected a finite number above 0")
+    offsets = {
+        "horizontalApertureOffset": camera.horizontalApertureOffset,
+        "verticalApertureOffset": camera.verticalApertureOffset,
+    }
+    for attribute, value in offsets.items():
+        largest = LARGEST_OFFSET * max(camera.horizontalAperture, camera.verticalAperture)
+        if not abs(value) <= largest:
+            expected = f"a finite number of at most {largest:g} in size, {LARGEST_OFFSET:g} times the aperture"
+            raise SceneError(f"{path}.{attribute}: found {value:g}, expected {expected}")
+    left, right, bottom, top = window_of(camera)
+    if not (left < right and bottom < top):
+        attribute = "verticalAperture" if left < right else "horizontalAperture"
+        raise SceneError(
+            f"{path}.{attribute}: found {sizes[attribute]:g}, which is nothing beside its offset of"
+            f" {offsets[f'{attribute}Offset']:g}; expected more"
+        )
+    near, far = camera.clippingRange.min, camera.clippingRange.max
+    if not near < far:
+        raise SceneError(f"{path}.clippingRange: found ({near:g}, {far:g}), expected near < far")

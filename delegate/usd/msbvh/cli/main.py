@@ -1,0 +1,376 @@
+"""The command line. usdrecord's names and rules where it has them; exit codes in main()."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+from pxr import Usd
+
+from .. import _core
+from ..base import signals
+from ..base.atomic import OutputError, check_folder, check_writable, write_whole
+from ..base.errors import Diagnostics, SceneError
+from ..base.exit_codes import DEFECT, DEGRADED, DONE, USAGE, WRONG, table_text
+from ..base.progress import Progress
+from ..base.reporter import Reporter, one_line
+from ..bench.frames import FrameSettings
+from ..bench.frames import run as run_frames
+from ..bench.frames_table import table as frames_table
+from ..bench.rays import BenchSettings
+from ..bench.rays import run as run_bench
+from ..bench.rays_table import table as bench_table
+from ..conform.record import read_record
+from ..conform.shutter import check_suite, shutter_text, with_shutter
+from ..conform.suite import Rule, conform, find_suite, other_renderer, own_renderer, read_rules, table
+from ..farm.frames import FrameError, check_single_outputs, frame_jobs, parse_frame_specs
+from ..look.color import ColorCorrection, ColorError
+from ..motion.samples import SampleLog
+from ..motion_report.report import motion_report
+from ..motion_report.table import beyond_text, motion_text
+from ..output.images import ImageSettings
+from ..output.outputs import OutputClash
+from ..render.record import (
+    FrameJob,
+    RecordSettings,
+    RenderSettings,
+    plan_entries,
+    reading_progress,
+    record,
+    report,
+    software,
+)
+from ..scene.reader import ReadResult, ReadSettings, read_frame
+from ..stage.opening import open_stage, tf_messages
+from ..stage.stage_metadata import start_time
+from .bench_options import BENCH, FRAMES, frame_options
+from .options import CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
+
+RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "aovs", "builder", "refit")
+"""Options that are fields of RenderSettings."""
+RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Runs a command; returns the exit code (exit_codes.py). Whatever goes wrong is one line on stderr, never a
+    traceback."""
+    try:
+        return commands.main(args=list(arguments), prog_name="msbvh", standalone_mode=False) or DONE
+    except click.exceptions.NoArgsIsHelpError as error:
+        print(error.format_message(), file=sys.stderr)
+        return USAGE
+    except click.ClickException as error:
+        Reporter.error(error.format_message())
+        return error.exit_code
+    except OutputClash as error:
+        Reporter.error(str(error))
+        return USAGE
+    except (SceneError, OutputError, _core.Error) as error:
+        Reporter.error(str(error))
+        return WRONG
+    except (KeyboardInterrupt, click.Abort):
+        signals.announce()
+        return signals.exit_code()
+    except MemoryError:
+        Reporter.error("out of memory")
+        return WRONG
+    except OSError as error:  # The machine's fault: no descriptors left, a file that cannot be read.
+        Reporter.error(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        return WRONG
+    except Exception as error:
+        return _defect(error)
+
+
+def _defect(error: Exception) -> int:
+    """Of ours, or of a library."""
+    if os.environ.get("MSBVH_TRACEBACK"):
+        traceback.print_exception(error)
+    Reporter.error(
+        f"internal error: {type(error).__name__}: {error}. This is a defect of {software()}: please report it to the"
+        " issue tracker of the hdMsbvh repository, with this command, its scene, and what it prints with"
+        " MSBVH_TRACEBACK=1 in the environment"
+    )
+    return DEFECT
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"]}, epilog=table_text())
+@click.version_option(software(), message="%(version)s")
+def commands() -> None:
+    """Motion-blurred frames from USD on the CPU."""
+
+
+@commands.command("record")
+@with_options(SCENE, OUTPUT, RENDER)
+def record_command(
+    scene: str,
+    outputs: tuple[str, ...],
+    frames: str | None,
+    stats: Path | None,
+    strict: bool,
+    renderer: str | None,
+    **options: Any,
+) -> int:
+    """Render SCENE to OUT: .exr, .png, .jpg or .tif; several at once cost one rendering.
+
+    Without --frames or --defaultTime the stage's start time is rendered. A file appears under its final name
+    complete or not at all. An OUT that is a symbolic link is written through: the file that it points to is replaced.
+    """
+    _check_renderer(renderer)
+    _check_text(scene, options)
+    if options["aovs"] and not any(Path(output).suffix.lower() == ".exr" for output in outputs):
+        raise click.UsageError("--aov: only .exr files hold AOVs, and no OUT is one")
+    jobs = _record_jobs(outputs, frames, options["default_time"])
+    settings = RecordSettings(
+        read=_read_settings(options),
+        render=RenderSettings(**{name: options[name] for name in RENDER_NAMES}),
+        image=ImageSettings(_color_correction(options), options["show_domes"], options["exr_float"]),
+        mask=options["mask"],
+        stats=stats,
+    )
+    reporter = Reporter()
+    _warn_of_options(options, reporter)
+    record(scene, jobs, settings, reporter)
+    return DEGRADED if strict and reporter.degraded else DONE
+
+
+@commands.command("plan")
+@with_options(SCENE, ONE_FRAME)
+def plan_command(scene: str, frame: str | None, as_json: bool, **options: Any) -> int:
+    """Print the effects that SCENE calls for, and the prims that are the reason."""
+    reporter = Reporter()
+    _, _, result = _read_one_frame("plan", scene, frame, options, reporter)
+    report(result.diagnostics, reporter)
+    renderer = _core.Renderer(result.scene, width=result.camera.width, height=result.camera.height)
+    plan = plan_entries(renderer)
+    if as_json:
+        said = {"warnings": reporter.warnings, "errors": reporter.errors}
+        print(json.dumps({"scene": scene, "plan": plan, **said}, indent=2))
+    else:
+        for entry in plan:
+            print(f"{entry['effect']:20} {entry['prim']}{': ' if entry['prim'] else ''}{entry['why']}")
+    return DONE
+
+
+@commands.command("motion")
+@with_options(SCENE, ONE_FRAME)
+@click.argument("prim", required=False)
+@click.option("--verbose", "-v", is_flag=True, help="Rule and samples of every prim, the still ones too.")
+def motion_command(
+    scene: str, prim: str | None, frame: str | None, as_json: bool, verbose: bool, **options: Any
+) -> int:
+    """Print how the prims of SCENE move within the shutter: the samples found, the rule that decided, the
+    track that follows them, its error in pixels and its bytes.
+
+    PRIM limits the report to a prim and those below it, with the rule and the samples of each. Exit code 1 if
+    a track misses --motion-tolerance.
+    """
+    reporter, log = Reporter(), SampleLog()
+    stage, time, result = _read_one_frame("motion", scene, frame, options, reporter, log)
+    with tf_messages(Diagnostics()):  # They have been said while the frame was read.
+        found = motion_report(stage, time, result, log, options["motion_tolerance"], prim)
+    if prim is None:
+        report(result.diagnostics, reporter)
+    if as_json:
+        print(json.dumps({"scene": scene, **found.plain()}, indent=2, allow_nan=False))
+    else:
+        print(motion_text(found, prim, verbose))
+    if found.beyond:
+        sys.stdout.flush()
+        Reporter.error(beyond_text(found, options["segments"], options["interpolation"]))
+    return WRONG if found.beyond else DONE
+
+
+@commands.command("conform")
+@with_options(CONFORM)
+def conform_command(
+    suite: Path | None,
+    pattern: str,
+    spp: int,
+    as_json: bool,
+    out: Path | None,
+    command: str,
+    timeout: float,
+    shutter: tuple[float, float] | None,
+) -> int:
+    """Hold a renderer to the rules of USD's motion: one small scene each, its alpha against the coverage that
+    usd-core's own evaluation has.
+
+    Exit code 1 if a rule fails. The renderer is msbvh, or any other that --command runs. Errors may be what
+    noise explains; those of msbvh itself also no larger than in the suite's recorded run.
+    """
+    text = shutter_text(shutter) if shutter else ""
+    renderer = replace(other_renderer(command, timeout), shutter=text) if command else own_renderer(spp, text)
+    folder = find_suite(suite)
+    rules = read_rules(folder, pattern)
+    if shutter is not None:
+        check_suite(folder)
+
+    # Under another shutter the answers, and so the errors, are others than those that were recorded.
+    record = {} if command or shutter is not None else read_record(folder, spp)
+
+    def prepare(rule: Rule, scratch: Path) -> Rule:
+        if shutter is None:
+            return rule
+        return with_shutter(rule, folder, shutter, scratch, renderer.knows_shutter)
+
+    with Progress("msbvh: conform") as progress:
+        outcomes = list(conform(rules, renderer, spp, out, progress, record, prepare))
+    if as_json:
+        plain = {"renderer": renderer.name, "rules": [outcome.plain() for outcome in outcomes]}
+        print(json.dumps(plain, indent=2))
+    else:
+        print(table(outcomes))
+    return DONE if all(outcome.passed for outcome in outcomes) else WRONG
+
+
+@commands.command("bench")
+@with_options(BENCH, FRAMES)
+def bench_command(as_json: bool, out: Path | None, **options: Any) -> int:
+    """Measure rays a second, build times and bytes on seeded scenes, with a peer side by side in the same run.
+
+    Exit code 1 if our answers differ from the oracle's, if many rays at once differ from one at a time, or if a closed
+    scene leaks. With --frames: whole frames of five scenes, each renderer in processes of its own; exit code 1 if another
+    one's picture differs, so that times cannot be compared.
+    """
+    reporter = Reporter()
+    frames, options = frame_options(options)
+    _note_threads(options["threads"] or (), reporter)
+    name = "frames.json" if frames else "bench.json"
+    if out is not None:
+        check_folder(out)
+        check_writable(out / name)
+    with Progress("msbvh: bench") as progress:
+        if frames:
+            result = run_frames(FrameSettings(**options), out, progress, reporter.note)
+        else:
+            result = run_bench(BenchSettings(**options), progress, reporter.note)
+    if out is not None:
+        write_whole(out / name, f"{json.dumps(result, indent=1)}\n".encode())
+    print(json.dumps(result) if as_json else (frames_table if frames else bench_table)(result))
+    return WRONG if any(_wrong_row(row) for row in result["rows"]) else DONE
+
+
+def _wrong_row(row: dict[str, Any]) -> bool:
+    """Of a benchmark: whether an answer is wrong."""
+    if "comparable" in row:
+        return row["comparable"] is False
+    return bool(row["mismatches"] or row["mode_mismatches"] or row["misses"])
+
+
+def _read_one_frame(
+    command: str,
+    scene: str,
+    frame: str | None,
+    options: dict[str, Any],
+    reporter: Reporter,
+    log: SampleLog | None = None,
+) -> tuple[Usd.Stage, float | None, ReadResult]:
+    """The stage, the frame and what was read of it; the start time where none is given. What the reader has to
+    say is left to the caller."""
+    _check_text(scene, options)
+    frames = _parse(lambda: parse_frame_specs(frame))[0] if frame else []
+    if len(frames) > 1 or (frames and options["default_time"]):
+        raise click.UsageError(
+            f"{command} looks at one frame: --frame takes one time code, and not beside --defaultTime"
+        )
+    settings = _read_settings(options)
+    diagnostics = Diagnostics()
+    stage = open_stage(scene, diagnostics, options["mask"])
+    report(diagnostics, reporter)
+    start = None if options["default_time"] else start_time(stage)
+    time = frames[0] if frames else start
+    with reading_progress(time) as progress:
+        result = read_frame(stage, time, settings, progress=progress, found=log)
+    return stage, time, result
+
+
+def _parse(parser: Callable[[], Any]) -> Any:
+    """What `parser` returns; its FrameError is the user's slip."""
+    try:
+        return parser()
+    except FrameError as error:
+        raise click.UsageError(one_line(str(error))) from None
+
+
+def _record_jobs(
+    outputs: tuple[str, ...], frames: str | None, default_time: bool
+) -> Sequence[FrameJob] | Sequence[str]:
+    if len(set(outputs)) < len(outputs):
+        raise click.UsageError("an output file is named twice")
+    if frames is not None and default_time:
+        raise click.UsageError("--frames and --defaultTime exclude each other")
+    if frames is not None:
+        return _parse(lambda: frame_jobs(outputs, frames))
+    _parse(lambda: check_single_outputs(outputs))
+    return [(None, outputs)] if default_time else outputs
+
+
+def _read_settings(options: dict[str, Any]) -> ReadSettings:
+    if options["shutter"] is not None and options["default_time"]:
+        raise click.UsageError("--shutter and --defaultTime exclude each other: nothing moves at the default time")
+    width, height = options["resolution"] or (options["image_width"], None)
+    return ReadSettings(
+        camera=options["camera"],
+        width=width,
+        height=height,
+        conform=options["conform"],
+        purposes=options["purposes"],
+        shutter=options["shutter"],
+        motion_tolerance=options["motion_tolerance"],
+        interpolation=options["interpolation"],
+        segments=options["segments"] or 0,
+        max_instances=options["max_instances"],
+        disable_camera_light=options["disable_camera_light"],
+        complexity=options["complexity"],
+        keep_faces="elementId" in options.get("aovs", ()),
+    )
+
+
+def _color_correction(options: dict[str, Any]) -> ColorCorrection:
+    mode, display, view = options["color_mode"], options["ocio_display"], options["ocio_view"]
+    if (display or view) and mode != "openColorIO":
+        raise click.UsageError("--ocio-display and --ocio-view need --colorCorrectionMode openColorIO")
+    color = ColorCorrection(mode, display, view)
+    try:
+        color.resolve()
+    except ColorError as error:
+        raise click.UsageError(str(error)) from None
+    return color
+
+
+def _check_renderer(name: str | None) -> None:
+    if name is not None and name not in RENDERER_NAMES:
+        raise click.UsageError(f"--renderer: found '{name}', but only msbvh renders here; leave the option out")
+
+
+def _check_text(scene: str, options: dict[str, Any]) -> None:
+    """Output files may have any name, but USD takes text."""
+    for text in (scene, options["camera"] or "", *options["mask"]):
+        try:
+            text.encode()
+        except UnicodeEncodeError:
+            shown = text.encode("utf-8", "backslashreplace").decode()
+            raise click.UsageError(f"found '{shown}', expected a name in UTF-8") from None
+
+
+def _warn_of_options(options: dict[str, Any], reporter: Reporter) -> None:
+    if options["complexity"] != "low":
+        reporter.warning(
+            f"--complexity {options['complexity']}: only spheres and the like are finer; subdivision surfaces are"
+            " polygons"
+        )
+    _note_threads([options["threads"]], reporter)
+
+
+def _note_threads(counts: Sequence[int], reporter: Reporter) -> None:
+    most = len(os.sched_getaffinity(0))
+    for count in counts:
+        if count > most:
+            reporter.note(f"--threads {count}: this process may use {most} at once, and no more are started")

@@ -1,0 +1,363 @@
+"""The options of the commands, as tables. Names are usdrecord's where it has the option; the help says what
+each costs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .. import _core
+from ..camera.aspect import POLICIES
+from ..look.color import MODES
+from ..scene.reader import MAX_INSTANCES
+from .option_types import Names, PowerOfTwo, ShutterRange
+
+PURPOSES = ("default", "render", "proxy", "guide")
+MAX_PIXELS_ACROSS = 65535
+MAX_SPP = 1 << 20
+INTERPOLATIONS = ("auto", "linear", "quadratic", "cubic")
+
+
+def _unsupported(hint: str) -> Callable[..., None]:
+    """A callback for options of usdrecord that change the picture and that we cannot honour yet."""
+
+    def refuse(ctx: click.Context, param: click.Parameter, value: Any) -> None:
+        if value:
+            raise click.UsageError(f"{param.opts[0]} is not supported yet{hint}", ctx)
+
+    return refuse
+
+
+def _finite(ctx: click.Context, param: click.Parameter, value: float) -> float:
+    """Ranges let nan pass, because it compares as neither too small nor too large."""
+    if not math.isfinite(value):
+        raise click.BadParameter(f"found {value}, expected a finite number", ctx, param)
+    return value
+
+
+Decorator = Callable[..., Any]
+
+
+def with_options(*tables: Sequence[Decorator]) -> Decorator:
+    """Gives a command the options of the tables, in their order."""
+
+    def decorate(command: Decorator) -> Decorator:
+        for option in reversed([option for table in tables for option in table]):
+            command = option(command)
+        return command
+
+    return decorate
+
+
+SHUTTER = click.option(
+    "--shutter",
+    type=ShutterRange(),
+    metavar="OPEN:CLOSE",
+    help="Shutter interval in frames, relative to the current one, such as -0.25:0.25 or 0:0.5; 0:0 closes it."
+    " Default: the camera's shutter:open and shutter:close; without them the shutter is closed. Costs nothing by"
+    " itself: only prims that move take memory for their motion.",
+)
+
+SCENE: Sequence[Decorator] = (
+    click.argument("scene", type=click.Path(path_type=str)),
+    click.option(
+        "--camera",
+        "-cam",
+        metavar="NAME|PATH",
+        help="Camera prim, by name or path. Default: main_cam, else the first camera, else one that frames everything.",
+    ),
+    click.option(
+        "--defaultTime",
+        "-d",
+        "default_time",
+        is_flag=True,
+        help="Render at the stage's default time instead of its start time. Nothing moves there.",
+    ),
+    SHUTTER,
+    click.option(
+        "--imageWidth",
+        "-w",
+        "image_width",
+        type=click.IntRange(1, MAX_PIXELS_ACROSS),
+        default=960,
+        show_default=True,
+        help="Width in pixels. The height follows from the camera's aspect ratio.",
+    ),
+    click.option(
+        "--resolution",
+        nargs=2,
+        type=click.IntRange(1, MAX_PIXELS_ACROSS),
+        metavar="W H",
+        help="Width and height in pixels; overrides --imageWidth. See --conform for how the camera fits.",
+    ),
+    click.option(
+        "--conform",
+        type=click.Choice(POLICIES),
+        default="expandAperture",
+        show_default=True,
+        help="How the camera fits a --resolution with another aspect ratio (UsdRenderSettings' aspectRatioConformPolicy).",
+    ),
+    click.option(
+        "--purposes",
+        type=Names(PURPOSES),
+        default="proxy",
+        show_default=True,
+        metavar="PURPOSE[,...]",
+        help="Purposes to draw in addition to default.",
+    ),
+    click.option(
+        "--mask",
+        type=Names(),
+        default="",
+        metavar="PRIMPATH[,...]",
+        help="Populate only these prims, their ancestors and descendants.",
+    ),
+    click.option(
+        "--motion-tolerance",
+        type=click.FloatRange(0.0, min_open=True),
+        callback=_finite,
+        default=0.1,
+        show_default=True,
+        help="How far, in pixels, motion may deviate from the stage's. Smaller values take more keys and memory.",
+    ),
+    click.option(
+        "--interpolation",
+        type=click.Choice(INTERPOLATIONS),
+        default="auto",
+        show_default=True,
+        help="How meshes and instances move between keys. linear: fastest rays, but arcs take many segments."
+        " quadratic, cubic: slower rays and 2 or 3 times the bytes per segment, but arcs take few segments."
+        " auto: whichever takes the fewest bytes, prim by prim.",
+    ),
+    click.option(
+        "--segments",
+        type=PowerOfTwo(),
+        default=None,
+        metavar="N",
+        help="Motion segments of every moving mesh and instance: a power of two, 1 to 128. Memory grows in proportion."
+        " Where these are too few for --motion-tolerance, a warning says so. Default: as few as the tolerance allows.",
+    ),
+    click.option(
+        "--max-instances",
+        type=click.IntRange(1),
+        default=MAX_INSTANCES,
+        show_default=True,
+        metavar="N",
+        help="Refuse scenes with more instances than this, before reading them; nested instances multiply. Each takes about"
+        " 1 kB.",
+    ),
+    click.option(
+        "--disableCameraLight",
+        "disable_camera_light",
+        is_flag=True,
+        help="Do not add a light at the camera to scenes without lights.",
+    ),
+    click.option(
+        "--complexity",
+        "-c",
+        type=click.Choice(("low", "medium", "high", "veryhigh")),
+        default="low",
+        show_default=True,
+        help="How closely spheres, cones and the like are tessellated: to within 0.1, 0.05, 0.025 or 0.0125 pixels. Each"
+        " step doubles the triangles. Subdivision surfaces are drawn as their cages at any value.",
+    ),
+    click.option(
+        "--sessionLayer",
+        callback=_unsupported("; sublayer it from SCENE instead"),
+        expose_value=False,
+        metavar="FILE",
+        help="Not supported yet.",
+    ),
+    click.option(
+        "--renderSettingsPrimPath",
+        "-rs",
+        callback=_unsupported("; give --camera and --resolution"),
+        expose_value=False,
+        metavar="PRIMPATH",
+        help="Not supported yet.",
+    ),
+    click.option(
+        "--renderPassPrimPath",
+        "-rp",
+        callback=_unsupported("; give --camera and --resolution"),
+        expose_value=False,
+        metavar="PRIMPATH",
+        help="Not supported yet.",
+    ),
+)
+"""What is read from the stage; shared by all commands."""
+
+ONE_FRAME: Sequence[Decorator] = (
+    click.option("--frame", "-f", metavar="TIMECODE", help="Time code to look at. Default: the stage's start time."),
+    click.option("--json", "as_json", is_flag=True, help="Print JSON, for scripts."),
+)
+"""Of the commands that look at a frame and render none."""
+
+OUTPUT: Sequence[Decorator] = (
+    click.argument("outputs", nargs=-1, required=True, metavar="OUT..."),
+    click.option(
+        "--frames",
+        "-f",
+        metavar="FRAMESPEC[,...]",
+        help="START, START:END or START:ENDxSTRIDE. Ranges need a placeholder in OUT: ### or ###.##.",
+    ),
+    click.option(
+        "--colorCorrectionMode",
+        "-color",
+        "color_mode",
+        type=click.Choice(MODES),
+        default="sRGB",
+        show_default=True,
+        help="Color correction of PNG, JPEG and TIFF files; EXR stays linear. sRGB does not tone-map.",
+    ),
+    click.option(
+        "--ocio-display",
+        metavar="NAME",
+        help="Display, for --colorCorrectionMode openColorIO. Default: that of the config.",
+    ),
+    click.option(
+        "--ocio-view", metavar="NAME", help="View, for --colorCorrectionMode openColorIO. Default: that of the display."
+    ),
+    click.option(
+        "--aov",
+        "aovs",
+        type=Names(_core.aov_names()),
+        default=(),
+        metavar="NAME[,...]",
+        help=f"AOVs to write as 32-bit channels of the same .exr files: {', '.join(_core.aov_names())}. Neye, normal and albedo"
+        " are averaged over a pixel; depths and ids are those of its nearest sample. Background: ids -1, depth 1, the"
+        " rest 0.",
+    ),
+    click.option("--exr-float", is_flag=True, help="Write 32-bit float EXR files instead of half: twice the bytes."),
+    click.option(
+        "--stats",
+        type=click.Path(path_type=Path),
+        metavar="FILE.json",
+        help="Write timings, counts, memory, the effect plan and all warnings to this file.",
+    ),
+    click.option("--strict", is_flag=True, help="Exit with code 3 if anything was missing or degraded."),
+)
+"""Which files are written, and how."""
+
+RENDER: Sequence[Decorator] = (
+    click.option(
+        "--spp",
+        type=click.IntRange(1, MAX_SPP),
+        default=64,
+        show_default=True,
+        help="Samples per pixel. Four times the samples halve the noise and take four times as long.",
+    ),
+    click.option(
+        "--seed",
+        type=click.IntRange(0, 2**32 - 1),
+        default=0,
+        show_default=True,
+        help="Random seed. The same seed gives the same pixels, whatever the number of threads.",
+    ),
+    click.option(
+        "--max-bounces",
+        type=click.IntRange(0, 64),
+        default=2,
+        show_default=True,
+        help="Bounces of indirect light; 0: direct light only.",
+    ),
+    click.option(
+        "--enableDomeLightVisibility",
+        "show_domes",
+        is_flag=True,
+        help="Show dome lights behind the scene. Alpha stays the coverage of the scene.",
+    ),
+    click.option(
+        "--threads",
+        type=click.IntRange(0, 4096),
+        default=0,
+        show_default=True,
+        help="Threads to render with; 0: all cores.",
+    ),
+    click.option(
+        "--builder",
+        type=click.Choice(tuple(_core.builders())),
+        default="msbvh",
+        show_default=True,
+        help="Acceleration structure, for comparisons. mbvh: no spatial splits (the paper's baseline). swept: static boxes"
+        " (slow rays). timesplit: one tree per motion segment (memory and build time grow with them).",
+    ),
+    click.option(
+        "--refit",
+        type=click.Choice(("auto", "always", "never")),
+        default="auto",
+        show_default=True,
+        help="What happens to trees from frame to frame. auto: keep those of static geometry and refit those of moving"
+        " geometry, until tracing is estimated to cost 20 % more. always: the same, regardless of cost. Both hold two"
+        " frames in memory. never: rebuild every frame, for the fastest rays and the least memory. The picture is the"
+        " same.",
+    ),
+    click.option(
+        "--renderer",
+        "-r",
+        metavar="NAME",
+        help="Accepted for compatibility with usdrecord; the renderer is always msbvh.",
+    ),
+    click.option(
+        "--disableGpu",
+        is_flag=True,
+        expose_value=False,
+        help="Accepted for compatibility with usdrecord; msbvh never uses a GPU.",
+    ),
+)
+"""How the renderer works."""
+
+CONFORM: Sequence[Decorator] = (
+    click.option(
+        "--suite",
+        type=click.Path(path_type=Path),
+        metavar="DIR",
+        help="Folder with a rules.json. Default: testenv/motion of the checkout.",
+    ),
+    click.option(
+        "--rules",
+        "pattern",
+        default="*",
+        show_default=True,
+        metavar="GLOB[,...]",
+        help="Run only rules whose names match.",
+    ),
+    click.option(
+        "--spp",
+        type=click.IntRange(1, MAX_SPP),
+        default=256,
+        show_default=True,
+        help="Samples per pixel; the allowed error follows from it. Fewer is faster but less sensitive.",
+    ),
+    click.option("--json", "as_json", is_flag=True, help="Print JSON, for scripts."),
+    click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Keep images and logs in this folder."),
+    click.option(
+        "--command",
+        default="",
+        metavar="COMMAND",
+        help="Test another renderer, such as 'usdrecord --renderer X'. usdrecord's options, the scene and the image are"
+        " appended, unless the command has placeholders: {scene} {out} {frame} {frames} {width} {height} {camera}"
+        " {shutter}.",
+    ),
+    click.option(
+        "--shutter",
+        type=ShutterRange(),
+        metavar="OPEN:CLOSE",
+        help="Render the rules' scenes with this shutter instead of their own. Their answers are evaluated anew, which takes"
+        " seconds per rule. If the command has no {shutter}, the scenes' cameras are given it.",
+    ),
+    click.option(
+        "--timeout",
+        type=click.FloatRange(0.0, min_open=True),
+        callback=_finite,
+        default=120.0,
+        show_default=True,
+        metavar="SECONDS",
+        help="Time limit of another renderer, per rule.",
+    ),
+)
+"""What the suite is, and which renderer is held to it."""

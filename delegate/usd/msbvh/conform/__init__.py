@@ -1,0 +1,1 @@
+"""`msbvh conform`: USD's rules of motion, for any renderer."""

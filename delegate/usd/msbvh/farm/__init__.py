@@ -1,0 +1,1 @@
+"""Frame ranges and the files of each frame."""

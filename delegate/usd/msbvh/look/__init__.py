@@ -1,0 +1,1 @@
+"""Materials, textures, colour and lights."""

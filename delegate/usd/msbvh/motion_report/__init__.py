@@ -1,0 +1,1 @@
+"""`msbvh motion`: which samples were read, which track was fitted, and why."""

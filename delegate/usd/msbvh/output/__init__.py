@@ -1,0 +1,1 @@
+"""Image files, AOVs, statistics, and which files a command writes."""

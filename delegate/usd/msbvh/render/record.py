@@ -1,0 +1,234 @@
+"""The record command: stage in, images out."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from pxr import Usd
+
+from .. import _core
+from ..base.atomic import OutputError
+from ..base.errors import Diagnostics
+from ..base.image_metadata import ImageMetadata
+from ..base.progress import PATIENCE_SECONDS, Progress
+from ..base.reporter import Reporter
+from ..output.images import ImageSettings, Layers, write_image
+from ..output.outputs import Outputs
+from ..output.stats import FrameStats, RunStats
+from ..scene.reader import ReadResult, ReadSettings, read_frame
+from ..stage.opening import open_stage
+from ..stage.stage_metadata import frames_per_second, start_time
+
+
+@dataclass(frozen=True)
+class RenderSettings:
+    """How the renderer samples; see core/api/renderer.h for what each costs."""
+
+    spp: int = 64
+    seed: int = 0
+    max_bounces: int = 2
+    threads: int = 0
+    """0: all."""
+    show_domes: bool = False
+    """Whether dome lights are seen behind the scene (usdrecord's --enableDomeLightVisibility)."""
+    builder: str = "msbvh"
+    aovs: tuple[str, ...] = ()
+    """What is written beside colour, of _core.aov_names()."""
+    refit: str = "auto"
+    """What a frame's trees take over from those of the frame before: core/build/settings.h."""
+
+
+@dataclass(frozen=True)
+class RecordSettings:
+    """Everything about a recording but the scene and the files."""
+
+    read: ReadSettings = ReadSettings()
+    render: RenderSettings = RenderSettings()
+    image: ImageSettings = ImageSettings()
+    mask: tuple[str, ...] = ()
+    """Prims that the stage is limited to; empty: all."""
+    stats: Path | None = None
+    """Where the run's figures go, as JSON."""
+
+
+TRACK_FIELDS = (
+    "path",
+    "source",
+    "rule",
+    "segments",
+    "degree",
+    "time_remap",
+    "hidden_partly",
+    "moving_transform",
+    "error_pixels",
+    "bytes",
+    "count",
+)
+"""Of a _core.TrackReport, for statistics."""
+
+FrameJob = tuple[float | None, Sequence[str]]
+"""A time code (None: USD's default time) and the files that its image is written to."""
+
+
+def software() -> str:
+    """Name and version, as images and statistics carry it."""
+    return f"msbvh {_core.__version__}"
+
+
+def record(
+    scene: str, jobs: Sequence[FrameJob] | Sequence[str], settings: RecordSettings, reporter: Reporter
+) -> RunStats:
+    """Renders the frames of a scene and writes their images; file names alone mean the stage's start time.
+
+    Raises SceneError and _core.Error for a scene that cannot be rendered, OutputError for a file that cannot
+    be written, OutputClash for one that must not be, ColorError for an unknown display or view. Every file is
+    checked before the first frame.
+    """
+    settings.image.color.resolve()
+    images = [file for job in jobs for file in ([job] if isinstance(job, str) else job[1])]
+    outputs = Outputs(images, settings.stats)
+    outputs.check_scene(scene)
+
+    run = RunStats(software(), scene, _plain(settings), _core.supported_instruction_sets())
+    diagnostics = Diagnostics()
+    start = time.perf_counter()
+    stage = open_stage(scene, diagnostics, settings.mask)
+    read_seconds = time.perf_counter() - start
+    report(diagnostics, reporter)
+    outputs.check_stage(stage)
+    frame_jobs = _frame_jobs(jobs, stage)
+    trees = Trees(settings.render, len(frame_jobs))
+    for frame, files in frame_jobs:
+        run.frames.append(_record_frame(stage, frame, files, settings, trees, reporter))
+    run.frames[0].seconds["read"] = read_seconds
+    run.warnings, run.errors = list(reporter.warnings), list(reporter.errors)
+    if settings.stats is not None:
+        run.write(settings.stats)
+    return run
+
+
+class Trees:
+    """Renderers of a run's frames; trees go from one to the next as settings.refit says."""
+
+    def __init__(self, settings: RenderSettings, frames: int) -> None:
+        self._settings = settings
+        self._frames_left = frames
+        self._renderer: _core.Renderer | None = None
+
+    def renderer(self, result: ReadResult) -> _core.Renderer:
+        """Of the next frame. Frees the scene and the trees of the last one, and holds none where none follows."""
+        self._frames_left -= 1
+        reuse = self._settings.refit != "never"
+        settings = {
+            **asdict(self._settings),
+            "width": result.camera.width,
+            "height": result.camera.height,
+            "keep_topology": reuse and self._frames_left > 0,
+        }
+        if self._renderer is None:
+            renderer = _core.Renderer(result.scene, **settings)
+        else:
+            renderer = self._renderer
+            renderer.commit(result.scene, **settings)
+        self._renderer = renderer if settings["keep_topology"] else None
+        return renderer
+
+
+def _frame_jobs(jobs: Sequence[FrameJob] | Sequence[str], stage: Usd.Stage) -> Sequence[FrameJob]:
+    files = [job for job in jobs if isinstance(job, str)]
+    return [(start_time(stage), files)] if files else [job for job in jobs if not isinstance(job, str)]
+
+
+def _record_frame(
+    stage: Usd.Stage,
+    frame: float | None,
+    files: Sequence[str],
+    settings: RecordSettings,
+    trees: Trees,
+    reporter: Reporter,
+) -> FrameStats:
+    stats = FrameStats(frame, list(files))
+    with stats.timed("sample"), reading_progress(frame) as progress:
+        result = read_frame(stage, frame, settings.read, progress=progress)
+    rate = frames_per_second(stage, result.diagnostics)
+    report(result.diagnostics, reporter)
+    camera = result.camera
+    stats.width, stats.height = camera.width, camera.height
+    stats.shutter = (camera.shutter.open, camera.shutter.close)
+    stats.scene = dict(result.scene.statistics())
+    stats.tracks = [{name: getattr(track, name) for name in TRACK_FIELDS} for track in result.tracks]
+    with stats.timed("build"):
+        renderer = trees.renderer(result)
+    stats.plan = plan_entries(renderer)
+    with stats.timed("trace"), Progress(f"msbvh: {frame_label(frame)}") as progress:
+        pixels, aovs = renderer.render_with_aovs(progress)
+    stats.render = dict(renderer.statistics)
+    with stats.timed("write"):
+        layers = Layers(pixels, aovs, result.scene.mesh_names if "primId" in aovs else [])
+        _write_images(files, layers, _metadata(rate, result, stats, settings.render), settings.image)
+    reporter.note(f"{frame_label(frame)}: wrote {', '.join(files)} in {sum(stats.seconds.values()):.1f} s")
+    return stats
+
+
+def report(diagnostics: Diagnostics, reporter: Reporter) -> None:
+    """Prints what the reader found, by its weight; a prim that was not rendered does not end the run."""
+    for diagnostic in diagnostics:
+        say = {"note": reporter.note, "warning": reporter.warning, "error": reporter.missing}
+        say[diagnostic.severity](str(diagnostic))
+
+
+def plan_entries(renderer: Any) -> list[dict[str, str]]:
+    """The effect plan as plain data."""
+    return [{"effect": effect, "prim": prim, "why": why} for effect, prim, why in renderer.plan]
+
+
+def reading_progress(frame: float | None) -> Progress:
+    """For read_frame(); silent where that is quick."""
+    return Progress(f"msbvh: reading {frame_label(frame)}", delay_seconds=PATIENCE_SECONDS)
+
+
+def frame_label(frame: float | None) -> str:
+    """How a frame is called in messages."""
+    return "default time" if frame is None else f"frame {frame:g}"
+
+
+def _metadata(rate: float, result: ReadResult, stats: FrameStats, settings: RenderSettings) -> ImageMetadata:
+    camera = result.camera
+    return ImageMetadata(
+        software=software(),
+        frame=stats.frame,
+        frames_per_second=rate,
+        shutter=(camera.shutter.open, camera.shutter.close),
+        spp=settings.spp,
+        seed=settings.seed,
+        render_seconds=sum(stats.seconds.values()),
+        world_to_camera=camera.world_to_camera,
+        world_to_ndc=camera.world_to_ndc,
+        pixel_aspect_ratio=camera.pixel_aspect_ratio,
+    )
+
+
+def _write_images(files: Sequence[str], layers: Layers, metadata: ImageMetadata, settings: ImageSettings) -> None:
+    """All that can be written: the picture is not lost where one of several disks is full."""
+    faults: list[str] = []
+    for file in files:
+        try:
+            write_image(Path(file), layers, metadata, settings)
+        except OutputError as error:
+            faults.append(str(error))
+    if faults:
+        raise OutputError("; ".join(faults))
+
+
+def _plain(settings: RecordSettings) -> dict[str, Any]:
+    """The settings as JSON knows them."""
+    values = asdict(settings)
+    values["stats"] = None if settings.stats is None else str(settings.stats)
+    if settings.read.shutter is not None:  # JSON has no NaN.
+        values["read"]["shutter"] = [x if math.isfinite(x) else str(x) for x in settings.read.shutter]
+    return values

@@ -1,0 +1,377 @@
+"""Reads one frame of a stage into a scene that the renderer draws."""
+
+from __future__ import annotations
+
+import gc
+import time
+from collections.abc import Callable, Hashable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+from pxr import Tf, Usd, UsdGeom
+
+from ..base.crash_line import crash_line
+from ..base.errors import Diagnostics, SceneError
+from ..camera.render_camera import RenderCamera, optics, read_camera
+from ..look.light_values import Switches
+from ..look.lights import add_lights, camera_light
+from ..look.materials import Materials
+from ..motion.boxes import Box, UniformPixelSize
+from ..motion.context import FrameContext
+from ..motion.motion_scales import scales_at
+from ..motion.samples import SampleLog
+from ..motion.times import is_held
+from ..motion.transforms import XformCaches
+from ..stage.opening import tf_messages, tf_reason
+from ..stage.overs import report_overs
+from ..stage.usd_faults import leaving_out
+from ..stage.values import reported_to
+from .implicit import IMPLICIT_TYPES, SILHOUETTES
+from .instance_count import InstanceGraph
+from .instances import Placement, Placer, coarse_keywords, level_keywords
+from .point_instancers import each, taken
+from .shapes import BATCH_WEIGHT, Shape, Shapes
+from .shared_shapes import MOST_PLACES, Crowd, SharedShapes
+from .traversal import WORLD, Group, Part, Traversal
+
+MAX_INSTANCES = 10_000_000
+"""While they are read and their tree is built, instances take 0.8 kB each, moving ones 1 kB: these fit in 10 GB."""
+
+
+@dataclass(frozen=True)
+class ReadSettings:
+    """What is read. Names and defaults are usdrecord's where it has them."""
+
+    camera: str | None = None
+    """Path or name; None: the primary or first camera, or one that frames the stage."""
+    width: int = 960
+    height: int | None = None
+    """Pixels; None: from the camera's aspect ratio."""
+    conform: str = "expandAperture"
+    """UsdRenderSettings' aspectRatioConformPolicy."""
+    purposes: tuple[str, ...] = ("proxy",)
+    """Drawn beside the default purpose."""
+    shutter: tuple[float, float] | None = None
+    """Opening and closing in frames relative to the frame, in place of the camera's; None: the camera's."""
+    disable_camera_light: bool = False
+    complexity: str = "low"
+    """How fine implicit shapes are; implicit.SILHOUETTES."""
+    motion_tolerance: float = 0.1
+    """Pixels by which a moving point may stray from the stage's own evaluation. Less: more keys, more memory.
+    """
+    max_segments: int = 128
+    interpolation: str = "auto"
+    """linear, quadratic or cubic tracks only; auto: the cheapest for each prim."""
+    segments: int = 0
+    """Exactly these for whatever moves, a power of two; 0: as few as it takes."""
+    max_instances: int = MAX_INSTANCES
+    """More are refused, nested ones multiplied out."""
+    keep_faces: bool = False
+    """Which face each triangle is of, for the AOV elementId: four bytes a triangle."""
+
+
+@dataclass
+class ReadResult:
+    """A frame, read."""
+
+    scene: Any
+    """msbvh._core.Scene."""
+    camera: RenderCamera
+    diagnostics: Diagnostics
+    tracks: list
+    """msbvh._core.TrackReport of every mesh and instance."""
+    seconds: dict[str, float] = field(default_factory=dict)
+    """Wall-clock time of each part of the reading."""
+
+
+def read_frame(
+    stage: Usd.Stage,
+    frame: float | None,
+    settings: ReadSettings = ReadSettings(),
+    diagnostics: Diagnostics | None = None,
+    make_translator: Callable[..., Any] | None = None,
+    *,
+    progress: Callable[[float], object] | None = None,
+    found: SampleLog | None = None,
+) -> ReadResult:
+    """Reads what is visible at a frame, and its motion over the camera's shutter.
+
+    `frame` is a time code; None: USD's default time, without blur. `make_translator` stands in for
+    msbvh._core.Translator in tests. `progress` is called with the finished share in [0, 1], after each mesh
+    and after each prototype's instances; `found` notes which samples moved what. Raises SceneError where
+    there is nothing that could be rendered through this camera; whatever else is wrong or unsupported leaves
+    a diagnostic, and the rest is read.
+    """
+    diagnostics = Diagnostics() if diagnostics is None else diagnostics
+    make_translator = make_translator or _core_translator
+    where = stage.GetRootLayer().realPath or stage.GetRootLayer().identifier
+    # What is not finite is looked for where it matters.
+    quiet = np.errstate(over="ignore", invalid="ignore", divide="ignore")
+    with crash_line(where), reported_to(diagnostics), tf_messages(diagnostics), _no_collection(), quiet:
+        try:
+            return _FrameReader(stage, frame, settings, diagnostics, make_translator, progress, found).read()
+        except (Tf.ErrorException, UnicodeDecodeError) as error:
+            raise SceneError(f"{where}: cannot be read as USD: {tf_reason(error)}") from error
+
+
+@contextmanager
+def _no_collection() -> Iterator[None]:
+    """Python's collector looks through all that a stage of a hundred thousand prims makes, again and again, and
+    finds no cycles: a third of the time."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
+def _core_translator(**settings: Any) -> Any:
+    from .. import _core
+
+    try:
+        return _core.Translator(**settings)
+    except _core.Error as error:
+        raise SceneError(str(error)) from None
+
+
+_UNLIMITED = UniformPixelSize(float("inf"))
+"""Pixels so large that no motion is seen: for a first look at where things are."""
+
+
+class _FrameReader:
+    """The steps of reading a frame, in their order."""
+
+    def __init__(
+        self,
+        stage: Usd.Stage,
+        frame: float | None,
+        settings: ReadSettings,
+        diagnostics: Diagnostics,
+        make_translator: Callable[..., Any],
+        progress: Callable[[float], object] | None,
+        found: SampleLog | None,
+    ) -> None:
+        self._settings = settings
+        self._seconds: dict[str, float] = {}
+        with self._timed("traverse"):
+            purposes = list(settings.purposes)
+            self._camera = read_camera(
+                stage,
+                frame,
+                settings.camera,
+                (settings.width, settings.height),
+                settings.conform,
+                purposes,
+                diagnostics,
+                settings.shutter,
+            )
+            shutter = self._camera.shutter
+            self._context = FrameContext(stage, shutter, is_held(stage), diagnostics, found=found)
+            self._traversal = Traversal(self._context, purposes)
+            self._graph = InstanceGraph(self._traversal.groups, self._context)
+            self._graph.check(settings.max_instances)
+            self._caches = XformCaches(shutter)
+        self._pixel = self._camera.pixel_size()
+        self._translator = make_translator(**self._translator_settings())
+        materials = Materials(self._translator, self._context)
+        silhouette = SILHOUETTES[settings.complexity]
+        self._shapes = Shapes(self._context, self._caches, materials, settings.motion_tolerance, silhouette)
+        self._shared = SharedShapes(
+            self._context, self._caches, materials, self._translator, settings.motion_tolerance, silhouette
+        )
+        self._light_count = 0
+        self._progress, self._steps_done = progress, 0
+        self._steps = sum(len(group.shapes) + 1 for group in self._traversal.groups.values())
+        if found is not None and self._camera.path:
+            self._note_camera(found)
+
+    def read(self) -> ReadResult:
+        """Hands everything down and finishes the scene."""
+        with self._timed("meshes"):
+            self._add_world_meshes()
+        placements = list(Placer(self._traversal, self._graph, self._caches, self._context).placements())
+        with self._timed("instances"):
+            self._add_instanced(placements[1:])
+        with self._timed("lights"):
+            self._add_lights(placements)
+        with self._timed("finish"):
+            result = self._finish()
+        if self._progress is not None:
+            self._progress(1.0)
+        return result
+
+    def _step(self, count: int = 1) -> None:
+        """Meshes are done, or a prototype's instances are."""
+        self._steps_done += count
+        if self._progress is not None:
+            self._progress(min(self._steps_done / self._steps, 1.0))
+
+    def _note_camera(self, found: SampleLog) -> None:
+        prim = self._context.stage.GetPrimAtPath(self._camera.path)
+        scales = scales_at(prim, self._context.shutter, Diagnostics())
+        shutter = self._context.shutter.scaled(scales.blur)
+        found.camera(optics(UsdGeom.Camera(prim)), prim, shutter, self._camera.times01.tolist())
+
+    @contextmanager
+    def _timed(self, step: str) -> Iterator[None]:
+        start = time.perf_counter()
+        yield
+        self._seconds[step] = time.perf_counter() - start
+
+    def _translator_settings(self) -> dict[str, Any]:
+        camera, settings = self._camera, self._settings
+        return {
+            "path": camera.path or "framing camera",
+            "projection": camera.projection,
+            "times01": camera.times01,
+            "world_from_camera": camera.world_from_camera,
+            "windows": camera.windows,
+            "breakpoints01": camera.breakpoints01,
+            "periods01": camera.periods01,
+            "lenses": camera.lenses,
+            "near_clip": camera.near_clip,
+            "far_clip": camera.far_clip,
+            "clips": camera.clips,
+            "width": camera.width,
+            "height": camera.height,
+            "motion_tolerance": settings.motion_tolerance,
+            "max_segments": settings.max_segments,
+            "interpolation": settings.interpolation,
+            "segments": settings.segments,
+            "keep_faces": settings.keep_faces,
+        }
+
+    def _add_world_meshes(self) -> None:
+        """Meshes by the hundred, so that those that move alike are evaluated together."""
+        crowds, parts = self._shared.gather(self._traversal.groups[WORLD].shapes, None)
+        self._shared.add_to_world(crowds, self._pixel)
+        self._step(sum(len(crowd.parts) for crowd in crowds))
+        batch: list[Shape] = []
+        weight = 0
+        for part in parts:
+            shape = self._shapes.read(part, None, self._pixel)
+            if shape is not None:
+                batch.append(shape)
+                weight += shape.weight()
+            self._step()
+            if weight > BATCH_WEIGHT:
+                self._shapes.hand_down(batch, None, self._pixel, self._translator.add_mesh)
+                batch, weight = [], 0
+        self._shapes.hand_down(batch, None, self._pixel, self._translator.add_mesh)
+
+    def _add_instanced(self, placements: list[Placement]) -> None:
+        """Every group once, and every place where it stands."""
+        by_group: dict[Hashable, list[Placement]] = {}
+        for placement in placements:
+            by_group.setdefault(placement.key, []).append(placement)
+        for key, placed in by_group.items():
+            group = self._traversal.groups[key]
+            if group.shapes:
+                self._add_group(group, placed)
+
+    def _add_group(self, group: Group, placed: list[Placement]) -> None:
+        """A prototype's meshes, followed as closely as the instance asks for that is seen largest."""
+        # How large a pixel is depends on the instances, and where they are on the meshes' extent.
+        crowds, parts = self._crowds(group, placed)
+        coarse = [self._shapes.read(part, group.root, _UNLIMITED) for part in parts]
+        box = self._shared.extent(crowds)
+        for shape in filter(None, coarse):
+            box = box.union(shape.extent(self._caches, group.root))
+        pixels_per_unit = max(self._pixels_per_unit(placement, box) for placement in placed)
+        pixel = UniformPixelSize(1.0 / max(pixels_per_unit, 1e-30))
+        self._shared.add_to_group(crowds, group.root, pixel, placed, self._levels)
+        self._step(sum(len(crowd.parts) for crowd in crowds))
+        if parts:
+            self._add_prototype(group, placed, list(zip(parts, coarse, strict=True)), pixel, box)
+        self._step()
+
+    def _crowds(self, group: Group, placed: list[Placement]) -> tuple[list[Crowd], list[Part]]:
+        """Of a group that stands in few places."""
+        if sum(placement.count for placement in placed) > MOST_PLACES:
+            return [], group.shapes
+        return self._shared.gather(group.shapes, group.root)
+
+    def _add_prototype(
+        self,
+        group: Group,
+        placed: list[Placement],
+        shapes: list[tuple[Part, Shape | None]],
+        pixel: UniformPixelSize,
+        box: Box,
+    ) -> None:
+        """`shapes` as a first look has found them."""
+        prototype = self._translator.begin_prototype(group.path, 1.0 / pixel.size)
+
+        def add(**mesh: Any) -> None:
+            self._translator.add_prototype_mesh(prototype, **mesh)
+
+        fine = []
+        for part, shape in shapes:
+            sized = part.prim.GetTypeName() in IMPLICIT_TYPES
+            if shape is not None and (sized or shape.mesh.get("computed_points")):
+                shape = self._shapes.read(part, group.root, pixel)  # As fine as the pixels ask.
+            self._step()
+            fine.extend([shape] if shape is not None else [])
+        self._shapes.hand_down(fine, group.root, pixel, add)
+        for placement in placed:
+            self._add_instances(placement, prototype, box)
+
+    def _pixels_per_unit(self, placement: Placement, box: Box) -> float:
+        return self._measure([coarse_keywords(level) for level in placement.levels], box)
+
+    def _measure(self, levels: list[dict], box: Box) -> float:
+        if (box.lo > box.hi).any():
+            return 0.0
+        return self._translator.pixels_per_unit(levels=levels, box=np.array([box.lo, box.hi], np.float64))
+
+    def _levels(self, placement: Placement, box: Box) -> Iterator[tuple[list[dict], np.ndarray]]:
+        tolerance, held = self._settings.motion_tolerance, self._context.held
+        return level_keywords(placement, box, self._measure, tolerance, held, self._context.diagnostics)
+
+    def _add_instances(self, placement: Placement, prototype: int, box: Box) -> None:
+        for levels, indices in self._levels(placement, box):
+            colour = placement.display_color
+            if colour is not None:
+                colour = each(colour, partial(taken, indices))
+            if self._context.found is not None:
+                self._context.found.evaluated_instances(placement.path, levels)
+            self._translator.add_instances(
+                path=placement.path,
+                prototype=prototype,
+                levels=levels,
+                visible=placement.visible,
+                display_color=colour,
+            )
+
+    def _add_lights(self, placements: list[Placement]) -> None:
+        for placement in placements:
+            group = self._traversal.groups[placement.key]
+            for part in group.lights:
+                shutter = self._context.shutter.scaled(part.scales.blur)
+                motion = self._caches.motion([part.prim], group.root, part.varying, shutter, part.breakpoints)
+                motion = motion.inside(placement.motion)
+                switches = Switches(part.blinking, placement.visible)
+                with leaving_out(part.prim, self._context.code):
+                    self._light_count += add_lights(self._translator, part.prim, switches, motion, self._context)
+        if self._light_count == 0 and not self._settings.disable_camera_light:
+            self._translator.add_light(**camera_light(self._camera.times01, self._camera.world_from_camera))
+
+    def _finish(self) -> ReadResult:
+        diagnostics = self._context.diagnostics
+        for found in self._translator.diagnostics():
+            if found.severity == "error":
+                diagnostics.error(found.path, found.attribute, f"{found.message}; the prim is not drawn")
+            else:
+                diagnostics.warning(found.path, found.attribute, found.message)
+        if self._translator.empty:
+            diagnostics.warning(
+                "", "", "nothing to draw: no visible meshes or instances at this frame; the image is empty"
+            )
+            report_overs(self._context.stage, diagnostics)
+        tracks = self._translator.tracks()
+        return ReadResult(self._translator.finish(), self._camera, diagnostics, tracks, self._seconds)

@@ -1,0 +1,324 @@
+"""Implicit shapes in crowds: a mesh for all that are alike and as large in the picture, placed by
+instances."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from pxr import Usd
+
+from ..look.materials import Materials
+from ..motion.boxes import Box, Pixels
+from ..motion.context import FrameContext
+from ..motion.times import Shutter
+from ..motion.transform_faults import report_unusable
+from ..motion.transform_sampling import transform_samples
+from ..motion.transforms import LARGEST, Motion, XformCaches
+from ..motion.visibility import common_intervals, visible_intervals
+from .implicit import IMPLICIT_TYPES, SIDE_COUNTS, Surface
+from .instances import Level, Placement, sample_keywords
+from .shape_sizes import sides_in_pixels
+from .simple_shapes import Alike, Simple, SimpleShapes
+from .traversal import Part
+
+SHARED_FROM = 16
+"""Shapes that are alike; fewer are meshes of their own, which rays find without a way through instances."""
+MOST_PLACES = 64
+"""Of a group whose shapes are placed one by one, in each of its places. Where it stands more often, its
+shapes are meshes: a mesh of a few hundred triangles takes less than so many instances of it."""
+LARGEST_COLOUR = 65504.0
+"""kMaxColor of delegate/translate/primvars.h."""
+SINGULAR = 1e-6
+"""kSingular of delegate/translate/transform_samples.cpp."""
+
+
+@dataclass(frozen=True)
+class Crowd:
+    """Shapes that are alike and whose transforms may vary at the same times."""
+
+    alike: Alike
+    parts: list[Part]
+    paths: list[str]
+    """Of their prims."""
+    shape_from_unit: np.ndarray
+    """float64[N, 4, 4]."""
+    root_from_unit: np.ndarray
+    """float64[T, N, 4, 4] at a few times."""
+    colours: np.ndarray | None
+    """float32[N, 3]."""
+    materials: np.ndarray | None
+    """int32[N], negative for none."""
+    shutter: Shutter
+    """Of the shapes."""
+
+    def some(self, chosen: np.ndarray) -> Crowd:
+        """Those of int[M] numbers."""
+        return Crowd(
+            self.alike,
+            [self.parts[index] for index in chosen.tolist()],
+            [self.paths[index] for index in chosen.tolist()],
+            self.shape_from_unit[chosen],
+            self.root_from_unit[:, chosen],
+            None if self.colours is None else self.colours[chosen],
+            None if self.materials is None else self.materials[chosen],
+            self.shutter,
+        )
+
+
+Measure = Callable[[Placement, Box], Iterator[tuple[list[dict], np.ndarray]]]
+"""The translator's levels of a placement of things in a box, and which of its instances they are."""
+
+
+class SharedShapes:
+    """Finds crowds among the shapes of groups, and hands them down."""
+
+    def __init__(
+        self,
+        context: FrameContext,
+        caches: XformCaches,
+        materials: Materials,
+        translator: Any,
+        tolerance_pixels: float,
+        silhouette_pixels: float,
+    ) -> None:
+        self._context = context
+        self._caches = caches
+        self._materials = materials
+        self._translator = translator
+        self._tolerance = tolerance_pixels
+        self._silhouette = silhouette_pixels
+        self._simple = SimpleShapes(context)
+        self._prototypes: dict[tuple[Alike, int], int] = {}
+        self._boxes: dict[Alike, Box] = {}
+
+    def gather(self, parts: list[Part], root: Usd.Prim | None) -> tuple[list[Crowd], list[Part]]:
+        """The crowds among the shapes of a group, and the shapes that stand for themselves."""
+        implicit = [part for part in parts if part.prim.GetTypeName() in IMPLICIT_TYPES]
+        if len(implicit) < SHARED_FROM:
+            return [], parts
+        alike: dict[Alike, list[Simple]] = {}
+        for simple in map(self._simple.read, implicit):
+            if simple is not None:
+                alike.setdefault(simple.alike, []).append(simple)
+        crowds: list[Crowd] = []
+        for members in alike.values():
+            if len(members) >= SHARED_FROM:
+                crowds.extend(self._crowds(members, root))
+        shared = {id(part) for crowd in crowds for part in crowd.parts}
+        return crowds, [part for part in parts if id(part) not in shared]
+
+    def _crowds(self, members: list[Simple], root: Usd.Prim | None) -> Iterator[Crowd]:
+        by_course: dict[Hashable, list[Simple]] = {}
+        for simple in members:
+            part = simple.part
+            course = part.varying, part.breakpoints, part.scales, part.blinking, simple.colour is None
+            by_course.setdefault(course, []).append(simple)
+        for same in by_course.values():
+            crowd = self._crowd(same, root)
+            sound = _are_sound(crowd)
+            if sound.any():
+                yield crowd if sound.all() else crowd.some(np.flatnonzero(sound))
+
+    def _crowd(self, members: list[Simple], root: Usd.Prim | None) -> Crowd:
+        parts = [simple.part for simple in members]
+        shutter = self._context.shutter.scaled(parts[0].scales.blur)
+        scales = np.array([simple.scale for simple in members])
+        turned = np.array([np.roll(np.eye(3), turn, axis=1) for turn in range(3)])
+        shape_from_unit = np.tile(np.eye(4), (len(members), 1, 1))
+        shape_from_unit[:, :3, :3] = scales[:, :, None] * turned[[simple.turn for simple in members]]
+        prims = [part.prim for part in parts]
+        motion = self._caches.motion(prims, root, parts[0].varying, shutter, parts[0].breakpoints)
+        root_from_shape = motion.at_times(motion.few_times01())
+        colours = None
+        if members[0].colour is not None:
+            colours = np.array([simple.colour for simple in members], np.float32)
+        paths = [prim.GetPath().pathString for prim in prims]
+        materials, root_from_unit = self._material_numbers(members), shape_from_unit @ root_from_shape
+        return Crowd(members[0].alike, parts, paths, shape_from_unit, root_from_unit, colours, materials, shutter)
+
+    def _material_numbers(self, members: list[Simple]) -> np.ndarray | None:
+        bound = [index for index, simple in enumerate(members) if simple.binds]
+        if not bound:
+            return None
+        numbers = np.full(len(members), -1, np.int32)
+        found = self._materials.bound_to_each([members[index].part.prim for index in bound])
+        numbers[bound] = [-1 if material is None else material for material in found]
+        return numbers if (numbers >= 0).any() else None
+
+    def extent(self, crowds: list[Crowd]) -> Box:
+        """Around crowds in the space of their group, at a few times."""
+        box = Box.empty()
+        for crowd in crowds:
+            corners = self._unit_box(crowd.alike).corners() @ crowd.root_from_unit[..., :3]
+            box = box.union(Box.around(corners.reshape(-1, 3)))
+        return box
+
+    def add_to_world(self, crowds: list[Crowd], pixels: Pixels) -> None:
+        """Hands down crowds that stand in the world."""
+        for crowd in crowds:
+            self._note(crowd, None)
+            visible = visible_intervals(crowd.parts[0].blinking, self._context.shutter)
+            for prototype, sized in self._by_size(crowd, pixels):
+                motion = self._motion(sized, None)
+                box = self._unit_box(sized.alike)
+                for samples in transform_samples(motion, [box], pixels, self._tolerance, self._context.held):
+                    if samples.usable:
+                        moved = sized.some(samples.indices)
+                        self._add(moved, moved.paths[0], prototype, [sample_keywords(samples)], visible)
+                        continue
+                    for index in samples.indices.tolist():
+                        report_unusable(motion, index, self._context.diagnostics)
+
+    def add_to_group(
+        self, crowds: list[Crowd], root: Usd.Prim, pixels: Pixels, placed: list[Placement], measure: Measure
+    ) -> None:
+        """Hands down the crowds of a group in each of its places."""
+        for number, crowd in enumerate(crowds):
+            self._note(crowd, root)
+            own = visible_intervals(crowd.parts[0].blinking, self._context.shutter)
+            for size, (prototype, sized) in enumerate(self._by_size(crowd, pixels)):
+                box, level = self._unit_box(sized.alike), Level(self._motion(sized, root))
+                for outer in placed:
+                    visible = common_intervals(own, outer.visible)
+                    chain = Placement(outer.path, outer.key, (level, *outer.levels), visible, None, outer.place)
+                    for levels, indices in measure(chain, box):
+                        inner = indices[: levels[0]["matrices"].shape[1]] % level.count
+                        everywhere = _repeated(sized, inner, indices, outer)
+                        # One report for what places the group: with the first thing in it.
+                        whole = number == size == 0
+                        self._add(everywhere, outer.path, prototype, levels, visible, sized.some(inner).paths, whole)
+
+    def _note(self, crowd: Crowd, root: Usd.Prim | None) -> None:
+        if self._context.found is not None:
+            for part in crowd.parts:
+                self._context.found.shape(part.prim, part.blinking, root, crowd.shutter, part.prim)
+
+    def _by_size(self, crowd: Crowd, pixels: Pixels) -> Iterator[tuple[int, Crowd]]:
+        """Prototypes and the shapes that they are fine enough for."""
+        box, is_sphere = self._unit_box(crowd.alike), crowd.alike.kind == "Sphere"
+        sides = np.zeros(len(crowd.parts), int)
+        if IMPLICIT_TYPES[crowd.alike.kind].smooth:
+            sides = sides_in_pixels(crowd.root_from_unit, 1.0, box, is_sphere, pixels, self._silhouette)
+        for count in np.unique(sides).tolist():
+            chosen = np.flatnonzero(sides == count)
+            sized = crowd if len(chosen) == len(sides) else crowd.some(chosen)
+            yield self._prototype(crowd.alike, count, sized), sized
+
+    def _prototype(self, alike: Alike, sides: int, crowd: Crowd) -> int:
+        key = alike, sides
+        if key not in self._prototypes:
+            path = crowd.paths[0]
+            self._prototypes[key] = self._translator.begin_prototype(path, 0.0)
+            mesh = _mesh_keywords(path, _unit_surface(alike, sides), alike)
+            self._translator.add_prototype_mesh(self._prototypes[key], **mesh)
+        return self._prototypes[key]
+
+    def _unit_box(self, alike: Alike) -> Box:
+        if alike not in self._boxes:
+            self._boxes[alike] = Box.around(_unit_surface(alike, SIDE_COUNTS[0]).points)
+        return self._boxes[alike]
+
+    def _motion(self, crowd: Crowd, root: Usd.Prim | None) -> Motion:
+        prims = [part.prim for part in crowd.parts]
+        first, shutter, scaled = crowd.parts[0], crowd.shutter, crowd.shape_from_unit
+        placed = self._caches.motion(prims, root, first.varying, shutter, first.breakpoints)
+        if placed.still:
+            return Motion(shutter, len(prims), True, lambda _: crowd.root_from_unit[0])
+
+        def evaluate(time01: float) -> np.ndarray:
+            return scaled @ self._caches.matrices(time01, prims, root, shutter)
+
+        def evaluate_some(time01: float, indices: np.ndarray) -> np.ndarray:
+            some = [prims[index] for index in indices.tolist()]
+            return scaled[indices] @ self._caches.matrices(time01, some, root, shutter)
+
+        moved = evaluate, placed.breakpoints01, evaluate_some, placed.carriers, placed.turns
+        return Motion(shutter, len(prims), False, *moved)
+
+    def _add(
+        self,
+        crowd: Crowd,
+        path: str,
+        prototype: int,
+        levels: list[dict],
+        visible: np.ndarray | None,
+        paths: list[str] | None = None,
+        whole: bool = False,
+    ) -> None:
+        paths = crowd.paths if paths is None else paths
+        found = self._context.found
+        if found is not None:
+            found.evaluated_instances(path, levels)
+            for prim_path in paths:
+                found.evaluated_shape(prim_path, levels[0]["times01"])
+        self._translator.add_instances(
+            path=path,
+            prototype=prototype,
+            levels=levels,
+            visible=visible,
+            display_color=crowd.colours,
+            materials=crowd.materials,
+            paths=paths,
+            report_whole=whole,
+        )
+
+
+def _repeated(crowd: Crowd, inner: np.ndarray, indices: np.ndarray, outer: Placement) -> Crowd:
+    """The colours and materials of instances of which those of the crowd are the innermost. An instancer's
+    colours come before the shapes' own."""
+    everywhere = crowd.some(np.tile(inner, len(indices) // len(inner)))
+    colours = everywhere.colours
+    if outer.display_color is not None:
+        colours = np.ascontiguousarray(outer.display_color[indices // len(crowd.parts)])
+    return replace(everywhere, colours=colours)
+
+
+def _are_sound(crowd: Crowd) -> np.ndarray:
+    """bool[N]: whether instances can stand for shapes: finite, under affine matrices that are never flat, not
+    even in between, and of colours that are colours."""
+    matrices = crowd.root_from_unit
+    finite = (np.abs(matrices) <= LARGEST).all(axis=(0, 2, 3))
+    affine = (matrices[..., 3] == (0.0, 0.0, 0.0, 1.0)).all(axis=(0, 2))
+    linear = np.where(finite[:, None, None], matrices[..., :3, :3], 0.0)
+    volume = np.linalg.norm(linear, axis=-1).prod(axis=-1)
+    determinant = np.linalg.det(linear)
+    solid = np.abs(determinant) > SINGULAR * volume
+    one_side = (determinant > 0).all(axis=0) | (determinant < 0).all(axis=0)
+    sound = finite & affine & solid.all(axis=0) & one_side
+    if crowd.colours is not None:
+        sound &= (np.abs(crowd.colours) <= LARGEST_COLOUR).all(axis=1)
+    opacity = crowd.alike.opacity
+    return sound & (opacity is None or abs(opacity) <= LARGEST_COLOUR)
+
+
+def _unit_surface(alike: Alike, sides: int) -> Surface:
+    return IMPLICIT_TYPES[alike.kind].surface(*alike.parameters, sides=sides)
+
+
+def _mesh_keywords(path: str, surface: Surface, alike: Alike) -> dict:
+    opacity = None if alike.opacity is None else ("constant", np.array([alike.opacity], np.float32), None)
+    return {
+        "path": path,
+        "face_vertex_counts": surface.counts,
+        "face_vertex_indices": surface.indices,
+        "hole_indices": None,
+        "left_handed": False,
+        "points": [(0.0, surface.points.astype(np.float32))],
+        "points_held": False,
+        "transform_times01": np.zeros(1),
+        "transforms": np.eye(4)[None],
+        "transform_breakpoints01": np.zeros(0),
+        "transforms_held": False,
+        "transform_error_pixels": 0.0,
+        "normals": None,
+        "normals_interpolation": "vertex",
+        "normals_indices": None,
+        "computed_normals": "smooth" if IMPLICIT_TYPES[alike.kind].smooth else "faceted",
+        "display_color": None,
+        "display_opacity": opacity,
+        "material": None,
+        "visible": None,
+    }

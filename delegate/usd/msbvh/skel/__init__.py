@@ -1,0 +1,1 @@
+"""UsdSkel: bindings, poses and skinned points."""
