@@ -89,7 +89,7 @@ std::uint32_t Accel::add_grids(GridMesh mesh) {
 std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, const TrackForm& form,
                                    std::span<const Affine3f> world_from_object, const TimeRemap& time_remap) {
   BvhInput& in = open();
-  if (!object || object->bvh().instanced) {
+  if (!object || object->bvh().leaf_kinds.has(LeafKind::kInstances)) {
     throw Error("accelerator: an instance of an Accel that holds instances; expected one with meshes only");
   }
   if (!is_valid_form(form) || world_from_object.size() % form.controls() != 0) {

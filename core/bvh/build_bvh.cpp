@@ -67,12 +67,21 @@ void count_bytes(const Bvh& bvh, BvhStatistics& s) {
                   bytes_of(bvh.slice_roots) + bytes_of(bvh.meshes) + bytes_of(bvh.grids) + sizeof(Bvh);
 }
 
+LeafKinds leaf_kinds_of(const Bvh& bvh) {
+  LeafKinds kinds;
+  if (!bvh.meshes.empty()) kinds.add(LeafKind::kTriangles);
+  if (!bvh.grids.empty()) kinds.add(LeafKind::kGrids);
+  for (const Instance& instance : bvh.instances) {
+    kinds.add(LeafKind::kInstances);
+    kinds.add(instance.object->leaf_kinds);
+  }
+  return kinds;
+}
+
 void finish(Bvh& bvh, const InstanceParts& instances, std::uint64_t references) {
   bvh.max_level =
       std::max({bvh.max_level, bvh.slice_level, level_of(finest_segments(bvh, instances.bounds))});
-  bvh.instanced = !bvh.instances.empty();
-  bvh.gridded = !bvh.grids.empty() ||
-                std::ranges::any_of(bvh.instances, [](const Instance& i) { return i.object->gridded; });
+  bvh.leaf_kinds = leaf_kinds_of(bvh);
   bvh.movement = movement_of(bvh);
   for (const auto& mesh : bvh.meshes) bvh.statistics.triangles += mesh->triangles.size();
   for (const auto& mesh : bvh.grids) {

@@ -11,6 +11,7 @@
 #include "core/build/reference.h"
 #include "core/build/settings.h"
 #include "core/bvh/layout.h"
+#include "core/bvh/leaf_kinds.h"
 #include "core/bvh/statistics.h"
 #include "core/geometry/grid_mesh.h"
 #include "core/geometry/triangle_mesh.h"
@@ -61,9 +62,8 @@ class Bvh {
   FormCode root_form_code = FormCode::of({});
   std::vector<Box3f> root_bounds;        // at the controls of the root
   Movement movement = Movement::kStill;  // the most of this tree and of what its instances show
-  bool instanced = false;
-  bool gridded = false;         // grids in this tree or in what its instances show
-  std::uint32_t max_level = 0;  // of nodes and blocks in this tree
+  LeafKinds leaf_kinds;                  // of this tree and of what its instances show
+  std::uint32_t max_level = 0;           // of nodes and blocks in this tree
   BvhStatistics statistics;
 
   const NodeHeader& node(ChildRef ref) const {

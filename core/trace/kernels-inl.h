@@ -7,6 +7,9 @@
 #define MSBVH_KERNELS_INL_H
 #endif
 
+#include <cstddef>
+#include <utility>
+
 #include "core/trace/kernels.h"
 #include "core/trace/stream-inl.h"
 #include "core/trace/traverse-inl.h"
@@ -14,23 +17,23 @@
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 
-template <Movement kMovement, bool kInstanced, bool kGrids>
+template <Movement kMovement, std::size_t kSet>
 constexpr void fill(Kernels& kernels) {
-  constexpr std::size_t kContent = kInstanced + kGrids;
-  kernels.intersect[kContent] = intersect<kMovement, kInstanced, kGrids, false>;
-  kernels.intersect_many[kContent] = intersect_many<kMovement, kInstanced, kGrids>;
-  kernels.occluded_many[kContent] = occluded_many<kMovement, kInstanced, kGrids>;
-  kernels.occluded[kContent] = occluded<kMovement, kInstanced, kGrids, false>;
-  kernels.intersect_counted[kContent] = intersect<kMovement, kInstanced, kGrids, true>;
-  kernels.occluded_counted[kContent] = occluded<kMovement, kInstanced, kGrids, true>;
+  constexpr LeafKinds kKinds = kKernelKinds[kSet];
+  kernels.intersect[kSet] = intersect<kMovement, kKinds, false>;
+  kernels.intersect_many[kSet] = intersect_many<kMovement, kKinds>;
+  kernels.occluded_many[kSet] = occluded_many<kMovement, kKinds>;
+  kernels.occluded[kSet] = occluded<kMovement, kKinds, false>;
+  kernels.intersect_counted[kSet] = intersect<kMovement, kKinds, true>;
+  kernels.occluded_counted[kSet] = occluded<kMovement, kKinds, true>;
 }
 
 template <Movement kMovement>
 constexpr Kernels kernels_of() {
   Kernels kernels{};
-  fill<kMovement, false, false>(kernels);
-  fill<kMovement, true, false>(kernels);
-  fill<kMovement, true, true>(kernels);
+  [&]<std::size_t... kSets>(std::index_sequence<kSets...>) {
+    (fill<kMovement, kSets>(kernels), ...);
+  }(std::make_index_sequence<kKernelSets>());
   return kernels;
 }
 

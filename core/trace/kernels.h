@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/bvh/bvh.h"
+#include "core/bvh/leaf_kinds.h"
 #include "core/trace/ray.h"
 #include "core/trace/tracer.h"
 
@@ -12,16 +13,15 @@ using IntersectManyKernel = void (*)(const Bvh&, const Ray*, std::size_t, Hit*, 
 using OccludedManyKernel = void (*)(const Bvh&, const Ray*, std::size_t, bool*, TraceModes&);
 using OccludedKernel = bool (*)(const Bvh&, const Ray&, TraceCounts*);
 
-// Of trees that move in one way (Movement). Index: what a tree holds beside triangles (nothing, instances,
-// instances and grids). What a tree does not hold costs no instruction: the still kernels know no time, the
-// linear ones no curves, the flat ones no transforms, and only the last ones know grids.
+// Of trees that move in one way (Movement), a kernel for each of kKernelKinds: the still ones know no time,
+// the linear ones no curves, and none knows of leaves that its set does not have.
 struct Kernels {
-  IntersectKernel intersect[3];
-  IntersectManyKernel intersect_many[3];
-  OccludedManyKernel occluded_many[3];
-  OccludedKernel occluded[3];
-  IntersectKernel intersect_counted[3];
-  OccludedKernel occluded_counted[3];
+  IntersectKernel intersect[kKernelSets];
+  IntersectManyKernel intersect_many[kKernelSets];
+  OccludedManyKernel occluded_many[kKernelSets];
+  OccludedKernel occluded[kKernelSets];
+  IntersectKernel intersect_counted[kKernelSets];
+  OccludedKernel occluded_counted[kKernelSets];
 };
 
 // Each in a file of its own, since they take long to compile. Null where the instruction set was not

@@ -280,8 +280,8 @@ class Packet {
     fetch_own_keys(at, rays);
     for (; rays != 0; rays &= rays - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(rays));
-      Traversal<kMovement, false, false, kAnyHit, false>(*bvh_, rays_[i], setup.ray[i], kNoInstance,
-                                                         queries_[i], nullptr)
+      Traversal<kMovement, kTrianglesAlone, kAnyHit, false>(*bvh_, rays_[i], setup.ray[i], kNoInstance,
+                                                            queries_[i], nullptr)
           .run(at);
       take_answer(i);
     }

@@ -26,8 +26,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 
-template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit>
+template <Movement kMovement, LeafKinds kKinds, bool kAnyHit>
 class Stream {
+  static constexpr bool kInstanced = kKinds.has(LeafKind::kInstances), kGrids = kKinds.has(LeafKind::kGrids);
+
  public:
   using Setup = RaySetup<kMovement>;
   // Enough that a line from memory is there when its ray's turn comes; few enough that their stacks' tops
@@ -223,9 +225,9 @@ class Stream {
 };
 
 // Streams are large, a few kilobytes a ray: one of each kind a thread, made when first asked for.
-template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit>
-Stream<kMovement, kInstanced, kGrids, kAnyHit>& thread_stream() {
-  using S = Stream<kMovement, kInstanced, kGrids, kAnyHit>;
+template <Movement kMovement, LeafKinds kKinds, bool kAnyHit>
+Stream<kMovement, kKinds, kAnyHit>& thread_stream() {
+  using S = Stream<kMovement, kKinds, kAnyHit>;
   static thread_local const std::unique_ptr<S> stream = std::make_unique<S>();
   return *stream;
 }
@@ -266,7 +268,7 @@ void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, TraceMod
   const auto interleaved = [&](const Ray* some, std::size_t n, const auto& place) {
     if (n == 0) return;
     modes.interleaved += n;
-    thread_stream<kMovement, false, false, kAnyHit>().run(
+    thread_stream<kMovement, kTrianglesAlone, kAnyHit>().run(
         bvh, some, n, [&](std::size_t k, const Query& query) { finish(place(k), query); });
   };
   for (std::size_t from = 0; from < count;) {
@@ -302,7 +304,7 @@ void trace_mixed(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes&
     } else {
       while (end < count && !packet_at(end)) end = std::min(count, end + kPacket);
       modes.interleaved += end - i;
-      thread_stream<kMovement, false, false, kAnyHit>().run(bvh, rays + i, end - i, ours);
+      thread_stream<kMovement, kTrianglesAlone, kAnyHit>().run(bvh, rays + i, end - i, ours);
     }
     i = end;
   }
@@ -310,30 +312,30 @@ void trace_mixed(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes&
 
 // Among instances packets do not pay (docs/design/traversal.md), and rays at different times begin in
 // different slices of the shutter: all interleaved.
-template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, typename Finish>
+template <Movement kMovement, LeafKinds kKinds, bool kAnyHit, typename Finish>
 void trace_many(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes& modes, const Finish& finish) {
-  if constexpr (!kInstanced && !kGrids) {
+  if constexpr (kKinds == kTrianglesAlone) {
     if (bvh.slice_roots.empty()) return trace_mixed<kMovement, kAnyHit>(bvh, rays, count, modes, finish);
   }
   modes.interleaved += count;
-  thread_stream<kMovement, kInstanced, kGrids, kAnyHit>().run(bvh, rays, count, finish);
+  thread_stream<kMovement, kKinds, kAnyHit>().run(bvh, rays, count, finish);
 }
 
-template <Movement kMovement, bool kInstanced, bool kGrids>
+template <Movement kMovement, LeafKinds kKinds>
 void intersect_many(const Bvh& bvh, const Ray* rays, std::size_t count, Hit* hits, TraceModes& modes) {
   for (std::size_t i = 0; bvh.empty && i < count; ++i) hits[i] = Hit{};
   if (bvh.empty) return;
-  trace_many<kMovement, kInstanced, kGrids, false>(
-      bvh, rays, count, modes,
-      [&](std::size_t i, const Query& query) { hits[i] = query.found ? query.hit : Hit{}; });
+  trace_many<kMovement, kKinds, false>(bvh, rays, count, modes, [&](std::size_t i, const Query& query) {
+    hits[i] = query.found ? query.hit : Hit{};
+  });
 }
 
-template <Movement kMovement, bool kInstanced, bool kGrids>
+template <Movement kMovement, LeafKinds kKinds>
 void occluded_many(const Bvh& bvh, const Ray* rays, std::size_t count, bool* occluded, TraceModes& modes) {
   for (std::size_t i = 0; bvh.empty && i < count; ++i) occluded[i] = false;
   if (bvh.empty) return;
-  trace_many<kMovement, kInstanced, kGrids, true>(
-      bvh, rays, count, modes, [&](std::size_t i, const Query& query) { occluded[i] = query.found; });
+  trace_many<kMovement, kKinds, true>(bvh, rays, count, modes,
+                                      [&](std::size_t i, const Query& query) { occluded[i] = query.found; });
 }
 
 }  // namespace msbvh::HWY_NAMESPACE

@@ -75,13 +75,13 @@ Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
     throw Error(std::string("instruction set ") + instruction_set_name(set) +
                 ": found no kernels that this processor can run in this build");
   }
-  const std::size_t content = bvh.gridded ? 2 : bvh.instanced;
-  intersect_ = kernels->intersect[content];
-  intersect_many_ = kernels->intersect_many[content];
-  occluded_many_ = kernels->occluded_many[content];
-  occluded_ = kernels->occluded[content];
-  intersect_counted_ = kernels->intersect_counted[content];
-  occluded_counted_ = kernels->occluded_counted[content];
+  const std::size_t leaves = kernel_set_for(bvh.leaf_kinds);
+  intersect_ = kernels->intersect[leaves];
+  intersect_many_ = kernels->intersect_many[leaves];
+  occluded_many_ = kernels->occluded_many[leaves];
+  occluded_ = kernels->occluded[leaves];
+  intersect_counted_ = kernels->intersect_counted[leaves];
+  occluded_counted_ = kernels->occluded_counted[leaves];
 }
 
 bool Tracer::intersect_counted(const Ray& ray, Hit& hit, TraceCounts& counts) const {

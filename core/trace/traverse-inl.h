@@ -16,8 +16,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 
-template <Movement kMovement, bool kInstanced, bool kGrids, bool kAnyHit, bool kCount>
+template <Movement kMovement, LeafKinds kKinds, bool kAnyHit, bool kCount>
 class Traversal {
+  static constexpr bool kInstanced = kKinds.has(LeafKind::kInstances), kGrids = kKinds.has(LeafKind::kGrids);
+
  public:
   // `setup` is that of `ray` for `bvh`.
   HWY_INLINE Traversal(const Bvh& bvh, const Ray& ray, const RaySetup<kMovement>& setup,
@@ -131,8 +133,8 @@ class Traversal {
   template <Movement kObject>
   void trace_object(const Instance& instance, const Ray& local, const BlockHeader& block) {
     const RaySetup<kObject> setup(local, *instance.object);
-    Traversal<kObject, false, kGrids, kAnyHit, kCount>(*instance.object, local, setup, block.owner, query_,
-                                                       counts_)
+    Traversal<kObject, kKinds.without(LeafKind::kInstances), kAnyHit, kCount>(*instance.object, local, setup,
+                                                                              block.owner, query_, counts_)
         .run_part(block);
   }
 
@@ -146,24 +148,24 @@ class Traversal {
   Frame* top_ = stack_;
 };
 
-template <Movement kMovement, bool kInstanced, bool kGrids, bool kCount>
+template <Movement kMovement, LeafKinds kKinds, bool kCount>
 bool intersect(const Bvh& bvh, const Ray& ray, Hit& hit, TraceCounts* counts) {
   if constexpr (kCount) ++counts->rays;
   if (bvh.empty) return false;
   Query query(ray.tfar);
   const RaySetup<kMovement> setup(ray, bvh);
-  Traversal<kMovement, kInstanced, kGrids, false, kCount>(bvh, ray, setup, kNoInstance, query, counts).run();
+  Traversal<kMovement, kKinds, false, kCount>(bvh, ray, setup, kNoInstance, query, counts).run();
   if (query.found) hit = query.hit;
   return query.found;
 }
 
-template <Movement kMovement, bool kInstanced, bool kGrids, bool kCount>
+template <Movement kMovement, LeafKinds kKinds, bool kCount>
 bool occluded(const Bvh& bvh, const Ray& ray, TraceCounts* counts) {
   if constexpr (kCount) ++counts->rays;
   if (bvh.empty) return false;
   Query query(ray.tfar);
   const RaySetup<kMovement> setup(ray, bvh);
-  Traversal<kMovement, kInstanced, kGrids, true, kCount>(bvh, ray, setup, kNoInstance, query, counts).run();
+  Traversal<kMovement, kKinds, true, kCount>(bvh, ray, setup, kNoInstance, query, counts).run();
   return query.found;
 }
 
