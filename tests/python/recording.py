@@ -28,21 +28,22 @@ class Recording:
     empty = False
     """Cameras and lights are read on stages without geometry as well."""
 
-    def add_mesh(self, **mesh: Any) -> None:
-        self.meshes[self._key(mesh, self.meshes)] = checked_mesh(mesh)
-        self._core.add_mesh(**mesh)
+    def add_mesh(self, mesh: _core.MeshInput) -> None:
+        attributes = checked_mesh(mesh)
+        self.meshes[self._key(attributes, self.meshes)] = attributes
+        self._core.add_mesh(mesh)
 
     def begin_prototype(self, path: str, pixels_per_unit: float) -> int:
         self.prototypes.append((path, {}))
         return self._core.begin_prototype(path, pixels_per_unit)
 
-    def pixels_per_unit(self, *, levels: list[dict], box: np.ndarray) -> float:
+    def pixels_per_unit(self, *, levels: list[_core.InstanceLevel], box: np.ndarray) -> float:
         return self._core.pixels_per_unit(levels=levels, box=box)
 
-    def add_prototype_mesh(self, prototype: int, **mesh: Any) -> None:
-        meshes = self.prototypes[prototype][1]
-        meshes[self._key(mesh, meshes)] = checked_mesh(mesh)
-        self._core.add_prototype_mesh(prototype, **mesh)
+    def add_prototype_mesh(self, prototype: int, mesh: _core.MeshInput) -> None:
+        meshes, attributes = self.prototypes[prototype][1], checked_mesh(mesh)
+        meshes[self._key(attributes, meshes)] = attributes
+        self._core.add_prototype_mesh(prototype, mesh)
 
     def add_instances(self, **instances: Any) -> None:
         self.instances.append(instances)
@@ -92,28 +93,19 @@ class Recording:
         return np.concatenate([np.zeros((0, 3)), *first])
 
 
-MESH_KEYWORDS = {
-    "path", "face_vertex_counts", "face_vertex_indices", "hole_indices", "left_handed", "points", "points_held",
-    "transform_times01", "transforms", "transform_breakpoints01", "transforms_held", "transform_error_pixels", "normals",
-    "normals_interpolation", "normals_indices", "computed_normals", "display_color", "display_opacity", "material",
-    "visible",
-}  # fmt: skip
-OPTIONAL_KEYWORDS = {
-    "velocities", "accelerations", "frame01", "seconds_per_shutter", "velocity_scale", "topology_varies",
-    "computed_points", "face_materials", "transform_periods01",
-}  # fmt: skip
+MESH_ATTRIBUTES = [name for name in vars(_core.MeshInput) if not name.startswith("_") and name != "copy"]
 
 
-def checked_mesh(mesh: dict) -> dict:
-    """Holds a mesh against the contract's shapes and types."""
-    assert mesh.keys() >= MESH_KEYWORDS and mesh.keys() <= MESH_KEYWORDS | OPTIONAL_KEYWORDS
+def checked_mesh(given: _core.MeshInput) -> dict[str, Any]:
+    """A mesh's attributes, held against the contract's shapes and types."""
+    mesh = {name: getattr(given, name) for name in MESH_ATTRIBUTES}
     assert mesh["face_vertex_counts"].dtype == mesh["face_vertex_indices"].dtype == np.int32
     times = [time for time, _ in mesh["points"]]
     assert times == [None] or (times == sorted(set(times)) and len(times) >= 1)
     assert all(points.dtype == np.float32 and points.shape[1:] == (3,) for _, points in mesh["points"])
-    assert mesh["transforms"].dtype == np.float64
-    assert mesh["transforms"].shape == (len(mesh["transform_times01"]), 4, 4)
-    assert (np.diff(mesh["transform_times01"]) > 0).all()
+    assert mesh["transform"].matrices.dtype == np.float64
+    assert mesh["transform"].matrices.shape == (len(mesh["transform"].times01), 4, 4)
+    assert (np.diff(mesh["transform"].times01) > 0).all()
     return mesh
 
 
@@ -136,7 +128,7 @@ def points_at(mesh: dict, time01: float) -> np.ndarray:
     times, values = zip(*mesh["points"], strict=True)
     times = [0.0] if times == (None,) else times
     points = interpolated(times, values, time01, mesh["points_held"])
-    return transformed(points, interpolated(mesh["transform_times01"], mesh["transforms"], time01))
+    return transformed(points, interpolated(mesh["transform"].times01, mesh["transform"].matrices, time01))
 
 
 def usd_points_at(prim: Usd.Prim, code: Usd.TimeCode, base: Usd.TimeCode) -> np.ndarray:

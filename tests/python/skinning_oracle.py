@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
+from msbvh.motion.boxes import Box
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
 from recording import DENSE_TIMES01, Shot, points_at, transformed
 
@@ -63,8 +64,8 @@ def pixels(result: Any, prim: Usd.Prim, units: float) -> float:
     """A length in pixels where the mesh comes nearest to the camera."""
     codes = [result.camera.shutter.time_code(time01) for time01 in (0.0, 0.5, 1.0)]
     points = np.array([usd_skinned_points(prim, code) for code in codes])
-    ends = np.array([points.min(axis=1), points.max(axis=1)]).transpose(1, 0, 2)[:, None]
-    return units / float(result.camera.pixel_size().nearest(ends)[0])
+    corners = np.ascontiguousarray(Box.around(points.reshape(-1, 3)).corners()[None, None, :, :3])
+    return units / float(result.camera.pixel_size().at_boxes(corners)[0])
 
 
 def turn(degrees: float, axis: tuple[float, float, float] = (0, 0, 1)) -> Gf.Quatf:

@@ -12,10 +12,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from msbvh import _core
 from msbvh.base.errors import Diagnostics
 from msbvh.motion.context import FrameContext
 from msbvh.motion.times import Shutter
-from msbvh.scene.implicit import IMPLICIT_TYPES, read_implicit
+from msbvh.scene.implicit import IMPLICIT_TYPES, SIDES, read_implicit
 from pxr import Gf, Sdf, Usd, UsdGeom
 from skinning_truth import Skinning
 
@@ -149,9 +150,10 @@ class StageTruth:
         path = str(prim.GetPath())
         if not prim.IsA(UsdGeom.Mesh):
             context = FrameContext(self.stage, Shutter(prim_time), False, Diagnostics())
-            surface = read_implicit(prim, context)
-            points = np.asarray(surface["samples"].values[0][1], float)
-            counts, indices = surface["face_vertex_counts"], surface["face_vertex_indices"]
+            surface = _core.MeshInput()
+            samples = read_implicit(prim, context).fill(surface, SIDES)
+            points = np.asarray(samples.values[0][1], float)
+            counts, indices = surface.face_vertex_counts, surface.face_vertex_indices
             rigid = self._skinning.transform(prim, prim_time)
             local = self._relative(prim, root, prim_time, time)
             if rigid is not None:

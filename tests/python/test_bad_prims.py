@@ -180,6 +180,17 @@ def test_what_is_only_an_over_is_named():
     assert not any("(/)" in m for m in found)
 
 
+@pytest.mark.parametrize(
+    "odd", ['string {} = "a"', 'token {} = "a"', "asset {} = @a@", 'string[] {} = ["a", "b"]', "bool {} = 1"]
+)
+def test_an_op_of_another_type_does_not_hide_the_one_that_is_nan(odd: str):
+    ops = odd.format("xformOp:translate") + "\n    float xformOp:rotateX = nan"
+    camera = CAMERA.replace("double3 xformOp:translate = (0, 0, 20)", ops)
+    camera = camera.replace('["xformOp:translate"]', '["xformOp:translate", "xformOp:rotateX"]')
+    with pytest.raises(SceneError, match=r"^/Cam\.xformOp:rotateX: found nan, expected finite numbers"):
+        render(stage_of(camera + GOOD))
+
+
 @pytest.mark.parametrize("name", ["horizontalApertureOffset", "verticalApertureOffset"])
 @pytest.mark.parametrize("found", ["1e30", "-1e30", "inf", "nan"])
 def test_an_aperture_offset_beyond_all_pixels_ends_the_run_with_its_name(name: str, found: str):

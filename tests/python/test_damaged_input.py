@@ -189,7 +189,7 @@ SIGNALS = (signal.SIGSEGV, signal.SIGBUS, signal.SIGFPE, signal.SIGABRT, signal.
 
 def _in_fresh_process(body: str) -> tuple[int, str]:
     done = subprocess.run(
-        [sys.executable, "-c", "import os, sys, ctypes\nfrom msbvh.crash_line import crash_line\n" + body],
+        [sys.executable, "-c", "import os, sys, ctypes\nfrom msbvh.base.crash_line import crash_line\n" + body],
         capture_output=True,
         text=True,
         check=False,

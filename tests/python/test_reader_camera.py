@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
+from msbvh._core import ASPECT_POLICIES
 from msbvh.base.errors import SceneError
-from msbvh.camera.aspect import POLICIES
 from pxr import Gf, Usd, UsdGeom
 from recording import Shot, messages
 
@@ -36,7 +36,7 @@ def test_apertures_with_offsets_are_usds_own_frustum(projection):
 
 
 @pytest.mark.parametrize("image", [(400, 100), (100, 400)])
-@pytest.mark.parametrize("policy", POLICIES)
+@pytest.mark.parametrize("policy", ASPECT_POLICIES)
 def test_conform_policies(policy, image):
     shot = Shot((0, 0))
     shot.camera.CreateHorizontalApertureAttr(30.0)
@@ -179,7 +179,7 @@ def test_shutters_that_make_no_sense_are_named(shutter, severity, text):
     assert any(text in message for message in messages(result, severity))
     absurd = shutter[1] == 450.0
     assert result.camera.shutter.moving == absurd
-    assert len(result.scene.meshes["/Mesh"]["transforms"]) == 1 or absurd
+    assert len(result.scene.meshes["/Mesh"]["transform"].matrices) == 1 or absurd
 
 
 @pytest.mark.parametrize(
@@ -198,10 +198,10 @@ def test_a_frame_in_a_sequence_is_the_frame_alone():
     move = shot.mesh("/Mesh").AddTranslateOp()
     for time in (9.0, 10.0, 11.0, 12.0):
         move.Set(Gf.Vec3d(time**2, 0, 0), time)
-    alone = shot.read(11.0).scene.meshes["/Mesh"]["transforms"]
+    alone = shot.read(11.0).scene.meshes["/Mesh"]["transform"].matrices
     shot.read(10.0)
-    assert np.array_equal(shot.read(11.0).scene.meshes["/Mesh"]["transforms"], alone)
-    assert not np.array_equal(shot.read(10.0).scene.meshes["/Mesh"]["transforms"], alone)
+    assert np.array_equal(shot.read(11.0).scene.meshes["/Mesh"]["transform"].matrices, alone)
+    assert not np.array_equal(shot.read(10.0).scene.meshes["/Mesh"]["transform"].matrices, alone)
 
 
 def test_camera_inside_a_moving_parent():

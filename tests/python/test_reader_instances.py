@@ -144,7 +144,7 @@ def test_colours_of_a_point_instancer_go_with_their_instances():
     found = {
         float(x): tuple(colour)
         for i in shot.read().scene.instances
-        for x, colour in zip(3.0 * i["levels"][1]["selected"], i["display_color"].tolist(), strict=True)
+        for x, colour in zip(3.0 * i["levels"][1].selected, i["display_color"].tolist(), strict=True)
     }
     assert found == {0.0: (1, 0, 0), 3.0: (0, 1, 0), 6.0: (0, 1, 0), 9.0: (1, 0, 0)}
 

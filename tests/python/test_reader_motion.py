@@ -95,7 +95,7 @@ def test_reset_xform_stack_and_moving_ancestors():
     result = shot.read(FRAME)
     assert worst_deviation(result, below.GetPrim()) < ROUNDING
     assert worst_deviation(result, reset.GetPrim()) < ROUNDING
-    assert len(result.scene.meshes["/Outer/Inner/Reset"]["transforms"]) == 1
+    assert len(result.scene.meshes["/Outer/Inner/Reset"]["transform"].matrices) == 1
 
 
 def test_points_and_transform_with_different_samples():
@@ -135,7 +135,7 @@ def test_splines_have_no_samples_but_move():
     attribute.SetSpline(spline)
     assert not attribute.GetTimeSamples()
     result = shot.read(FRAME)
-    assert len(result.scene.meshes["/Mesh"]["transforms"]) > 8
+    assert len(result.scene.meshes["/Mesh"]["transform"].matrices) > 8
     assert worst_deviation(result, mesh.GetPrim()) < TENTH_PIXEL
 
 
@@ -226,8 +226,8 @@ def test_the_pose_of_a_closed_shutter_is_the_frames():
     move.Set(Gf.Vec3d(0), 9.0)
     move.Set(Gf.Vec3d(2, 0, 0), 11.0)
     recorded = shot.read(FRAME).scene.meshes["/Mesh"]
-    assert recorded["transforms"].shape == (1, 4, 4)
-    assert recorded["transforms"][0, 3, 0] == pytest.approx(1.0)
+    assert recorded["transform"].matrices.shape == (1, 4, 4)
+    assert recorded["transform"].matrices[0, 3, 0] == pytest.approx(1.0)
 
 
 def test_default_time_reads_defaults_alone():

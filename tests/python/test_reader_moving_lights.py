@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from msbvh import _core
-from msbvh.look.light_values import SIZES, emission, normalization
+from msbvh.look.light_values import SIZES, emission
 from msbvh.scene.reader import ReadSettings, read_frame
 from pxr import Gf, Usd, UsdGeom, UsdLux
 from recording import DENSE_TIMES01, Shot, interpolated, messages
@@ -71,7 +71,7 @@ def test_sizes_are_sampled_and_normalised_at_every_time(kind: str, size: str, no
     for time01, sizes, radiance in zip(handed["values_times01"], handed["sizes"], handed["radiances"], strict=True):
         assert sizes[names.index(size)] == pytest.approx(2.0 + 2.0 * time01, rel=1e-5)
         scale = np.diag([1.5 + time01] * 3 + [1.0])
-        area = normalization(handed["kind"], dict(zip(names, sizes, strict=True)), scale)
+        area = _core.light_normalization(handed["kind"], tuple(sizes.tolist()), scale)
         assert radiance[0] == pytest.approx(1.0 / area if normalize else 1.0, rel=1e-5)
 
 

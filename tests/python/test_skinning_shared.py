@@ -96,7 +96,7 @@ def test_normals_are_those_that_usdskelbakeskinning_wrote(source: str, path: str
 
 
 def world_normals(mesh: dict) -> np.ndarray:
-    matrix = interpolated(mesh["transform_times01"], mesh["transforms"], 0.0)
+    matrix = interpolated(mesh["transform"].times01, mesh["transform"].matrices, 0.0)
     normals = mesh["normals"][0][1] @ np.linalg.inv(matrix[:3, :3]).T
     return normals / np.linalg.norm(normals, axis=1, keepdims=True)
 

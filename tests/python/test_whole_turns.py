@@ -13,7 +13,7 @@ from msbvh import _core
 from msbvh.base.errors import Diagnostics
 from msbvh.motion.times import Shutter
 from msbvh.scene.reader import ReadResult, ReadSettings, read_frame
-from pxr import Ts, Usd, UsdGeom
+from pxr import Gf, Ts, Usd, UsdGeom
 from soak import soak_count, soak_figure
 from turning_stages import SOURCES, Source
 
@@ -189,3 +189,21 @@ def test_an_absurd_number_of_turns_costs_neither_time_nor_memory(source: Source,
 def address_space() -> int:
     """Bytes that this process has mapped."""
     return int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+
+
+def by_orient(_: float) -> Usd.Stage:
+    stage = turning.by_op(0.0)
+    blade = UsdGeom.Xformable(stage.GetPrimAtPath("/blade"))
+    blade.ClearXformOpOrder()
+    op = blade.AddOrientOp()
+    op.Set(Gf.Quatf(1.0), turning.FRAME - 1.0)
+    op.Set(Gf.Quatf(0.7, 0.0, 0.0, 0.7), turning.FRAME + 1.0)
+    return stage
+
+
+@pytest.mark.parametrize("frame", [-1e30, 1e17])
+@pytest.mark.parametrize("source", [*SOURCES, Source(by_orient, True)], ids=lambda source: source.name)
+def test_a_shutter_whose_ends_are_one_number_has_no_turns(source: Source, frame: float) -> None:
+    found = Diagnostics()
+    read_frame(source.stage(4.0), frame, ReadSettings(width=32), found)
+    assert not [str(each) for each in found if each.severity == "error"]

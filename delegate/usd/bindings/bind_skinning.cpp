@@ -29,8 +29,9 @@ SubShape sub_shape_from(Arguments& arguments, nb::handle item, const std::string
   if (!nb::isinstance<nb::tuple>(item) || nb::len(item) != 4 || !nb::try_cast(item[0], shape.path)) {
     arguments.fail("sub_shapes", item, kExpected);
   }
-  if (!nb::object(item[1]).is_none()) shape.offsets = arguments.floats<Vec3f>(item[1], name + "[1]");
-  if (!nb::object(item[2]).is_none()) shape.normal_offsets = arguments.floats<Vec3f>(item[2], name + "[2]");
+  if (!nb::object(item[1]).is_none()) shape.offsets = arguments.borrowed().vectors(item[1], name + "[1]");
+  if (!nb::object(item[2]).is_none())
+    shape.normal_offsets = arguments.borrowed().vectors(item[2], name + "[2]");
   if (!nb::object(item[3]).is_none()) {
     shape.point_indices =
         elements<int>(arguments.keep(checked_array<int>(item[3], name + "[3]", {kAnySize})));
@@ -41,7 +42,7 @@ SubShape sub_shape_from(Arguments& arguments, nb::handle item, const std::string
 void read_joints(Arguments& arguments, SkinningInput& input) {
   input.joint_indices = arguments.ints("joint_indices");
   const nb::object weights = arguments.optional("joint_weights");
-  if (!weights.is_none()) input.joint_weights = arguments.floats<float>(weights, "joint_weights");
+  if (!weights.is_none()) input.joint_weights = arguments.borrowed().scalars(weights, "joint_weights");
   input.influences_per_point = arguments.value<int>("influences_per_point", "an int");
   input.constant_influences = arguments.value<bool>("constant_influences", "a bool");
   const AnyArray bind = checked_array<double>(arguments.required("geom_bind"), "geom_bind", {4, 4});
@@ -72,9 +73,9 @@ SkinningInput skinning_from(Arguments& arguments) {
   input.path = arguments.value<std::string>("path", "a str");
   const std::span<const double> times01 = arguments.times("times01");
   input.times01.assign(times01.begin(), times01.end());
-  input.points = arguments.floats<Vec3f>(arguments.required("points"), "points");
+  input.points = arguments.borrowed().vectors(arguments.required("points"), "points");
   const nb::object normals = arguments.optional("normals");
-  if (!normals.is_none()) input.normals = arguments.floats<Vec3f>(normals, "normals");
+  if (!normals.is_none()) input.normals = arguments.borrowed().vectors(normals, "normals");
   input.normal_points = arguments.ints("normal_points");
   input.method = method_from(arguments.value<std::string>("method", "a str"));
   read_joints(arguments, input);

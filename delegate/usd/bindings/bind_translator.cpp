@@ -1,5 +1,5 @@
 // Translator: keyword arguments and numpy arrays to the structs of delegate/translate/inputs.h.
-#include <memory>
+#include <deque>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -10,6 +10,8 @@
 #include "delegate/usd/bindings/arguments.h"
 #include "delegate/usd/bindings/bindings.h"
 #include "delegate/usd/bindings/choices.h"
+#include "delegate/usd/bindings/level_object.h"
+#include "delegate/usd/bindings/mesh_object.h"
 
 namespace nb = nanobind;
 
@@ -25,23 +27,6 @@ Vec3f color_from(const std::tuple<float, float, float>& rgb) {
 TransformSamples transform_from(Arguments& arguments, const char* times, const char* matrices) {
   const std::span<const double> times01 = arguments.times(times);
   return {{times01.begin(), times01.end()}, arguments.matrices(matrices, times01.size()), std::nullopt};
-}
-
-std::optional<std::vector<VisibleInterval>> visible_from(Arguments& arguments) {
-  const nb::object given = arguments.optional("visible");
-  if (given.is_none()) return std::nullopt;
-  const std::span<const VisibleInterval> all =
-      elements<VisibleInterval>(arguments.keep(checked_array<double>(given, "visible", {kAnySize, 2})));
-  return std::vector<VisibleInterval>(all.begin(), all.end());
-}
-
-RateTimes times_from(Arguments& arguments) {
-  RateTimes time_remap;
-  time_remap.frame01 = arguments.value_or("frame01", time_remap.frame01, "a float");
-  time_remap.seconds_per_shutter =
-      arguments.value_or("seconds_per_shutter", time_remap.seconds_per_shutter, "a float");
-  time_remap.velocity_scale = arguments.value_or("velocity_scale", time_remap.velocity_scale, "a float");
-  return time_remap;
 }
 
 TrackChoice choice_from(Arguments& arguments, std::uint32_t max_segments) {
@@ -121,159 +106,33 @@ TranslatorSettings settings_from(Arguments& arguments) {
   return settings;
 }
 
-// A list of (time, array) in place of the values: samples over the shutter. The one in force at its centre
-// stands for the frame's.
-template <typename T>
-void primvar_samples_from(Arguments& arguments, const char* name, nb::handle list, PrimvarInput<T>& primvar) {
-  for (const nb::handle item : list) {
-    PrimvarSample<T> sample;
-    if (!nb::isinstance<nb::tuple>(item) || nb::len(item) != 2 || !nb::try_cast(item[0], sample.time01)) {
-      arguments.fail(name, item, "(time, array) for each sample");
-    }
-    const std::string part = std::string(name) + "[1][" + std::to_string(primvar.samples.size()) + "][1]";
-    sample.values = arguments.floats<T>(item[1], part);
-    if (primvar.samples.empty() || sample.time01 <= 0.5) primvar.values = sample.values;
-    primvar.samples.push_back(sample);
-  }
-}
-
-// (interpolation, values or samples, indices or None), or None.
-template <typename T>
-PrimvarInput<T> primvar_from(Arguments& arguments, const char* name) {
-  PrimvarInput<T> primvar;
-  const nb::object given = arguments.optional(name);
-  if (given.is_none()) return primvar;
-  if (!nb::isinstance<nb::tuple>(given) || nb::len(given) != 3 ||
-      !nb::try_cast(given[0], primvar.interpolation)) {
-    arguments.fail(name, given, "(interpolation, values, indices or None)");
-  }
-  if (nb::isinstance<nb::list>(given[1])) {
-    primvar_samples_from(arguments, name, given[1], primvar);
-  } else {
-    primvar.values = arguments.floats<T>(given[1], std::string(name) + "[1]");
-  }
-  if (!nb::object(given[2]).is_none()) {
-    primvar.indices =
-        elements<int>(arguments.keep(checked_array<int>(given[2], std::string(name) + "[2]", {kAnySize})));
-  }
-  return primvar;
-}
-
-MeshInput mesh_from(Arguments& arguments) {
-  MeshInput mesh;
-  mesh.path = arguments.value<std::string>("path", "a str");
-  arguments.required("face_vertex_counts");
-  arguments.required("face_vertex_indices");
-  mesh.face_vertex_counts = arguments.ints("face_vertex_counts");
-  mesh.face_vertex_indices = arguments.ints("face_vertex_indices");
-  mesh.hole_indices = arguments.ints("hole_indices");
-  mesh.left_handed = arguments.value<bool>("left_handed", "a bool");
-  arguments.required("points");
-  const bool held = arguments.value<bool>("points_held", "a bool");
-  mesh.points = arguments.samples("points", held);
-  mesh.rates = {arguments.samples("velocities", held), arguments.samples("accelerations", held)};
-  mesh.time_remap = times_from(arguments);
-  mesh.topology_varies = arguments.value_or("topology_varies", false, "a bool");
-  mesh.computed_points = arguments.value_or("computed_points", false, "a bool");
-  mesh.visible = visible_from(arguments);
-  mesh.world_from_object = transform_from(arguments, "transform_times01", "transforms");
-  mesh.world_from_object.breakpoints01 = arguments.optional_times("transform_breakpoints01");
-  mesh.world_from_object.periods01 =
-      arguments.optional_times("transform_periods01").value_or(std::vector<double>{});
-  mesh.world_from_object.held = arguments.value_or("transforms_held", false, "a bool");
-  mesh.world_from_object.error_pixels = arguments.value_or("transform_error_pixels", 0.0, "a float");
-  mesh.normals = arguments.samples("normals", held);
-  mesh.normals_interpolation = arguments.value<std::string>("normals_interpolation", "a str");
-  mesh.normals_indices = arguments.ints("normals_indices");
-  mesh.computed_normals = computed_normals_from(arguments.value<std::string>("computed_normals", "a str"));
-  mesh.display_color = primvar_from<Vec3f>(arguments, "display_color");
-  mesh.display_opacity = primvar_from<float>(arguments, "display_opacity");
-  if (!arguments.optional("material").is_none()) {
-    mesh.material = arguments.value<std::uint32_t>("material", "an int or None");
-  }
-  mesh.face_materials = arguments.ints("face_materials");
-  arguments.expect_no_more();
-  return mesh;
-}
-
-void add_mesh(Translator& translator, const nb::kwargs& keywords) {
-  Arguments arguments(keywords, "add_mesh");
-  const MeshInput mesh = mesh_from(arguments);
+void add_mesh(Translator& translator, const MeshObject& mesh) {
+  Borrowed borrowed;
+  const MeshInput input = mesh.input(borrowed);
   nb::gil_scoped_release release;
-  translator.add_mesh(mesh);
+  translator.add_mesh(input);
 }
 
-void add_prototype_mesh(Translator& translator, std::uint32_t prototype, const nb::kwargs& keywords) {
-  Arguments arguments(keywords, "add_prototype_mesh");
-  const MeshInput mesh = mesh_from(arguments);
+void add_prototype_mesh(Translator& translator, std::uint32_t prototype, const MeshObject& mesh) {
+  Borrowed borrowed;
+  const MeshInput input = mesh.input(borrowed);
   nb::gil_scoped_release release;
-  translator.add_prototype_mesh(prototype, mesh);
+  translator.add_prototype_mesh(prototype, input);
 }
 
-// One level of instancing from a dict, with what it borrows.
-class LevelArguments {
- public:
-  LevelArguments(nb::handle dict, const char* function)
-      : keywords_(nb::borrow<nb::kwargs>(dict)), arguments_(keywords_, function) {
-    const bool held = arguments_.value_or("held", false, "a bool");
-    if (arguments_.optional("selected").is_none()) {
-      read_matrices(held);
-    } else {
-      read_points(held);
-    }
-    arguments_.expect_no_more();
-  }
-  LevelArguments(const LevelArguments&) = delete;
+// The arrays of point instancers among the levels.
+using LevelPoints = std::deque<PointInstancerInput>;
 
-  InstanceLevel level() const {
-    InstanceLevel level = level_;
-    if (has_points_) level.points = &points_;
-    return level;
-  }
-
- private:
-  void read_matrices(bool held) {
-    const std::span<const double> times01 = arguments_.times("times01");
-    level_.times01.assign(times01.begin(), times01.end());
-    level_.matrices = elements<Matrix4d>(arguments_.keep(checked_array<double>(
-        arguments_.required("matrices"), "matrices", {times01.size(), kAnySize, 4, 4})));
-    level_.breakpoints01 = arguments_.optional_times("breakpoints01");
-    level_.periods01 = arguments_.optional_times("periods01").value_or(std::vector<double>{});
-    level_.held = held;
-  }
-  void read_points(bool held) {
-    has_points_ = true;
-    level_.selected = arguments_.ints("selected");
-    points_.path = arguments_.value_or("path", points_.path, "a str");
-    points_.count = arguments_.value<std::uint64_t>("count", "an int");
-    points_.positions = arguments_.samples("positions", held);
-    points_.scales = arguments_.samples("scales", held);
-    points_.orientations = arguments_.quaternions("orientations", held);
-    points_.orientations_name = arguments_.value_or("orientations_name", points_.orientations_name, "a str");
-    points_.rates = {arguments_.samples("velocities", held), arguments_.samples("accelerations", held)};
-    points_.angular_velocities = arguments_.samples("angular_velocities", held);
-    points_.time_remap = times_from(arguments_);
-  }
-
-  nb::kwargs keywords_;
-  Arguments arguments_;
-  InstanceLevel level_;
-  PointInstancerInput points_;
-  bool has_points_ = false;
-};
-
-using Levels = std::vector<std::unique_ptr<LevelArguments>>;
-
-Levels levels_from(Arguments& arguments, const char* function, InstancesInput& input) {
+LevelPoints levels_from(Arguments& arguments, InstancesInput& input) {
   const nb::object list = arguments.required("levels");
-  if (!nb::isinstance<nb::sequence>(list)) arguments.fail("levels", list, "a list of dicts");
-  Levels levels;
+  if (!nb::isinstance<nb::sequence>(list)) arguments.fail("levels", list, "a list of InstanceLevels");
+  LevelPoints points;
   for (const nb::handle item : list) {
-    if (!nb::isinstance<nb::dict>(item)) arguments.fail("levels", item, "a dict for each level");
-    levels.push_back(std::make_unique<LevelArguments>(item, function));
-    input.levels.push_back(levels.back()->level());
+    if (!nb::isinstance<LevelObject>(item)) arguments.fail("levels", item, "an InstanceLevel for each");
+    const LevelObject& level = *nb::inst_ptr<LevelObject>(item);
+    input.levels.push_back(level.input(arguments.borrowed(), points.emplace_back()));
   }
-  return levels;
+  return points;
 }
 
 void add_instances(Translator& translator, const nb::kwargs& keywords) {
@@ -281,13 +140,13 @@ void add_instances(Translator& translator, const nb::kwargs& keywords) {
   InstancesInput input;
   input.path = arguments.value<std::string>("path", "a str");
   input.prototype = arguments.value<std::uint32_t>("prototype", "an int");
-  const Levels levels = levels_from(arguments, "add_instances", input);
-  input.visible = visible_from(arguments);
+  const LevelPoints points = levels_from(arguments, input);
+  input.visible = visible_from(arguments.optional("visible"));
   const nb::object colors = arguments.optional("display_color");
   if (nb::isinstance<nb::list>(colors)) {
-    primvar_samples_from(arguments, "display_color", colors, input.display_color);
+    arguments.borrowed().primvar_samples(colors, "display_color", input.display_color);
   } else if (!colors.is_none()) {
-    input.display_color.values = arguments.floats<Vec3f>(colors, "display_color");
+    input.display_color.values = arguments.borrowed().vectors(colors, "display_color");
   }
   input.materials = arguments.ints("materials");
   input.paths = arguments.value_or("paths", std::vector<std::string>{}, "a list of str");
@@ -300,7 +159,7 @@ void add_instances(Translator& translator, const nb::kwargs& keywords) {
 double pixels_per_unit(const Translator& translator, const nb::kwargs& keywords) {
   Arguments arguments(keywords, "pixels_per_unit");
   InstancesInput input;
-  const Levels levels = levels_from(arguments, "pixels_per_unit", input);
+  const LevelPoints points = levels_from(arguments, input);
   const AnyArray box = checked_array<double>(arguments.required("box"), "box", {2, 3});
   arguments.expect_no_more();
   const std::span<const Vec3d> ends = elements<Vec3d>(box);
@@ -390,7 +249,7 @@ void bind_translator(nb::module_& m) {
              arguments.expect_no_more();
              new (self) Translator(camera, settings);
            })
-      .def("add_mesh", &add_mesh)
+      .def("add_mesh", &add_mesh, nb::arg("mesh"))
       .def("begin_prototype", &Translator::begin_prototype, nb::arg("path"), nb::arg("pixels_per_unit") = 0.0)
       .def("pixels_per_unit", &pixels_per_unit)
       .def("add_prototype_mesh", &add_prototype_mesh, nb::arg("prototype"), nb::arg("mesh"))

@@ -15,6 +15,10 @@ NB_MODULE(_core, m) {
   m.attr("__version__") = MSBVH_VERSION;
   nb::exception<msbvh::Error>(m, "Error");
   msbvh::python::bind_scene(m);
+  msbvh::python::bind_sample(m);
+  msbvh::python::bind_mesh(m);
+  msbvh::python::bind_level(m);
+  msbvh::python::bind_look(m);
   msbvh::python::bind_translator(m);
   msbvh::python::bind_skinning(m);
   msbvh::python::bind_renderer(m);

@@ -14,6 +14,35 @@ from typing import Literal, Required, TypeAlias, TypedDict, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from ._core_inputs import InstanceLevel as InstanceLevel
+from ._core_inputs import MeshInput as MeshInput
+from ._core_look import ASPECT_POLICIES as ASPECT_POLICIES
+from ._core_look import Optics as Optics
+from ._core_look import conformed as conformed
+from ._core_look import image_height as image_height
+from ._core_look import light_emission as light_emission
+from ._core_look import light_normalization as light_normalization
+from ._core_look import light_radiances as light_radiances
+from ._core_sample import BEFORE_JUMP01 as BEFORE_JUMP01
+from ._core_sample import FINEST_LEVEL as FINEST_LEVEL
+from ._core_sample import LARGEST_ELEMENT as LARGEST_ELEMENT
+from ._core_sample import MOST_REPEATS as MOST_REPEATS
+from ._core_sample import MOST_TURNS_FOLLOWED as MOST_TURNS_FOLLOWED
+from ._core_sample import SAMPLING_SHARE as SAMPLING_SHARE
+from ._core_sample import TIMES_A_TURN as TIMES_A_TURN
+from ._core_sample import Density as Density
+from ._core_sample import MotionSamples as MotionSamples
+from ._core_sample import PixelSize as PixelSize
+from ._core_sample import TransformSamples as TransformSamples
+from ._core_sample import Turns as Turns
+from ._core_sample import angle_turns as angle_turns
+from ._core_sample import dense_times01 as dense_times01
+from ._core_sample import even_level as even_level
+from ._core_sample import even_times01 as even_times01
+from ._core_sample import orientation_turns as orientation_turns
+from ._core_sample import sample_motion as sample_motion
+from ._core_sample import uniform_turns as uniform_turns
+from ._core_sample import usable_periods01 as usable_periods01
 from ._core_statistics import AccelStatistics as AccelStatistics
 from ._core_statistics import RenderStatistics as RenderStatistics
 from ._core_statistics import SceneStatistics as SceneStatistics
@@ -24,9 +53,6 @@ F32: TypeAlias = NDArray[np.float32]
 F64: TypeAlias = NDArray[np.float64]
 I32: TypeAlias = NDArray[np.int32]
 Rgb: TypeAlias = tuple[float, float, float]
-Samples: TypeAlias = Sequence[tuple[float | None, F32]]
-"""(time01, float32[N, 3]) at increasing times; one of (None, values) for a value that is authored for all times,
-not as a time sample."""
 
 class Error(Exception):
     """The scene or a setting is wrong; one line: the prim, the attribute, what was found and is expected."""
@@ -94,79 +120,6 @@ class Scene:
         """What is visible at a time: (path of the mesh, path of what instances it or again the mesh's,
         float64[M, N, 3] stage-space vertices of M instances), from the tracks as they are traced."""
 
-class MeshArguments(TypedDict, total=False):
-    """Keywords of Translator.add_mesh. Those that may be None may be left out."""
-
-    path: str
-    face_vertex_counts: I32
-    face_vertex_indices: I32
-    hole_indices: I32 | None
-    left_handed: bool
-    points: Samples
-    points_held: bool
-    """Samples (of normals and rates too) hold until the next instead of being interpolated."""
-    velocities: Samples | None
-    accelerations: Samples | None
-    frame01: float
-    """Where the frame lies in the shutter: velocities carry points from the sample at or before it."""
-    seconds_per_shutter: float
-    velocity_scale: float
-    topology_varies: bool
-    """Faces change within the shutter."""
-    computed_points: bool
-    """Points are not authored as they stand."""
-    visible: F64 | None
-    """[K, 2]: intervals of the shutter; None: always."""
-    transform_times01: F64
-    transforms: F64
-    """[T, 4, 4]: stage from object space; prototype from object space for a prototype's mesh."""
-    transform_breakpoints01: F64 | None
-    """Where the transform may change its course; None: at every sample."""
-    transform_periods01: F64 | None
-    """Shares of the shutter after which the transform may repeat; whether it does is tested."""
-    transforms_held: bool
-    transform_error_pixels: float
-    """By which straight lines between the samples may stray from the stage."""
-    normals: Samples | None
-    normals_interpolation: str
-    normals_indices: I32 | None
-    computed_normals: Literal["faceted", "smooth"]
-    """What to take where no normals are authored."""
-    display_color: tuple[str, F32 | list[tuple[float, F32]], I32 | None] | None
-    """(interpolation, float32[K, 3], indices); a list of (time01, float32[K, 3]) where it changes inside the
-    shutter. Two samples within 2e-6 make a jump."""
-    display_opacity: tuple[str, F32 | list[tuple[float, F32]], I32 | None] | None
-    """(interpolation, float32[K] or such samples, indices)."""
-    material: int | None
-    """From Translator.add_material."""
-    face_materials: I32 | None
-    """[F] in place of ``material``; negative: none."""
-
-class InstanceLevel(TypedDict, total=False):
-    """A level of instancing: either ``times01`` [T] and ``matrices`` [T, N, 4, 4], the outer from the inner
-    space, or the arrays of a UsdGeomPointInstancer and which of its instances count."""
-
-    held: bool
-    times01: F64
-    matrices: F64
-    breakpoints01: F64 | None
-    periods01: F64 | None
-    selected: I32
-    count: int
-    """Of all its instances."""
-    positions: Samples
-    scales: Samples
-    orientations: Sequence[tuple[float | None, F32]]
-    """float32[N, 4]: i, j, k, real."""
-    orientations_name: str
-    """Of the attribute, for messages."""
-    velocities: Samples
-    accelerations: Samples
-    angular_velocities: Samples
-    frame01: float
-    seconds_per_shutter: float
-    velocity_scale: float
-
 class Translator:
     """From what was read of a stage to a Scene: checks, triangulates, and fits the fewest keys that follow
     the samples within ``motion_tolerance`` pixels. See delegate/translate/translator.h."""
@@ -201,14 +154,14 @@ class Translator:
 
         Raises Error for a camera or settings that cannot be used.
         """
-    def add_mesh(self, **mesh: Unpack[MeshArguments]) -> None:
+    def add_mesh(self, mesh: MeshInput) -> None:
         """Into the world. Bad data leaves a Diagnostic and raises nothing."""
     def begin_prototype(self, path: str, pixels_per_unit: float = 0.0) -> int:
         """``pixels_per_unit``: of the instance that is seen largest; 0: not known."""
     def pixels_per_unit(self, *, levels: Sequence[InstanceLevel], box: F64) -> float:
         """Pixels that a unit of the space inside the levels covers at most; ``box`` [2, 3] encloses what is
         there."""
-    def add_prototype_mesh(self, prototype: int, **mesh: Unpack[MeshArguments]) -> None: ...
+    def add_prototype_mesh(self, prototype: int, mesh: MeshInput) -> None: ...
     def add_instances(
         self,
         *,

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from pxr import Gf, Tf, Usd, UsdGeom
 
+from .._core import image_height
 from ..base.errors import Diagnostics
 from ..motion.boxes import Box
 from ..motion.times import SHUTTER_HINT, Shutter
@@ -16,7 +17,7 @@ from ..skel.skinned_bounds import SkinnedBounds
 from ..stage.tokens import inherited_purpose
 from ..stage.value_types import FLOAT3S
 from ..stage.values import value
-from .aspect import conformed, image_height, window_of
+from .aspect import conformed, window_of
 
 LARGEST_COORDINATE = 2.0**60
 """What single precision can square and multiply; see core/geometry/triangle_mesh.h."""

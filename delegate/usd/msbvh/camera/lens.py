@@ -8,6 +8,7 @@ import numpy as np
 from pxr import Gf
 
 from ..base.errors import Diagnostics
+from .aspect import optics_of
 
 PINHOLE = (0.0, 1.0)
 """Radius and focus distance of a lens through which everything is in focus."""
@@ -29,12 +30,12 @@ def read_lenses(path: str, at_frame: Gf.Camera, cameras: list[Gf.Camera], diagno
         return np.tile(np.array(PINHOLE, np.float32), (len(cameras), 1))
     if not all(_makes_sense(path, camera, diagnostics) for camera in (at_frame, *cameras)):
         return np.tile(np.array(PINHOLE, np.float32), (len(cameras), 1))
-    lenses = np.array([_lens(camera) for camera in cameras], np.float32)
+    lenses = np.array([optics_of(camera).lens for camera in cameras], np.float32)
     opened = lenses[:, 0] > 0.0
     if opened.any() and not opened.all():
         message = "depth of field is on for a part of the shutter only; taken as at the frame"
         diagnostics.warning(path, "fStop", message)
-        lenses[:] = _lens(at_frame)
+        lenses[:] = optics_of(at_frame).lens
     if not opened.any():
         message = f"found 0, no distance to focus at; everything is in focus in spite of f/{at_frame.fStop:g}"
         diagnostics.note(path, "focusDistance", message)
@@ -48,11 +49,3 @@ def _makes_sense(path: str, camera: Gf.Camera, diagnostics: Diagnostics) -> bool
             diagnostics.warning(path, attribute, message)
             return False
     return True
-
-
-def _lens(camera: Gf.Camera) -> tuple[float, float]:
-    """f-number = focal length / diameter of the aperture. Focal lengths count in tenths of a stage unit."""
-    if camera.fStop == 0.0 or camera.focusDistance == 0.0:
-        return PINHOLE
-    radius = camera.focalLength * Gf.Camera.FOCAL_LENGTH_UNIT / (2.0 * camera.fStop)
-    return (radius, camera.focusDistance)

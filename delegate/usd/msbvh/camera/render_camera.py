@@ -9,38 +9,32 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
+from .._core import BEFORE_JUMP01, LARGEST_ELEMENT, Density, PixelSize, Turns, dense_times01, image_height
 from ..base.errors import Diagnostics, SceneError
 from ..base.image_metadata import world_to_camera, world_to_ndc
-from ..motion.boxes import Box, PixelSize
+from ..motion.boxes import Box
 from ..motion.held_values import warn_of_change
 from ..motion.motion_scales import scales_at
 from ..motion.times import (
-    JUMP_TIME01,
     Shutter,
     asked_shutter,
     breakpoints_of,
     checked_shutter,
-    even_level,
-    even_times01,
     is_held,
 )
 from ..motion.transform_faults import unusable_op
-from ..motion.transforms import LARGEST, authored_xform_times, xformables
-from ..motion.turns import NO_TURNS, Turns, report_too_fast, total_turns, xform_turns
+from ..motion.transforms import authored_xform_times, xformables
+from ..motion.turns import NO_TURNS, report_too_fast, total_turns, xform_turns
 from ..stage.opening import tf_reason
 from ..stage.value_types import FLOAT
 from ..stage.values import value
-from .aspect import Window, conformed, image_height, window_of
+from .aspect import Window, conformed, window_of
 from .camera_values import CameraValues
 from .framing import framing_camera
 from .lens import read_lenses
 
 LARGEST_OFFSET = 1e6
 """Apertures by which an aperture's offset may shift it: beyond, single precision has no pixels left to tell apart."""
-CAMERA_LEVEL = 10
-"""2^10 intervals at least."""
-TIMES_A_TURN = 64
-"""Of a camera that rolls or orbits: cubics between stay within a millionth of the radius."""
 
 
 @dataclass(frozen=True)
@@ -93,7 +87,7 @@ class RenderCamera:
         extent = self.windows[:, [1, 3]] - self.windows[:, [0, 2]]
         per_unit = float(np.abs(extent / (self.width, self.height)).min())
         eyes = Box.around(self.world_from_camera[:, 3, :3])
-        return PixelSize(eyes, self.projection == "perspective", per_unit, max(self.near_clip, 0.0))
+        return PixelSize(eyes.ends(), self.projection == "perspective", per_unit, max(self.near_clip, 0.0))
 
 
 def read_camera(
@@ -146,7 +140,7 @@ def _read(
     def camera_at(code: Usd.TimeCode) -> Gf.Camera:
         found = values_at(code)
         found.projection = projection
-        if not (np.abs(np.array(found.transform)) <= LARGEST).all():
+        if not (np.abs(np.array(found.transform)) <= LARGEST_ELEMENT).all():
             path, attribute, message = unusable_op(list(xformables(prim, None)), own)
             raise SceneError(f"{path}.{attribute}: {message}")
         return found
@@ -233,15 +227,14 @@ class Course:
     @property
     def breakpoints_with_jumps01(self) -> list[float]:
         """The breakpoints; of a held stage with the instants before them."""
-        before = [time - JUMP_TIME01 for time in self.breakpoints01 if self.held and time > JUMP_TIME01]
+        before = [time - BEFORE_JUMP01 for time in self.breakpoints01 if self.held and time > BEFORE_JUMP01]
         return sorted([*self.breakpoints01, *before])
 
     def times01(self) -> list[float]:
         """Where the camera is evaluated: one time for a closed shutter."""
         if not self.shutter.moving:
             return [0.0]
-        level = max(CAMERA_LEVEL, even_level(TIMES_A_TURN * self.turns.rate))
-        return even_times01(level, self.breakpoints01, self.held)
+        return dense_times01(Density.CAMERA, self.turns.rate, self.breakpoints01, self.held)
 
 
 def _course(prim: Usd.Prim, shutter: Shutter, held: bool) -> Course:

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from ..motion.times import FINEST_LEVEL
+from .._core import FINEST_LEVEL
 
 SEGMENT_COUNTS = tuple(2**k for k in range(FINEST_LEVEL + 1))
 

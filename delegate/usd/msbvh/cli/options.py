@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from .. import _core
-from ..camera.aspect import POLICIES
+from .._core import ASPECT_POLICIES
 from ..look.color import MODES
 from ..scene.reader import MAX_INSTANCES
 from .option_types import Names, PowerOfTwo, ShutterRange
@@ -96,7 +96,7 @@ SCENE: Sequence[Decorator] = (
     ),
     click.option(
         "--conform",
-        type=click.Choice(POLICIES),
+        type=click.Choice(ASPECT_POLICIES),
         default="expandAperture",
         show_default=True,
         help="How the camera fits a --resolution with another aspect ratio (UsdRenderSettings' aspectRatioConformPolicy).",

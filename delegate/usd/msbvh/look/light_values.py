@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
 
-from ..motion.times import FINEST_LEVEL, JUMP_TIME01, Shutter, breakpoints_of
+from .._core import BEFORE_JUMP01, FINEST_LEVEL, light_emission, light_radiances
+from ..motion.times import Shutter, breakpoints_of
 from ..stage.value_types import BOOL, FLOAT, FLOAT3, TOKEN, Kind
 from ..stage.values import Unreadable, might_vary, required, value
 
@@ -33,23 +34,18 @@ def _known(attribute: Usd.Attribute, code: Usd.TimeCode, kind: Kind) -> Any:
     return found
 
 
-def _colour(attribute: Usd.Attribute, code: Usd.TimeCode) -> np.ndarray:
-    return np.array(_known(attribute, code, FLOAT3), np.float64)
-
-
-def emission(light: UsdLux.LightAPI, code: Usd.TimeCode) -> np.ndarray:
-    """intensity * 2^exposure * color, times the black body's colour where enabled: float64[3], infinite where
-    it is too large."""
-    with np.errstate(over="ignore", invalid="ignore"):  # The translator says what is not finite.
-        strength = number(light.GetIntensityAttr(), code) * np.exp2(number(light.GetExposureAttr(), code))
-        colour = strength * _colour(light.GetColorAttr(), code)
+def emission(light: UsdLux.LightAPI, code: Usd.TimeCode) -> tuple[float, float, float]:
+    """intensity * 2^exposure * color, times the black body's colour where enabled; infinite where it is too large,
+    which the translator says. Raises Unreadable."""
+    temperature = (1.0, 1.0, 1.0)
     if value(light.GetEnableColorTemperatureAttr(), code, BOOL):
         kelvin = number(light.GetColorTemperatureAttr(), code)
         if not math.isfinite(kelvin):  # usd-core 26.11 crashes on NaN.
             path, message = str(light.GetPath()), f"found {kelvin:g}, expected a finite number"
             raise Unreadable(path, light.GetColorTemperatureAttr().GetName(), message)
-        colour = colour * np.array(UsdLux.BlackbodyTemperatureAsRgb(kelvin), np.float64)
-    return colour
+        temperature = tuple(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
+    intensity, exposure = number(light.GetIntensityAttr(), code), number(light.GetExposureAttr(), code)
+    return light_emission(intensity, exposure, tuple(_known(light.GetColorAttr(), code, FLOAT3)), temperature)
 
 
 @dataclass(frozen=True)
@@ -154,14 +150,14 @@ def _codes(attributes: list[Usd.Attribute], switched: set[float], shutter: Shutt
         return {}
     even = np.linspace(0.0, 1.0, 2**FINEST_LEVEL + 1)
     authored = switched.union(*(breakpoints_of(attribute, shutter) for attribute in varying))
-    codes = {1.0: shutter.time_code(1.0 - JUMP_TIME01)}
+    codes = {1.0: shutter.time_code(1.0 - BEFORE_JUMP01)}
     for time in authored:
         time01 = shutter.time01(time)
-        if time01 > 1.0 - JUMP_TIME01:
+        if time01 > 1.0 - BEFORE_JUMP01:
             continue
         codes[time01] = Usd.TimeCode(time)
-        if time01 > JUMP_TIME01:
-            codes[time01 - JUMP_TIME01] = shutter.time_code(time01 - JUMP_TIME01)
+        if time01 > BEFORE_JUMP01:
+            codes[time01 - BEFORE_JUMP01] = shutter.time_code(time01 - BEFORE_JUMP01)
     known = np.array(sorted(codes))
     place = np.clip(np.searchsorted(known, even), 1, max(len(known) - 1, 1))
     nearest = known[[place - 1, np.minimum(place, len(known) - 1)]]
@@ -196,33 +192,5 @@ def _sizes(prim: Usd.Prim, codes: list[Usd.TimeCode]) -> np.ndarray:
 
 def radiances(kind: str, samples: LightSamples, world_from_light: np.ndarray) -> np.ndarray:
     """float64[T, 3]. `world_from_light` is float64[T, 4, 4]: normalisation is by the area in the world."""
-    divisor = [
-        normalization(kind, dict(zip(SIZES, sizes, strict=True)), matrix) if normalize else 1.0
-        for sizes, normalize, matrix in zip(samples.sizes, samples.normalize, world_from_light, strict=True)
-    ]
-    result = samples.emission / np.array(divisor)[:, None]
-    if kind == "sphere":
-        # Radiant intensity: what a small normalised sphere, pi r^2 L / (4 pi r^2), tends to.
-        result[samples.sizes[:, list(SIZES).index("radius")] == 0.0] /= 4.0
-    return result
-
-
-def normalization(kind: str, light: dict[str, float], world_from_light: np.ndarray) -> float:
-    """What inputs:normalize divides by (UsdLux, "Light Contributions"): the world's area, for distant lights
-    the cosine-weighted solid angle; 1 where that is 0. `light`: its SIZES."""
-    axes = np.linalg.norm(world_from_light[:3, :3], axis=1)
-    if kind == "sphere":
-        a, b, c = light["radius"] * axes
-        # Knud Thomsen's formula for ellipsoids, exact for spheres, otherwise within 1.1 %.
-        p = 1.6075
-        size = 4 * math.pi * (((a * b) ** p + (a * c) ** p + (b * c) ** p) / 3) ** (1 / p)
-    elif kind == "rect":
-        across = np.cross(world_from_light[0, :3], world_from_light[1, :3])
-        size = light["width"] * light["height"] * float(np.linalg.norm(across))
-    elif kind == "distant":
-        half = math.radians(light["angle"]) / 2
-        sine = math.sin(half) ** 2
-        size = math.pi * (sine if half <= math.pi / 2 else 2.0 - sine)
-    else:
-        size = 1.0
-    return size if size > 0.0 else 1.0
+    matrices = np.ascontiguousarray(world_from_light)
+    return light_radiances(kind, samples.emission, samples.sizes, samples.normalize.tolist(), matrices)

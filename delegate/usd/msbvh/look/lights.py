@@ -7,17 +7,14 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd, UsdLux
 
+from .._core import Density
 from ..motion.context import FrameContext
 from ..motion.held_values import any_but, values_within
-from ..motion.times import FINEST_LEVEL
 from ..motion.transforms import Motion
 from ..motion.turns import report_too_fast
 from ..stage.value_types import ASSET, BOOL
 from ..stage.values import Unreadable, might_vary, value
 from .light_values import LightSamples, Switches, radiances, sample_light
-
-TIMES_A_TURN = 64
-"""Of a light that turns: chords leave the circle by a thousandth of its radius."""
 
 SUPPORTED_LIGHTS = {
     "DistantLight": "distant",
@@ -70,7 +67,7 @@ def add_lights(
 
 def _times01(motion: Motion, held: bool) -> list[float]:
     """Where the transform of a light is evaluated, for lines between."""
-    return motion.dense_times01(FINEST_LEVEL, TIMES_A_TURN, held)
+    return motion.dense_times01(Density.LIGHT, held)
 
 
 def _place(motion: Motion, index: int, held: bool) -> dict:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
 from pxr import Usd
 
 from ..base.errors import Diagnostics
+from ..stage.stage_metadata import time_codes_per_second
 from .samples import SampleLog
 from .times import Shutter
 
@@ -35,6 +37,11 @@ class FrameContext:
             self.caches[kind] = kind()
         return self.caches[kind]
 
+    @cached_property
+    def seconds_per_shutter(self) -> float:
+        """By timeCodesPerSecond, not framesPerSecond."""
+        return (self.shutter.close - self.shutter.open) / time_codes_per_second(self.stage)
+
     def scaled(self, blur: float) -> FrameContext:
         """The context of a prim with that motion:blurScale."""
         return self if blur == 1.0 else replace(self, shutter=self.shutter.scaled(blur))
@@ -43,7 +50,7 @@ class FrameContext:
         """The context to read still things in at another time."""
         return replace(self, shutter=Shutter(None if code.IsDefault() else code.GetValue()))
 
-    @property
+    @cached_property
     def code(self) -> Usd.TimeCode:
         """The frame's time: where everything is read that is not sampled over the shutter."""
         return self.shutter.frame_code
@@ -57,4 +64,4 @@ def array(value: Any, dtype: type, columns: int | None = None) -> np.ndarray:
     shape = (-1,) if columns is None else (-1, columns)
     if value is None or len(value) == 0:
         return np.zeros((0,) if columns is None else (0, columns), dtype)
-    return np.ascontiguousarray(np.asarray(value), dtype=dtype).reshape(shape)
+    return np.ascontiguousarray(value, dtype=dtype).reshape(shape)

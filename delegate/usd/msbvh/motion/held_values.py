@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 from pxr import Usd
 
+from .._core import BEFORE_JUMP01
 from ..base.errors import Diagnostics
 from ..stage.values import might_vary, raw
-from .times import JUMP_TIME01, Shutter
+from .times import Shutter
 from .visibility import intervals_between, steps
 
 MOST_STRETCHES = 32
@@ -74,7 +75,7 @@ def values_within(attribute: Usd.Attribute, shutter: Shutter) -> list[Any]:
     times = [time for time in attribute.GetTimeSamplesInInterval(shutter.interval) if opening < time < closing]
     if attribute.HasSpline():
         times = np.linspace(opening, closing, _SPLINE_PROBES)[:-1].tolist()
-    codes = [Usd.TimeCode(opening), *map(Usd.TimeCode, times), shutter.time_code(1.0 - JUMP_TIME01)]
+    codes = [Usd.TimeCode(opening), *map(Usd.TimeCode, times), shutter.time_code(1.0 - BEFORE_JUMP01)]
     return [raw(attribute, code) for code in codes]
 
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from ..stage.stage_metadata import time_codes_per_second
 from ..stage.typed_twin import typed_twin
 from ..stage.value_types import FLOAT3S, QUATERNIONS
 from ..stage.values import Unreadable, ignore, might_vary, raw, required
@@ -86,8 +85,8 @@ def optional_samples(
         return []
 
 
-def rates(velocities: Usd.Attribute, accelerations: Usd.Attribute, context: FrameContext) -> dict:
-    """The translator's keywords of what may carry an array; {} where nothing is authored or the shutter is
+def rates(velocities: Usd.Attribute, accelerations: Usd.Attribute, context: FrameContext) -> dict[str, RawSamples]:
+    """The translator's names of what may carry an array; {} where nothing is authored or the shutter is
     closed."""
     if not context.shutter.moving or not velocities.HasAuthoredValue():
         return {}
@@ -97,15 +96,13 @@ def rates(velocities: Usd.Attribute, accelerations: Usd.Attribute, context: Fram
     return {name: samples for name, samples in keywords.items() if samples} if keywords["velocities"] else {}
 
 
-def rate_times(context: FrameContext, velocity_scale: float) -> dict:
-    """The translator's keywords of what turns rates into positions: timeCodesPerSecond, not framesPerSecond."""
-    shutter = context.shutter
-    if not shutter.moving:
+def rate_times(context: FrameContext, velocity_scale: float) -> dict[str, float]:
+    """The translator's names of what turns rates into positions."""
+    if not context.shutter.moving:
         return {}
-    seconds = (shutter.close - shutter.open) / time_codes_per_second(context.stage)
     return {
-        "frame01": shutter.frame01_unclamped,
-        "seconds_per_shutter": seconds,
+        "frame01": context.shutter.frame01_unclamped,
+        "seconds_per_shutter": context.seconds_per_shutter,
         "velocity_scale": velocity_scale,
     }
 
@@ -120,9 +117,11 @@ def carries_still_pose(attributes: list[Usd.Attribute], context: FrameContext) -
     return any(times and times[0] != frame for times in around)
 
 
-def sample_points(shape: UsdGeom.PointBased, context: FrameContext, has_velocities: bool) -> tuple[Samples, dict]:
-    """The points of a mesh, and the translator's keywords of its velocities and accelerations."""
-    carried_by = {}
+def sample_points(
+    shape: UsdGeom.PointBased, context: FrameContext, has_velocities: bool
+) -> tuple[Samples, dict[str, RawSamples]]:
+    """The points of a mesh, and the translator's names of its velocities and accelerations."""
+    carried_by: dict[str, RawSamples] = {}
     if has_velocities and carries_still_pose([shape.GetVelocitiesAttr()], context):
         twin = typed_twin(shape.GetPrim(), context.code)
         pose = UsdGeom.PointBased(twin.prim).ComputePointsAtTime(context.code, context.code)

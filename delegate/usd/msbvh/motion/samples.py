@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 from pxr import Usd, UsdGeom
 
+from .._core import InstanceLevel
 from ..stage.values import might_vary
 from .times import Shutter, bracketing_times
 from .xform_ops import ordered_ops, resets
@@ -163,9 +164,9 @@ class SampleLog:
         """Where the stage composed the transform of a mesh."""
         self._shapes[path].evaluated_at01 = tuple(times01)
 
-    def evaluated_instances(self, path: str, levels: Sequence[dict]) -> None:
-        """The same of instances, from the translator's keywords of their levels."""
-        times01 = {time for level in levels for time in level.get("times01", ())}
+    def evaluated_instances(self, path: str, levels: Sequence[InstanceLevel]) -> None:
+        """The same of instances, by their levels."""
+        times01 = {time for level in levels if level.times01 is not None for time in level.times01.tolist()}
         entry = self._instances.get(path)
         if entry is not None and len(times01) > len(entry.evaluated_at01):
             entry.evaluated_at01 = tuple(sorted(times01))

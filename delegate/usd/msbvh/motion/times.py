@@ -9,11 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 from pxr import Gf, Ts, Usd, UsdGeom
 
+from .._core import FINEST_LEVEL, even_times01
 from ..base.errors import Diagnostics
 from ..stage.values import might_vary, raw
 from .xform_ops import ordered_ops
@@ -21,12 +23,6 @@ from .xform_ops import ordered_ops
 ABSURD_SHUTTER_FRAMES = 16.0
 """A shutter that is open for longer is taken as authored, with a warning: one exporter writes the length of
 the shot."""
-
-FINEST_LEVEL = 7
-"""2^7 intervals: the most segments a track has."""
-
-JUMP_TIME01 = 1e-6
-"""How long before a change at once its last old value is sampled: half the translator's kJumpTime01."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +35,12 @@ class Shutter:
     """Frames (time codes) relative to `frame`."""
     close: float = 0.0
 
-    @property
+    @cached_property
     def moving(self) -> bool:
         """Whether it is open for any time at all."""
         return self.frame is not None and self.close > self.open
 
-    @property
+    @cached_property
     def frame_code(self) -> Usd.TimeCode:
         """Where everything is read that is not sampled over the shutter."""
         return Usd.TimeCode.Default() if self.frame is None else Usd.TimeCode(self.frame)
@@ -55,7 +51,7 @@ class Shutter:
         assert self.frame is not None
         return self.frame
 
-    @property
+    @cached_property
     def frame01_unclamped(self) -> float:
         """The frame's time, which may lie outside of the shutter; 0 where nothing moves."""
         return self.time01(self.frame_number) if self.moving else 0.0
@@ -65,7 +61,7 @@ class Shutter:
         """The frame's time, or the shutter's end that is next to it; 0 where nothing moves."""
         return min(max(self.time01(self.frame_number), 0.0), 1.0) if self.moving else 0.0
 
-    @property
+    @cached_property
     def interval(self) -> Gf.Interval:
         """The open shutter in time codes. Only for a moving one."""
         return Gf.Interval(self.frame_number + self.open, self.frame_number + self.close)
@@ -134,31 +130,6 @@ def _warn_of_absurd_length(length: float, subject: tuple[str, str], rendered: st
     if length > ABSURD_SHUTTER_FRAMES:
         found = f"the shutter is open for {length:g} frames, expected about one"
         diagnostics.warning(*subject, f"{found}; rendered {rendered}")
-
-
-MOST_EVEN_LEVEL = 14
-"""2^14 even intervals are the most that anything is sampled at; what turns still faster is a smear at any place."""
-
-
-def even_level(intervals: float) -> int:
-    """The power of two that makes at least so many even intervals, within reason."""
-    return min(max(0, math.ceil(math.log2(max(intervals, 1.0)))), MOST_EVEN_LEVEL)
-
-
-def even_times01(level: int, breakpoints01: Iterable[float], held: bool = False) -> list[float]:
-    """2^level even intervals of the shutter and the breakpoints inside, increasing from 0 to 1. Levels nest.
-
-    With the breakpoints, motion that is linear between them is caught exactly; the even times catch curves. `held`:
-    values jump at the breakpoints, so the instants before count too.
-    """
-    own = np.array(sorted({time for time in breakpoints01 if 1e-9 < time < 1.0 - 1e-9}))
-    if held:
-        own = np.union1d(own, own[own > JUMP_TIME01] - JUMP_TIME01)
-    # Even times that differ from a breakpoint by rounding alone would make intervals of no length.
-    even = np.linspace(0.0, 1.0, 2**level + 1)
-    near = np.rint(own * 2**level).astype(int)
-    even = np.delete(even, near[np.abs(even[near] - own) <= 1e-9])
-    return np.union1d(even, own).tolist()
 
 
 def is_held(stage: Usd.Stage) -> bool:

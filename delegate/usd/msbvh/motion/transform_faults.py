@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 from pxr import Tf, Usd, UsdGeom
 
+from .._core import LARGEST_ELEMENT
 from ..base.errors import Diagnostics
 from ..stage.values import might_vary, raw
 from .times import Shutter, bracketing_times
-from .transforms import LARGEST, Motion
+from .transforms import Motion
 from .xform_ops import ordered_ops, singular_op
 
-_EXPECTED = f"expected finite numbers of at most 2^{int(np.log2(LARGEST))} in size"
+_EXPECTED = f"expected finite numbers of at most 2^{int(np.log2(LARGEST_ELEMENT))} in size"
 
 
 def report_unusable(motion: Motion, index: int, diagnostics: Diagnostics) -> None:
@@ -28,7 +29,7 @@ def unusable_op(carriers: list[UsdGeom.Xformable], shutter: Shutter) -> tuple[st
             if found:
                 return str(xformable.GetPath()), op.GetAttr().GetName(), f"{found}, {_EXPECTED}"
     for xformable in reversed(carriers):
-        attribute = singular_op(xformable, shutter.frame_code, LARGEST)
+        attribute = singular_op(xformable, shutter.frame_code, LARGEST_ELEMENT)
         if attribute is not None:
             found = " ".join(str(raw(attribute, shutter.frame_code)).split())
             return str(xformable.GetPath()), attribute.GetName(), f"found {found}, expected a value with an inverse"
@@ -53,8 +54,13 @@ def _bad_value(attribute: Usd.Attribute, shutter: Shutter) -> str:
 
 
 def _is_sound(value: object) -> bool:
+    """Also what is of no type that an op takes: that is another fault, which xform_ops.py reports."""
     if value is None:
         return True
     if hasattr(value, "GetReal") and hasattr(value, "GetImaginary"):
         value = (value.GetReal(), *value.GetImaginary())
-    return bool((np.abs(np.array(value, np.float64)) <= LARGEST).all())
+    try:
+        numbers = np.array(value, np.float64)
+    except (TypeError, ValueError):
+        return True
+    return bool((np.abs(numbers) <= LARGEST_ELEMENT).all())

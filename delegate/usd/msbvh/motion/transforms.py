@@ -11,12 +11,11 @@ from collections.abc import Callable, Iterable, Iterator
 import numpy as np
 from pxr import Sdf, Usd, UsdGeom
 
-from .times import Shutter, even_level, even_times01, xform_breakpoints
-from .turns import NO_TURNS, Turns, total_turns, xform_turns
+from .._core import Density, MotionSamples, PixelSize, Turns, dense_times01, sample_motion
+from .boxes import Box
+from .times import Shutter, xform_breakpoints
+from .turns import NO_TURNS, total_turns, xform_turns
 from .xform_ops import may_vary, relative_transform, resets, world_transform, world_transforms
-
-LARGEST = 2.0**60
-"""The largest element of a usable matrix: kMaxCoordinate (core/geometry), so that products do not overflow."""
 
 
 class Motion:
@@ -78,17 +77,30 @@ class Motion:
         """Of each thing."""
         return [self.turns(index) for index in range(self.count)]
 
-    def dense_times01(self, level: int, per_turn: int, held: bool = False) -> list[float]:
-        """2^level even intervals or more, so that a turn has at least `per_turn`, and the times at which the motion may
-        change its course (`held`: its place); [0] where still."""
+    def dense_times01(self, density: Density, held: bool = False) -> list[float]:
+        """As many times as `density` asks for, and those at which the motion may change its course (`held`: its place);
+        [0] where still."""
         if self.still:
             return [0.0]
         fastest = max((turns.rate for turns in self.every_turns()), default=0.0)
-        return even_times01(max(level, even_level(per_turn * fastest)), self.breakpoints01, held)
+        return dense_times01(density, fastest, self.breakpoints01, held)
 
     def few_times01(self) -> list[float]:
-        """A few times that show where things are: at least four a turn."""
-        return [0.0] if self.still else self.dense_times01(1, 4)
+        """A few times that show where things are."""
+        return self.dense_times01(Density.GLANCE)
+
+    def samples(
+        self, boxes: list[Box], pixel_size: PixelSize, tolerance_pixels: float, held: bool = False
+    ) -> list[MotionSamples]:
+        """Matrices over the shutter, as dense as interpolation between them needs to follow the stage within a share of
+        the tolerance. Every index comes once. `boxes` are those of the things, each in its own space; one: of each.
+        """
+        ends = np.array([box.ends() for box in boxes]).reshape(-1, 2, 3)
+        return sample_motion(self, ends, pixel_size, tolerance_pixels, held)
+
+    def evaluate(self, times01: list[float], which: np.ndarray) -> np.ndarray:
+        """float64[T, M, 4, 4] of M things: what samples() asks for."""
+        return np.array([self.some(time01, which) for time01 in times01]).reshape(-1, len(which), 4, 4)
 
     def at_times(self, times01: Iterable[float]) -> np.ndarray:
         """float64[T, count, 4, 4]."""

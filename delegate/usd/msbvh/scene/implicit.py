@@ -9,16 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import product
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from .._core import LARGEST_ELEMENT, MeshInput
 from ..motion.boxes import Box
 from ..motion.context import FrameContext
 from ..motion.points import Samples, still
 from ..motion.times import sample_times
-from ..motion.transforms import LARGEST
 from ..stage.value_types import FLOAT, TOKEN
 from ..stage.values import required, value
 
@@ -148,52 +149,69 @@ IMPLICIT_TYPES = {
     "Plane": ImplicitType(("width", "length"), plane, False),
 }
 
-ChooseSides = Callable[[float, Box], int]
-"""Of a shape with that radius around its axis, in that box."""
 
-
-def read_implicit(
-    prim: Usd.Prim, context: FrameContext, choose_sides: ChooseSides = lambda _radius, _box: SIDES
-) -> dict | None:
-    """The mesh keywords of an implicit prim: topology and points; None, with an error, for a parameter that
-    is no number.
+class ImplicitShape:
+    """An implicit prim over the shutter, read once; a mesh at as many sides as its size calls for.
 
     Points are linear in every parameter, so the parameters' samples are the points'.
     """
+
+    def __init__(
+        self,
+        prim: Usd.Prim,
+        values: dict[Usd.TimeCode, list[float]],
+        codes: list[Usd.TimeCode],
+        context: FrameContext,
+    ) -> None:
+        """`values` are the parameters at the frame and at `codes`, the samples' times."""
+        self._kind = IMPLICIT_TYPES[prim.GetTypeName()]
+        self._values = values
+        self._codes = codes
+        self._context = context
+        self._axis = _axis(prim, context)
+        orientation = value(UsdGeom.Gprim(prim).GetOrientationAttr(), context.code, TOKEN)
+        self._left_handed = orientation == UsdGeom.Tokens.leftHanded
+        if self._kind.surface is plane and self._axis != "Z":
+            # The width lies along x, or along z where x is the axis: second in the cycle.
+            self._values = {code: found[::-1] for code, found in values.items()}
+
+    @property
+    def radius(self) -> float:
+        """The largest around the axis; 0 where there is none."""
+        return max(_radius(self._kind, found) for found in self._values.values())
+
+    @cached_property
+    def box(self) -> Box:
+        """Over the shutter: the fewest sides reach as far along every axis as the true shape does."""
+        return Box.around(np.concatenate([self._surface(code, SIDE_COUNTS[0]).points for code in self._values]))
+
+    def fill(self, mesh: MeshInput, sides: int) -> Samples:
+        """Sets the topology. Returns the points."""
+        surface = self._surface(self._context.code, sides)
+        poses = [
+            (self._context.shutter.time01(code.GetValue()), self._surface(code, sides).points.astype(np.float32))
+            for code in self._codes
+        ] or [(0.0, surface.points.astype(np.float32))]
+        mesh.face_vertex_counts, mesh.face_vertex_indices = surface.counts, surface.indices
+        mesh.left_handed = self._left_handed
+        mesh.computed_normals = "smooth" if self._kind.smooth else "faceted"
+        return Samples(poses[:1] if still(poses) else poses, self._context.held)
+
+    def _surface(self, code: Usd.TimeCode, sides: int) -> Surface:
+        surface = self._kind.surface(*self._values[code], sides=sides)
+        surface.points = turned(surface.points, self._axis)
+        return surface
+
+
+def read_implicit(prim: Usd.Prim, context: FrameContext) -> ImplicitShape | None:
+    """None, with an error, for a parameter that is no number."""
     kind = IMPLICIT_TYPES[prim.GetTypeName()]
     attributes = [prim.GetAttribute(name) for name in kind.parameters]
     codes = [Usd.TimeCode(time) for time in sample_times(attributes, context.shutter)]
     values = {code: [required(each, code, FLOAT) for each in attributes] for code in (context.code, *codes)}
     if not all(_are_sound(prim, kind, found, context) for found in values.values()):
         return None
-    axis = _axis(prim, context)
-    if kind.surface is plane and axis != "Z":
-        # The width lies along x, or along z where x is the axis: second in the cycle.
-        values = {code: found[::-1] for code, found in values.items()}
-
-    def surface_at(code: Usd.TimeCode, sides: int) -> Surface:
-        surface = kind.surface(*values[code], sides=sides)
-        surface.points = turned(surface.points, axis)
-        return surface
-
-    # The fewest sides reach as far along every axis as the true shape does.
-    rough = np.concatenate([surface_at(code, SIDE_COUNTS[0]).points for code in values])
-    radius = max(_radius(kind, found) for found in values.values())
-    sides = choose_sides(radius, Box.around(rough))
-    surface = surface_at(context.code, sides)
-    poses = [
-        (context.shutter.time01(code.GetValue()), surface_at(code, sides).points.astype(np.float32)) for code in codes
-    ] or [(0.0, surface.points.astype(np.float32))]
-    samples = Samples(poses[:1] if still(poses) else poses, context.held)
-    return {
-        "face_vertex_counts": surface.counts,
-        "face_vertex_indices": surface.indices,
-        "hole_indices": None,
-        "left_handed": value(UsdGeom.Gprim(prim).GetOrientationAttr(), context.code, TOKEN)
-        == UsdGeom.Tokens.leftHanded,
-        "samples": samples,
-        "computed_normals": "smooth" if kind.smooth else "faceted",
-    }
+    return ImplicitShape(prim, values, codes, context)
 
 
 def _axis(prim: Usd.Prim, context: FrameContext) -> str:
@@ -213,7 +231,7 @@ def _radius(kind: ImplicitType, values: Sequence[float]) -> float:
 
 def _are_sound(prim: Usd.Prim, kind: ImplicitType, values: Sequence[float], context: FrameContext) -> bool:
     for name, value in zip(kind.parameters, values, strict=True):
-        if not abs(value) <= LARGEST:
+        if not abs(value) <= LARGEST_ELEMENT:
             message = f"found {value:g}, expected a finite number of at most 2^60 in size; the prim is not drawn"
             context.diagnostics.error(str(prim.GetPath()), name, message)
             return False

@@ -4,24 +4,25 @@ multiplies out."""
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import product
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from .._core import LARGEST_ELEMENT, InstanceLevel, MotionSamples, PixelSize
 from ..base.errors import Diagnostics
 from ..motion.boxes import Box
 from ..motion.context import FrameContext
 from ..motion.points import carries_still_pose
 from ..motion.times import Shutter
 from ..motion.transform_faults import report_unusable
-from ..motion.transform_sampling import PixelSizes, TransformSamples, transform_samples
-from ..motion.transforms import LARGEST, Motion, XformCaches
+from ..motion.transforms import Motion, XformCaches
 from ..motion.visibility import common_intervals, visible_intervals
 from ..stage.usd_faults import leaving_out
 from .instance_count import InstanceGraph
+from .part import Part
 from .point_instancers import (
     Colours,
     each,
@@ -30,7 +31,7 @@ from .point_instancers import (
     prototypes,
     read_point_instancer,
 )
-from .traversal import WORLD, Group, Part, Traversal
+from .traversal import WORLD, Group, Traversal
 
 
 @dataclass(frozen=True)
@@ -39,13 +40,19 @@ class Level:
 
     motion: Motion | None
     """Of prims; None: arrays."""
-    arrays: dict = field(default_factory=dict)
-    """The translator's keywords of a point instancer, `selected` included."""
+    arrays: InstanceLevel | None = None
+    """Of a point instancer, with the instances that count."""
 
     @property
     def count(self) -> int:
         """How many there are."""
-        return self.motion.count if self.motion is not None else len(self.arrays["selected"])
+        return self.motion.count if self.motion is not None else len(self.known_arrays.selected)
+
+    @property
+    def known_arrays(self) -> InstanceLevel:
+        """Of a level without a motion."""
+        assert self.arrays is not None
+        return self.arrays
 
 
 @dataclass(frozen=True)
@@ -158,7 +165,9 @@ class Placer:
             self._context.found.instancer(part.prim, part.blinking, group.root, context.shutter, shown)
         for points in read_point_instancer(instancer, self._caches, context, part.scales.velocity):
             own = own_transform(points.prototype, self._caches, self._root_shutter(points.prototype))
-            arrays = Level(None, {**points.arrays, "selected": points.selected})
+            chosen = points.arrays.copy()
+            chosen.selected = points.selected
+            arrays = Level(None, chosen)
             speeds = [instancer.GetVelocitiesAttr(), instancer.GetAngularVelocitiesAttr()]
             # With velocities USD takes all from the sample before the frame, scales too.
             moved = any(speed.GetNumTimeSamples() for speed in speeds)
@@ -179,18 +188,18 @@ class Placer:
         return self._context.shutter.scaled(self._groups[Traversal.prototype_key(prototype)].scales.blur)
 
 
-Measure = Callable[[list[dict], Box], float]
+Measure = Callable[[list[InstanceLevel], Box], float]
 """Pixels that a unit of a space covers at most, given the levels outside of it and a box in it."""
 
 
-def level_keywords(
+def sampled_levels(
     placement: Placement,
     box: Box,
     measure: Measure,
     tolerance_pixels: float,
     held: bool,
     diagnostics: Diagnostics,
-) -> Iterator[tuple[list[dict], np.ndarray]]:
+) -> Iterator[tuple[list[InstanceLevel], np.ndarray]]:
     """The translator's levels of a placement, sampled as densely as straight lines need, and int[N]: which of its
     instances they are. Several where some instances need more samples than others; those that a transform puts
     nowhere are left out, with an error. `box` is the group's.
@@ -198,24 +207,24 @@ def level_keywords(
     boxes = [box]
     for level in placement.levels[:-1]:
         boxes.append(_image(level, boxes[-1]))
-    coarse = [coarse_keywords(level) for level in placement.levels]
-    choices = []
+    coarse = [coarse_level(level) for level in placement.levels]
+    choices: list[list[tuple[np.ndarray, InstanceLevel]]] = []
     for index, level in enumerate(placement.levels):
         if level.motion is None:
-            choices.append([(np.arange(level.count), {**level.arrays})])
+            choices.append([(np.arange(level.count), level.known_arrays)])
             continue
-        sizes = _pixel_sizes(coarse[index + 1 :], boxes[index], level, measure)
-        sampled = list(transform_samples(level.motion, [boxes[index]], sizes, tolerance_pixels, held))
+        size = _pixel_size(coarse[index + 1 :], boxes[index], level, measure)
+        sampled = level.motion.samples([boxes[index]], size, tolerance_pixels, held)
         for samples in sampled:
             if not samples.usable:
                 _report(level.motion, samples.indices, diagnostics)
-        choices.append([(samples.indices, sample_keywords(samples)) for samples in sampled if samples.usable])
+        choices.append([(samples.indices, matrix_level(samples)) for samples in sampled if samples.usable])
     counts = [level.count for level in placement.levels]
     for chosen in product(*choices):
         indices = np.zeros(1, np.int64)
         for (own, _), count in zip(reversed(chosen), reversed(counts), strict=True):
             indices = (indices[:, None] * count + own[None]).ravel()
-        yield [keywords for _, keywords in chosen], indices
+        yield [one for _, one in chosen], indices
 
 
 def _report(motion: Motion, indices: np.ndarray, diagnostics: Diagnostics) -> None:
@@ -224,34 +233,37 @@ def _report(motion: Motion, indices: np.ndarray, diagnostics: Diagnostics) -> No
         report_unusable(motion, index, diagnostics)
 
 
-def sample_keywords(samples: TransformSamples) -> dict:
-    """The translator's keywords of a level of matrices."""
-    return {
-        "times01": samples.times01,
-        "matrices": np.ascontiguousarray(samples.matrices),
-        "breakpoints01": samples.breakpoints01,
-        "periods01": np.array(sorted({period for periods in samples.periods01 for period in periods})),
-        "held": samples.held,
-    }
+def matrix_level(samples: MotionSamples) -> InstanceLevel:
+    """A level of matrices as the translator takes it."""
+    level = InstanceLevel()
+    level.times01, level.matrices = samples.times01, samples.matrices
+    level.breakpoints01 = samples.breakpoints01
+    level.periods01 = np.array(sorted({period for periods in samples.periods01 for period in periods}))
+    level.held = samples.held
+    return level
 
 
-def coarse_keywords(level: Level) -> dict:
+def coarse_level(level: Level) -> InstanceLevel:
     """A few samples of a level: how large things are seen, not how they move."""
     if level.motion is None:
-        return level.arrays
+        return level.known_arrays
     times01 = level.motion.few_times01()
-    matrices = level.motion.at_times(times01)
-    return {"times01": np.array(times01), "matrices": np.ascontiguousarray(matrices)}
+    return _plain_level(np.array(times01), np.ascontiguousarray(level.motion.at_times(times01)))
 
 
-def _pixel_sizes(outer: list[dict], box: Box, level: Level, measure: Measure) -> PixelSizes:
+def _plain_level(times01: np.ndarray, matrices: np.ndarray) -> InstanceLevel:
+    level = InstanceLevel()
+    level.times01, level.matrices = times01, matrices
+    return level
+
+
+def _pixel_size(outer: list[InstanceLevel], box: Box, level: Level, measure: Measure) -> PixelSize:
     """The size of a pixel in the space that a level leads to: one for all its things."""
     if level.motion is not None and level.motion.still:
-        return lambda corners: np.ones(corners.shape[1])
+        return PixelSize.uniform(1.0)
     image = _image(level, box)
-    identity = {"times01": np.zeros(1), "matrices": np.eye(4).reshape(1, 1, 4, 4)}
-    size = 1.0 / max(measure(outer or [identity], image), 1e-30)
-    return lambda corners: np.full(corners.shape[1], size)
+    identity = _plain_level(np.zeros(1), np.eye(4).reshape(1, 1, 4, 4))
+    return PixelSize.uniform(1.0 / max(measure(outer or [identity], image), 1e-30))
 
 
 def _image(level: Level, box: Box) -> Box:
@@ -260,8 +272,8 @@ def _image(level: Level, box: Box) -> Box:
         with np.errstate(invalid="ignore", over="ignore"):
             corners = [box.corners() @ at[..., :3] for at in level.motion.at_times(level.motion.few_times01())]
         return Box.around(np.concatenate(corners).reshape(-1, 3))
-    centres = Box.around(_usable(np.concatenate([values for _, values in level.arrays["positions"]])))
-    scales = [np.abs(_usable(values)).max(initial=0.0) for _, values in level.arrays["scales"]] or [1.0]
+    centres = Box.around(_usable(np.concatenate([values for _, values in level.known_arrays.positions])))
+    scales = [np.abs(_usable(values)).max(initial=0.0) for _, values in level.known_arrays.scales or ()] or [1.0]
     reach = float(max(scales)) * float(np.linalg.norm(box.corners()[:, :3], axis=1).max())
     with np.errstate(over="ignore"):  # What is too large is left out by the translator.
         return Box(centres.lo - reach, centres.hi + reach)
@@ -269,4 +281,4 @@ def _image(level: Level, box: Box) -> Box:
 
 def _usable(values: np.ndarray) -> np.ndarray:
     """Without those of float32[N, 3] that put an instance nowhere: the translator leaves it out."""
-    return values[(np.abs(values) <= LARGEST).all(axis=1)]
+    return values[(np.abs(values) <= LARGEST_ELEMENT).all(axis=1)]

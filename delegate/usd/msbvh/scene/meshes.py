@@ -1,22 +1,25 @@
-"""Mesh prims and implicit prims as the translator's mesh keywords, all but their transform and material."""
+"""Mesh prims and implicit prims as the translator takes them, all but their transform and material."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from .._core import MeshInput
 from ..motion.context import FrameContext, array
 from ..motion.held_values import Stretch, warn_of_change
-from ..motion.points import changes, optional_samples, rate_times, sample_points
+from ..motion.points import Samples, changes, optional_samples, rate_times, sample_points
 from ..motion.visibility import common_intervals
-from ..stage.inherited import Inherited
 from ..stage.value_types import INTS, TOKEN
 from ..stage.values import might_vary, required, value
-from .implicit import IMPLICIT_TYPES, ChooseSides, read_implicit
-from .primvars import MovingPrimvar, held_by, sample_primvar
+from .implicit import IMPLICIT_TYPES, ImplicitShape, read_implicit
+from .part import Part
+from .primvars import MovingPrimvar, find_primvar, held_by, sample_primvar
 
 PRIMVARS = (("display_color", "displayColor", 3), ("display_opacity", "displayOpacity", None))
-"""The translator's keyword of each primvar, its name, and how many columns it has."""
+"""The translator's name of each primvar, USD's, and how many columns it has."""
 
 
 def is_shape(prim: Usd.Prim) -> bool:
@@ -24,74 +27,68 @@ def is_shape(prim: Usd.Prim) -> bool:
     return prim.IsA(UsdGeom.Mesh) or prim.GetTypeName() in IMPLICIT_TYPES
 
 
-def read_shape(
-    prim: Usd.Prim,
-    context: FrameContext,
-    velocity_scale: float,
-    authored: frozenset[str],
-    choose_sides: ChooseSides,
-) -> dict | None:
-    """The translator's keywords of a mesh, without transform and material; None if there is nothing to draw.
+def read_shape(part: Part, context: FrameContext) -> tuple[MeshInput, Samples | ImplicitShape] | None:
+    """A mesh without its points, transform and material, and its points, or the shape that has them and the topology;
+    None if there is nothing to draw.
 
-    `context` has the prim's own shutter (FrameContext.scaled), `authored` are the names of its properties that
-    have opinions. `points` stands as Samples under "samples". Nothing is checked here that the translator checks.
+    `context` has the prim's own shutter (FrameContext.scaled). Nothing is checked here that the translator checks.
     """
-    is_mesh = prim.IsA(UsdGeom.Mesh)
-    mesh = (
-        _read_mesh(UsdGeom.Mesh(prim), context, velocity_scale, authored)
-        if is_mesh
-        else read_implicit(prim, context, choose_sides)
-    )
-    if mesh is None:
-        return None
-    path = str(prim.GetPath())
-    if not len(mesh["face_vertex_counts"]) and not any(len(points) for _, points in mesh["samples"].values):
-        context.diagnostics.group(path, "", "empty: it has neither faces nor points at this frame", "note")
-        return None
-    mesh.setdefault("normals", None)
-    mesh.setdefault("normals_interpolation", "vertex")
-    mesh.setdefault("normals_indices", None)
-    mesh["path"] = path
-    inherited = context.cache(Inherited).above(prim)
+    prim = part.prim
+    mesh = MeshInput()
+    path = mesh.path = prim.GetPath().pathString
+    shape: Samples | ImplicitShape | None
+    if part.is_mesh:
+        shape = _read_mesh(mesh, UsdGeom.Mesh(prim), context, part)
+        if not len(mesh.face_vertex_counts) and not any(len(points) for _, points in shape.values):
+            context.diagnostics.group(path, "", "empty: it has neither faces nor points at this frame", "note")
+            return None
+    else:
+        shape = read_implicit(prim, context)
+        if shape is None:
+            return None
     for keyword, name, columns in PRIMVARS:
-        has = f"primvars:{name}" in authored or f"primvars:{name}" in inherited
-        mesh[keyword] = sample_primvar(prim, name, columns, context) if has else None
-        if not prim.IsA(UsdGeom.Mesh):
-            mesh[keyword] = _constant(mesh[keyword], name, path, context)
-    return mesh
+        if part.authors(f"primvars:{name}"):
+            found = find_primvar(prim, name, columns, part.authored)
+            primvar = sample_primvar(found, context) if found else None
+            setattr(mesh, keyword, primvar if part.is_mesh else _constant(primvar, name, path, context))
+    return mesh, shape
 
 
-def _read_mesh(mesh: UsdGeom.Mesh, context: FrameContext, velocity_scale: float, authored: frozenset[str]) -> dict:
-    code = context.code
+def _read_mesh(target: MeshInput, mesh: UsdGeom.Mesh, context: FrameContext, part: Part) -> Samples:
+    """Fills in the target. Returns the points."""
+    code, authored = context.code, part.authored
     counts, indices = mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()
     samples, carried_by = sample_points(mesh, context, "velocities" in authored)
-    holes = array(value(mesh.GetHoleIndicesAttr(), code, INTS) if "holeIndices" in authored else None, np.int32)
+    target.face_vertex_counts = array(required(counts, code, INTS), np.int32)
+    target.face_vertex_indices = array(required(indices, code, INTS), np.int32)
+    if "holeIndices" in authored:
+        target.hole_indices = _holes(mesh, code)
+    if "orientation" in authored:
+        target.left_handed = value(mesh.GetOrientationAttr(), code, TOKEN) == UsdGeom.Tokens.leftHanded
+    target.topology_varies = changes(counts, context) or changes(indices, context)
     scheme = UsdGeom.Tokens.catmullClark
     if "subdivisionScheme" in authored:
         scheme = value(mesh.GetSubdivisionSchemeAttr(), code, TOKEN) or scheme
-    keywords = {
-        "face_vertex_counts": array(required(counts, code, INTS), np.int32),
-        "face_vertex_indices": array(required(indices, code, INTS), np.int32),
-        "hole_indices": holes if len(holes) else None,
-        "left_handed": "orientation" in authored
-        and value(mesh.GetOrientationAttr(), code, TOKEN) == UsdGeom.Tokens.leftHanded,
-        "samples": samples,
-        "topology_varies": changes(counts, context) or changes(indices, context),
-        "computed_normals": "faceted" if scheme == UsdGeom.Tokens.none else "smooth",
-        **carried_by,
-        **rate_times(context, velocity_scale),
-    }
-    if scheme == UsdGeom.Tokens.none:
-        if not authored.isdisjoint(("normals", "primvars:normals")):
-            keywords.update(_normals(mesh, context))
-    else:
+    is_polygonal = scheme == UsdGeom.Tokens.none
+    target.computed_normals = "faceted" if is_polygonal else "smooth"
+    found: dict[str, Any] = {**carried_by, **rate_times(context, part.scales.velocity)}
+    if not is_polygonal:
         message = f"'{scheme}' is not supported yet; the control cage is drawn as polygons with smooth normals"
         context.diagnostics.group(str(mesh.GetPath()), "subdivisionScheme", message)
-    return keywords
+    elif not authored.isdisjoint(("normals", "primvars:normals")):
+        found |= _normals(mesh, context)
+    for name, given in found.items():
+        setattr(target, name, given)
+    return samples
 
 
-def _normals(mesh: UsdGeom.Mesh, context: FrameContext) -> dict:
-    """Authored normals: primvars:normals, which may be indexed, before normals (UsdGeomPointBased)."""
+def _holes(mesh: UsdGeom.Mesh, code: Usd.TimeCode) -> np.ndarray | None:
+    holes = array(value(mesh.GetHoleIndicesAttr(), code, INTS), np.int32)
+    return holes if len(holes) else None
+
+
+def _normals(mesh: UsdGeom.Mesh, context: FrameContext) -> dict[str, Any]:
+    """The translator's names of authored normals: primvars:normals, which may be indexed, before normals (UsdGeomPointBased)."""
     primvar = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("normals")
     indices = None
     if primvar and primvar.HasAuthoredValue():
@@ -111,9 +108,7 @@ def _normals(mesh: UsdGeom.Mesh, context: FrameContext) -> dict:
     }
 
 
-def held_attributes(
-    prim: Usd.Prim, keywords: dict, authored: frozenset[str], context: FrameContext
-) -> list[Usd.Attribute]:
+def held_attributes(part: Part, mesh: MeshInput, context: FrameContext) -> list[Usd.Attribute]:
     """What holds until its next sample, changes within the shutter, and says which faces are drawn and how: held_at()
     reads it. Where the topology changes, the frame's stands for all of the shutter, and so does what counts its faces.
     `context` has the prim's own shutter.
@@ -121,46 +116,50 @@ def held_attributes(
     if not context.shutter.moving:
         return []
     held: list[Usd.Attribute] = []
-    for keyword, name, _ in PRIMVARS:
-        primvar = keywords[keyword]
+    for keyword, name, columns in PRIMVARS:
+        primvar = getattr(mesh, keyword)
         # A mesh says itself whether its primvar is indexed, which most are not.
-        if primvar is not None and (context.held or primvar[2] is not None or not prim.IsA(UsdGeom.Mesh)):
-            held += held_by(prim, name, context)
-    if prim.IsA(UsdGeom.Mesh):
-        held += _held_by_faces(UsdGeom.Mesh(prim), keywords, authored)
+        if primvar is not None and (context.held or primvar[2] is not None or not part.is_mesh):
+            found = find_primvar(part.prim, name, columns, part.authored)
+            held += held_by(found, context) if found else []
+    if part.is_mesh:
+        held += _held_by_faces(part, mesh)
     held = [attribute for attribute in held if might_vary(attribute)]
-    if not keywords.get("topology_varies"):
+    if not mesh.topology_varies:
         return held
     for attribute in held:
         warn_of_change(attribute, ", as its topology", context.shutter, context.diagnostics)
     return []
 
 
-def _held_by_faces(mesh: UsdGeom.Mesh, keywords: dict, authored: frozenset[str]) -> list[Usd.Attribute]:
-    subsets = UsdGeom.Subset.GetGeomSubsets(mesh, UsdGeom.Tokens.face, "materialBind")
+def _held_by_faces(part: Part, read: MeshInput) -> list[Usd.Attribute]:
+    if not part.has_children and read.normals_indices is None and "holeIndices" not in part.authored:
+        return []
+    mesh = UsdGeom.Mesh(part.prim)
+    subsets = UsdGeom.Subset.GetGeomSubsets(mesh, UsdGeom.Tokens.face, "materialBind") if part.has_children else []
     attributes = [subset.GetIndicesAttr() for subset in subsets]
-    if "holeIndices" in authored:
+    if "holeIndices" in part.authored:
         attributes.append(mesh.GetHoleIndicesAttr())
-    if keywords["normals_indices"] is not None:
+    if read.normals_indices is not None:
         attributes.append(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("normals").GetIndicesAttr())
     return attributes
 
 
-def held_at(prim: Usd.Prim, keywords: dict, stretch: Stretch, context: FrameContext) -> dict:
-    """The translator's keywords of a shape over a part of the shutter."""
-    changed: dict = {"visible": common_intervals(keywords["visible"], stretch.shown)}
+def held_at(part: Part, whole: MeshInput, stretch: Stretch, context: FrameContext) -> MeshInput:
+    """A shape over a part of the shutter."""
+    prim, mesh = part.prim, whole.copy()
+    mesh.visible = common_intervals(whole.visible, stretch.shown)
     for keyword, name, columns in PRIMVARS:
-        if keywords[keyword] is not None:
-            primvar = sample_primvar(prim, name, columns, context, stretch)
-            is_mesh = prim.IsA(UsdGeom.Mesh)
-            changed[keyword] = primvar if is_mesh else _constant(primvar, name, keywords["path"], context)
-    if prim.IsA(UsdGeom.Mesh):
-        holes = array(value(UsdGeom.Mesh(prim).GetHoleIndicesAttr(), stretch.code, INTS), np.int32)
-        changed["hole_indices"] = holes if len(holes) else None
-    if keywords["normals_indices"] is not None:
+        if getattr(whole, keyword) is not None:
+            found = find_primvar(prim, name, columns, part.authored)
+            primvar = sample_primvar(found, context, stretch) if found else None
+            setattr(mesh, keyword, primvar if part.is_mesh else _constant(primvar, name, whole.path, context))
+    if part.is_mesh:
+        mesh.hole_indices = _holes(UsdGeom.Mesh(prim), stretch.code)
+    if whole.normals_indices is not None:
         indices = value(UsdGeom.PrimvarsAPI(prim).GetPrimvar("normals").GetIndicesAttr(), stretch.code, INTS)
-        changed["normals_indices"] = array(indices, np.int32)
-    return {**keywords, **changed}
+        mesh.normals_indices = array(indices, np.int32)
+    return mesh
 
 
 def _constant(primvar: MovingPrimvar | None, name: str, path: str, context: FrameContext) -> MovingPrimvar | None:

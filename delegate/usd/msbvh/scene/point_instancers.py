@@ -9,12 +9,13 @@ from functools import cache, partial
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from .._core import InstanceLevel, Turns, uniform_turns
 from ..motion.context import FrameContext, array
 from ..motion.held_values import Stretch, stretches, values_within
 from ..motion.points import optional_samples, rate_times, rates, raw_samples
 from ..motion.times import Shutter, breakpoints_of, xform_breakpoints
 from ..motion.transforms import Motion, XformCaches
-from ..motion.turns import NO_TURNS, Turns, uniform_turns, xform_turns
+from ..motion.turns import NO_TURNS, xform_turns
 from ..motion.visibility import common_intervals
 from ..motion.xform_ops import Orders, local_transform, may_vary
 from ..stage.stage_metadata import time_codes_per_second
@@ -22,7 +23,7 @@ from ..stage.typed_twin import Twin, typed_twin
 from ..stage.value_types import FLOAT3S, QUATERNIONS
 from ..stage.values import might_vary, required, targets, value
 from .instance_choice import choose_prototypes, instances_of
-from .primvars import held_by, read_primvar, sample_primvar
+from .primvars import find_primvar, held_by, read_primvar, sample_primvar
 
 _COLOUR = "displayColor"
 
@@ -49,8 +50,8 @@ class PointInstances:
     prototype: Usd.Prim
     selected: np.ndarray
     """int32[M]: which of the instancer's instances."""
-    arrays: dict
-    """The translator's keywords of the instancer's arrays; shared by all its prototypes."""
+    arrays: InstanceLevel
+    """Of the instancer; shared by all its prototypes."""
     motion: Motion
     """instancer_from_instance, without the prototype's own transform; evaluated by USD, for lights."""
     display_color: Colours | None
@@ -96,7 +97,9 @@ def read_point_instancer(
     _warn_of_opacity(instancer, context)
     arrays = _arrays(instancer, count, context, velocity_scale)
     every = _every_instance(instancer, count, caches, context)
-    for stretch in stretches(held_by(instancer.GetPrim(), _COLOUR, context), context.shutter, context.diagnostics):
+    primvar = find_primvar(instancer.GetPrim(), _COLOUR, 3)
+    held = held_by(primvar, context) if primvar else []
+    for stretch in stretches(held, context.shutter, context.diagnostics):
         colours = _display_color(instancer, count, context, stretch)
         for index, prim in enumerate(prims):
             for selected, shown in instances_of(chosen, index):
@@ -107,24 +110,25 @@ def read_point_instancer(
                     yield PointInstances(prim, selected, arrays, motion, colour, visible)
 
 
-def _arrays(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext, velocity_scale: float) -> dict:
-    """The translator's keywords of a level of instancing (PointInstancerInput)."""
+def _arrays(
+    instancer: UsdGeom.PointInstancer, count: int, context: FrameContext, velocity_scale: float
+) -> InstanceLevel:
+    """A level of instancing, without the instances that count."""
+    level = InstanceLevel()
     orientations = _orientations(instancer, context)
     angular = instancer.GetAngularVelocitiesAttr()
     carried_by = rates(instancer.GetVelocitiesAttr(), instancer.GetAccelerationsAttr(), context)
     spun = context.shutter.moving and angular.HasAuthoredValue()
-    return {
-        "path": str(instancer.GetPath()),
-        "count": count,
-        "held": context.held,
-        "positions": raw_samples(instancer.GetPositionsAttr(), context, needs_times=bool(carried_by)),
-        "scales": optional_samples(instancer.GetScalesAttr(), context),
-        "orientations": optional_samples(orientations, context, columns=4, needs_times=spun),
-        "orientations_name": orientations.GetName(),
-        **({"angular_velocities": optional_samples(angular, context, needs_times=True)} if spun else {}),
-        **carried_by,
-        **rate_times(context, velocity_scale),
-    }
+    level.path, level.count, level.held = str(instancer.GetPath()), count, context.held
+    level.positions = raw_samples(instancer.GetPositionsAttr(), context, needs_times=bool(carried_by))
+    level.scales = optional_samples(instancer.GetScalesAttr(), context)
+    level.orientations = optional_samples(orientations, context, columns=4, needs_times=spun)
+    level.orientations_name = orientations.GetName()
+    if spun:
+        level.angular_velocities = optional_samples(angular, context, needs_times=True)
+    for name, given in {**carried_by, **rate_times(context, velocity_scale)}.items():
+        setattr(level, name, given)
+    return level
 
 
 def _orientations(instancer: UsdGeom.PointInstancer, context: FrameContext) -> Usd.Attribute:
@@ -235,25 +239,26 @@ def _display_color(
     instancer: UsdGeom.PointInstancer, count: int, context: FrameContext, stretch: Stretch
 ) -> Colours | None:
     """Of `count` instances, where displayColor varies over them. A constant one is inherited instead."""
-    primvar = sample_primvar(instancer.GetPrim(), _COLOUR, 3, context, stretch)
+    found = find_primvar(instancer.GetPrim(), _COLOUR, 3)
+    primvar = sample_primvar(found, context, stretch) if found else None
     if primvar is None or primvar[0] == "constant":
         return None
     _, values, indices = primvar
     known = len(values if isinstance(values, np.ndarray) else values[0][1])
     indices = np.arange(known) if indices is None else indices
     if len(indices) != count or indices.min() < 0 or indices.max() >= known:
-        found = f"found {len(indices)} indices into {known} values, expected one valid index an instance"
-        context.diagnostics.warning(str(instancer.GetPath()), "primvars:displayColor", f"{found}; ignored")
+        message = f"found {len(indices)} indices into {known} values, expected one valid index an instance; ignored"
+        context.diagnostics.warning(str(instancer.GetPath()), "primvars:displayColor", message)
         return None
     return each(values, lambda one: one[indices])
 
 
 def _warn_of_opacity(instancer: UsdGeom.PointInstancer, context: FrameContext) -> None:
-    primvar = read_primvar(instancer.GetPrim(), "displayOpacity", None, context)
-    if primvar is None or primvar[0] == "constant":
+    found = find_primvar(instancer.GetPrim(), "displayOpacity", None)
+    primvar = read_primvar(found, context.code) if found else None
+    if found is None or primvar is None or primvar[0] == "constant":
         return
-    attribute = UsdGeom.PrimvarsAPI(instancer).FindPrimvarWithInheritance("displayOpacity").GetAttr()
-    found = [value for value in values_within(attribute, context.shutter) if value is not None]
-    if any((np.asarray(value, float) != 1.0).any() for value in found):
+    values = [value for value in values_within(found.attribute, context.shutter) if value is not None]
+    if any((np.asarray(value, float) != 1.0).any() for value in values):
         message = "an opacity for each instance is not supported yet; the prototypes' own is drawn"
         context.diagnostics.group(str(instancer.GetPath()), "primvars:displayOpacity", message)

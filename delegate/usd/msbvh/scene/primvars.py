@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from .._core import BEFORE_JUMP01
 from ..motion.context import FrameContext, array
 from ..motion.held_values import Stretch, changes_within, values_within
-from ..motion.times import JUMP_TIME01, Shutter, sample_times
+from ..motion.times import Shutter, sample_times
 from ..stage.value_types import COLOR_PRIMVAR, FLOAT_PRIMVAR, INTS, Kind
 from ..stage.values import Unreadable, ignore, might_vary, required, value
 
@@ -19,98 +22,117 @@ MovingPrimvar = tuple[str, np.ndarray | list[tuple[float, np.ndarray]], np.ndarr
 them."""
 
 
-def read_primvar(
-    prim: Usd.Prim, name: str, columns: int | None, context: FrameContext, code: Usd.TimeCode | None = None
-) -> PrimvarInput | None:
-    """A primvar at the frame or at `code`, its own or inherited; None where none is authored.
+@dataclass(slots=True)
+class FoundPrimvar:
+    """A primvar that a prim has or inherits."""
 
-    `columns` is 3 for colours, None for scalars. A value of another type is left out with a warning.
-    """
+    prim: Usd.Prim
+    """Which has it or inherits it."""
+    primvar: UsdGeom.Primvar
+    columns: int | None
+    """3 for colours, None for scalars."""
+    attribute: Usd.Attribute
+    indexed: bool
+
+    @property
+    def kind(self) -> Kind:
+        """Of the values."""
+        return FLOAT_PRIMVAR if self.columns is None else COLOR_PRIMVAR
+
+
+def find_primvar(
+    prim: Usd.Prim, name: str, columns: int | None, authored: frozenset[str] | None = None
+) -> FoundPrimvar | None:
+    """The prim's own or an inherited one; None where none is authored. `authored`: the names of the prim's properties
+    that have opinions, which spare USD most of the search."""
+    full = f"primvars:{name}"
+    if authored is not None and full in authored:
+        attribute = prim.GetAttribute(full)
+        if attribute and attribute.HasAuthoredValue():
+            primvar = UsdGeom.Primvar(attribute)
+            indexed = f"{full}:indices" in authored and primvar.IsIndexed()
+            return FoundPrimvar(prim, primvar, columns, attribute, indexed)
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
-    if not primvar:
-        return None
+    return FoundPrimvar(prim, primvar, columns, primvar.GetAttr(), primvar.IsIndexed()) if primvar else None
+
+
+def read_primvar(found: FoundPrimvar, code: Usd.TimeCode) -> PrimvarInput | None:
+    """A primvar at a time. A value of another type is left out with a warning."""
     try:
-        return _at(primvar, columns, context.code if code is None else code)
+        values = array(required(found.attribute, code, found.kind), np.float32, found.columns)
+        if not len(values):
+            return None
+        indices = None
+        if found.indexed:
+            indices = array(required(found.primvar.GetIndicesAttr(), code, INTS), np.int32)
+        return str(found.primvar.GetInterpolation()), values, indices
     except Unreadable as fault:
         ignore(fault)
         return None
 
 
-def _at(primvar: UsdGeom.Primvar, columns: int | None, code: Usd.TimeCode) -> PrimvarInput | None:
-    values = array(required(primvar.GetAttr(), code, _kind(columns)), np.float32, columns)
-    if not len(values):
-        return None
-    indices = array(required(primvar.GetIndicesAttr(), code, INTS), np.int32) if primvar.IsIndexed() else None
-    return str(primvar.GetInterpolation()), values, indices
-
-
-def sample_primvar(
-    prim: Usd.Prim, name: str, columns: int | None, context: FrameContext, stretch: Stretch | None = None
-) -> MovingPrimvar | None:
+def sample_primvar(found: FoundPrimvar, context: FrameContext, stretch: Stretch | None = None) -> MovingPrimvar | None:
     """Like read_primvar(), over the shutter, or over that part of it. Indices are those of the frame or the part:
     where they change, held_by() says into which parts the shutter falls.
 
     Values that cannot be interpolated, since their number changes or one is not finite, are held, with a
     warning.
     """
-    at_code = read_primvar(prim, name, columns, context, stretch and stretch.code)
-    if at_code is None or not context.shutter.moving:
+    at_code = read_primvar(found, context.code if stretch is None else stretch.code)
+    if at_code is None or not context.shutter.moving or not _may_vary(found):
         return at_code
     interpolation, values, indices = at_code
-    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
-    path = str(prim.GetPath())
-    if stretch is None and (context.held or indices is not None) and held_by(prim, name, context):
+    path, name = str(found.prim.GetPath()), found.primvar.GetName()
+    if stretch is None and (context.held or indices is not None) and held_by(found, context):
         return at_code
-    samples = _samples(primvar.GetAttr(), _kind(columns), context, stretch)
+    samples = _samples(found, context, stretch)
     if all(np.array_equal(sample, values) for _, sample in samples):
         return at_code
     if any(len(sample) != len(values) for _, sample in samples):
         message = f"the number of values changes within the shutter; held the frame's {len(values)}"
-        context.diagnostics.warning(path, primvar.GetName(), message)
+        context.diagnostics.warning(path, name, message)
         return at_code
     if not np.isfinite(values).all():
         return at_code  # The translator says so: with nothing to hold, one message is enough.
     if not all(np.isfinite(sample).all() for _, sample in samples):
         message = "found a value within the shutter that is not finite; held the frame's values"
-        context.diagnostics.warning(path, primvar.GetName(), message)
+        context.diagnostics.warning(path, name, message)
         return at_code
     return interpolation, samples, indices
 
 
-def _kind(columns: int | None) -> Kind:
-    return FLOAT_PRIMVAR if columns is None else COLOR_PRIMVAR
+def _may_vary(found: FoundPrimvar) -> bool:
+    """Whether its values or its indices may change over time."""
+    return might_vary(found.attribute) or (found.indexed and might_vary(found.primvar.GetIndicesAttr()))
 
 
-def held_by(prim: Usd.Prim, name: str, context: FrameContext) -> list[Usd.Attribute]:
+def held_by(found: FoundPrimvar, context: FrameContext) -> list[Usd.Attribute]:
     """What of a primvar holds until its next sample, and changes within the shutter: indices, and the values where
     their number changes with the indices, or the stage holds all values. Each value of theirs has a track of its own.
     """
-    primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
-    if not primvar or not context.shutter.moving:
+    if not context.shutter.moving:
         return []
-    attribute, held = primvar.GetAttr(), []
-    if primvar.IsIndexed() and changes_within(primvar.GetIndicesAttr(), context.shutter):
-        held.append(primvar.GetIndicesAttr())
-    if not might_vary(attribute) or not (context.held or primvar.IsIndexed()):
+    held = []
+    if found.indexed and changes_within(found.primvar.GetIndicesAttr(), context.shutter):
+        held.append(found.primvar.GetIndicesAttr())
+    if not (context.held or found.indexed) or not might_vary(found.attribute):
         return held
-    first, *others = values_within(attribute, context.shutter)
+    first, *others = values_within(found.attribute, context.shutter)
     if any(value != first if context.held else len(value or ()) != len(first or ()) for value in others):
-        held.append(attribute)
+        held.append(found.attribute)
     return held
 
 
-def _samples(
-    attribute: Usd.Attribute, kind: Kind, context: FrameContext, stretch: Stretch | None
-) -> list[tuple[float, np.ndarray]]:
+def _samples(found: FoundPrimvar, context: FrameContext, stretch: Stretch | None) -> list[tuple[float, np.ndarray]]:
     """time01 and values; none where the attribute does not vary over the shutter."""
-    shutter = context.shutter
-    times = sample_times([attribute], shutter)
+    shutter, kind = context.shutter, found.kind
+    times = sample_times([found.attribute], shutter)
     if stretch is None or stretch.shown is None:
         codes = [(shutter.time01(time), Usd.TimeCode(time)) for time in times]
     else:
         knots = _knots(times, stretch.shown, shutter) if times else []
         codes = [(time01, shutter.time_code(time01)) for time01 in knots]
-    return [(time01, np.asarray(value(attribute, code, kind) or kind.exact())) for time01, code in codes]
+    return [(time01, np.asarray(value(found.attribute, code, kind) or kind.exact())) for time01, code in codes]
 
 
 def _knots(times: list[float], shown: np.ndarray, shutter: Shutter) -> list[float]:
@@ -119,7 +141,7 @@ def _knots(times: list[float], shown: np.ndarray, shutter: Shutter) -> list[floa
     authored = [shutter.time01(time) for time in times]
     knots: list[float] = []
     for begin, end in shown.tolist():
-        last = min(end, 1.0) - JUMP_TIME01
+        last = min(end, 1.0) - BEFORE_JUMP01
         knots += [begin, *(time01 for time01 in authored if begin < time01 < last)]
         knots += [last] if last > begin else []
     return knots

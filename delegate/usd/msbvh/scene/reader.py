@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 from pxr import Tf, Usd, UsdGeom
 
+from .._core import InstanceLevel, MeshInput, PixelSize
 from ..base.crash_line import crash_line
 from ..base.errors import Diagnostics, SceneError
 from ..camera.render_camera import RenderCamera, optics, read_camera
 from ..look.light_values import Switches
 from ..look.lights import add_lights, camera_light
 from ..look.materials import Materials
-from ..motion.boxes import Box, UniformPixelSize
+from ..motion.boxes import Box
 from ..motion.context import FrameContext
 from ..motion.motion_scales import scales_at
 from ..motion.samples import SampleLog
@@ -29,13 +30,14 @@ from ..stage.opening import tf_messages, tf_reason
 from ..stage.overs import report_overs
 from ..stage.usd_faults import leaving_out
 from ..stage.values import reported_to
-from .implicit import IMPLICIT_TYPES, SILHOUETTES
+from .implicit import SILHOUETTES
 from .instance_count import InstanceGraph
-from .instances import Placement, Placer, coarse_keywords, level_keywords
+from .instances import Placement, Placer, coarse_level, sampled_levels
+from .part import Part
 from .point_instancers import each, taken
-from .shapes import BATCH_WEIGHT, Shape, Shapes
+from .shapes import BATCH_WEIGHT, Draft, Shape, Shapes
 from .shared_shapes import MOST_PLACES, Crowd, SharedShapes
-from .traversal import WORLD, Group, Part, Traversal
+from .traversal import WORLD, Group, Traversal
 
 MAX_INSTANCES = 10_000_000
 """While they are read and their tree is built, instances take 0.8 kB each, moving ones 1 kB: these fit in 10 GB."""
@@ -137,10 +139,6 @@ def _core_translator(**settings: Any) -> Any:
         return _core.Translator(**settings)
     except _core.Error as error:
         raise SceneError(str(error)) from None
-
-
-_UNLIMITED = UniformPixelSize(float("inf"))
-"""Pixels so large that no motion is seen: for a first look at where things are."""
 
 
 class _FrameReader:
@@ -254,7 +252,8 @@ class _FrameReader:
         batch: list[Shape] = []
         weight = 0
         for part in parts:
-            shape = self._shapes.read(part, None, self._pixel)
+            draft = self._shapes.read(part, None)
+            shape = self._shapes.shape(draft, None, self._pixel) if draft else None
             if shape is not None:
                 batch.append(shape)
                 weight += shape.weight()
@@ -278,16 +277,21 @@ class _FrameReader:
         """A prototype's meshes, followed as closely as the instance asks for that is seen largest."""
         # How large a pixel is depends on the instances, and where they are on the meshes' extent.
         crowds, parts = self._crowds(group, placed)
-        coarse = [self._shapes.read(part, group.root, _UNLIMITED) for part in parts]
+        drafts: list[Draft] = []
         box = self._shared.extent(crowds)
-        for shape in filter(None, coarse):
-            box = box.union(shape.extent(self._caches, group.root))
+        for part in parts:
+            draft = self._shapes.read(part, group.root)
+            extent = self._shapes.extent(draft, group.root) if draft else None
+            if draft is not None and extent is not None:
+                drafts.append(draft)
+                box = box.union(extent)
         pixels_per_unit = max(self._pixels_per_unit(placement, box) for placement in placed)
-        pixel = UniformPixelSize(1.0 / max(pixels_per_unit, 1e-30))
+        pixel = PixelSize.uniform(1.0 / max(pixels_per_unit, 1e-30))
         self._shared.add_to_group(crowds, group.root, pixel, placed, self._levels)
         self._step(sum(len(crowd.parts) for crowd in crowds))
         if parts:
-            self._add_prototype(group, placed, list(zip(parts, coarse, strict=True)), pixel, box)
+            self._add_prototype(group, placed, drafts, pixel, box)
+            self._step(len(parts))
         self._step()
 
     def _crowds(self, group: Group, placed: list[Placement]) -> tuple[list[Crowd], list[Part]]:
@@ -300,38 +304,31 @@ class _FrameReader:
         self,
         group: Group,
         placed: list[Placement],
-        shapes: list[tuple[Part, Shape | None]],
-        pixel: UniformPixelSize,
+        drafts: list[Draft],
+        pixel: PixelSize,
         box: Box,
     ) -> None:
-        """`shapes` as a first look has found them."""
-        prototype = self._translator.begin_prototype(group.path, 1.0 / pixel.size)
+        prototype = self._translator.begin_prototype(group.path, 1.0 / pixel.per_unit)
 
-        def add(**mesh: Any) -> None:
-            self._translator.add_prototype_mesh(prototype, **mesh)
+        def add(mesh: MeshInput) -> None:
+            self._translator.add_prototype_mesh(prototype, mesh)
 
-        fine = []
-        for part, shape in shapes:
-            sized = part.prim.GetTypeName() in IMPLICIT_TYPES
-            if shape is not None and (sized or shape.mesh.get("computed_points")):
-                shape = self._shapes.read(part, group.root, pixel)  # As fine as the pixels ask.
-            self._step()
-            fine.extend([shape] if shape is not None else [])
-        self._shapes.hand_down(fine, group.root, pixel, add)
+        shapes = [shape for draft in drafts if (shape := self._shapes.shape(draft, group.root, pixel))]
+        self._shapes.hand_down(shapes, group.root, pixel, add)
         for placement in placed:
             self._add_instances(placement, prototype, box)
 
     def _pixels_per_unit(self, placement: Placement, box: Box) -> float:
-        return self._measure([coarse_keywords(level) for level in placement.levels], box)
+        return self._measure([coarse_level(level) for level in placement.levels], box)
 
-    def _measure(self, levels: list[dict], box: Box) -> float:
+    def _measure(self, levels: list[InstanceLevel], box: Box) -> float:
         if (box.lo > box.hi).any():
             return 0.0
         return self._translator.pixels_per_unit(levels=levels, box=np.array([box.lo, box.hi], np.float64))
 
-    def _levels(self, placement: Placement, box: Box) -> Iterator[tuple[list[dict], np.ndarray]]:
+    def _levels(self, placement: Placement, box: Box) -> Iterator[tuple[list[InstanceLevel], np.ndarray]]:
         tolerance, held = self._settings.motion_tolerance, self._context.held
-        return level_keywords(placement, box, self._measure, tolerance, held, self._context.diagnostics)
+        return sampled_levels(placement, box, self._measure, tolerance, held, self._context.diagnostics)
 
     def _add_instances(self, placement: Placement, prototype: int, box: Box) -> None:
         for levels, indices in self._levels(placement, box):

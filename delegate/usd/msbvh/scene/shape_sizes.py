@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
-from ..motion.boxes import Box, Pixels, corners_of
-from .implicit import SIDES, sides_for
+from .._core import PixelSize
+from ..motion.boxes import Box, corners_of
+from .implicit import SIDES, ImplicitShape, sides_for
 
 
 def stretches(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -24,26 +23,22 @@ def stretches(matrices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def sides_in_pixels(
-    matrices: np.ndarray, radius: float, box: Box, is_sphere: bool, pixels: Pixels, silhouette_pixels: float
+    matrices: np.ndarray, radius: float, box: Box, is_sphere: bool, pixel_size: PixelSize, silhouette_pixels: float
 ) -> np.ndarray:
     """int[N]: the sides of a shape of that radius in that box under each of float64[T, N, 4, 4] matrices."""
     most, least = stretches(matrices)
     if is_sphere:  # The eye may be inside of one that stands for the sky.
-        size = pixels.at_spheres(matrices[..., 3, :3], most * radius, least * radius)
+        size = pixel_size.at_shells(np.ascontiguousarray(matrices[..., 3, :3]), most * radius, least * radius)
     else:
-        size = pixels(corners_of([box]) @ matrices[..., :3])
+        size = pixel_size.at_boxes(corners_of([box]) @ matrices[..., :3])
     return sides_for(most.max(axis=0) * radius / size, silhouette_pixels)
 
 
-def side_chooser(
-    matrices: Callable[[], np.ndarray], is_sphere: bool, pixels: Pixels, silhouette_pixels: float
-) -> Callable[[float, Box], int]:
-    """Of a single shape, at float64[T, 4, 4] matrices."""
-
-    def choose(radius: float, box: Box) -> int:
-        found = matrices()[:, None]
-        if radius == 0.0 or not np.isfinite(found).all():
-            return SIDES
-        return int(sides_in_pixels(found, radius, box, is_sphere, pixels, silhouette_pixels)[0])
-
-    return choose
+def sides_of(
+    shape: ImplicitShape, matrices: np.ndarray, is_sphere: bool, pixel_size: PixelSize, silhouette_pixels: float
+) -> int:
+    """Of a single shape, under float64[T, 4, 4] matrices."""
+    if shape.radius == 0.0 or not np.isfinite(matrices).all():
+        return SIDES
+    found = sides_in_pixels(matrices[:, None], shape.radius, shape.box, is_sphere, pixel_size, silhouette_pixels)
+    return int(found[0])

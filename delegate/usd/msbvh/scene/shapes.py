@@ -3,45 +3,68 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
+from functools import cached_property, partial
 from operator import itemgetter
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from .._core import SAMPLING_SHARE, MeshInput, PixelSize, TransformSamples
 from ..look.materials import Materials
-from ..motion.boxes import Box, Pixels
+from ..motion.boxes import Box
 from ..motion.context import FrameContext
 from ..motion.held_values import stretches
 from ..motion.points import Samples
 from ..motion.times import Shutter
 from ..motion.transform_faults import report_unusable
-from ..motion.transform_sampling import SAMPLING_SHARE, TransformSamples, transform_samples
 from ..motion.transforms import XformCaches, may_move, transform_breakpoints
 from ..motion.visibility import visible_intervals
-from ..skel.skinning import read_skinning
-from ..stage.inherited import Inherited
+from ..skel.bindings import SkelBinding, read_binding
+from ..skel.skinning import Poser
 from ..stage.usd_faults import FAULTS, report_left_out
-from .implicit import ChooseSides
+from .implicit import ImplicitShape
 from .meshes import faces_by_subset, held_at, held_attributes, read_shape
-from .shape_sizes import side_chooser
-from .traversal import Part
+from .part import Part
+from .shape_sizes import sides_of
 
 BATCH_WEIGHT = 2**22
 """Points that are held in memory at once, for meshes that are evaluated together."""
 
 
+_UNLIMITED = PixelSize.uniform(float("inf"))
+"""Pixels so large that no motion is seen: for a first look at where things are."""
+
 Course = tuple[bool, tuple[float, ...], Shutter]
 
 
-@dataclass(frozen=True)
-class Shape:
-    """A mesh as it was read, before its transform is sampled."""
+@dataclass
+class Draft:
+    """A mesh that has been read, but for what depends on how large it is seen: the sides of an implicit shape, the poses
+    of a skeleton."""
 
     part: Part
-    mesh: dict
-    """The translator's keywords, all but the transform and the material."""
+    context: FrameContext
+    """With the prim's own shutter."""
+    mesh: MeshInput
+    form: Samples | ImplicitShape
+    """Its points at rest, or what has them and the topology."""
+    binding: SkelBinding | None
+    placed_by: Usd.Prim
+    """Whose transform places it: itself, or its skeleton."""
+    course: Course
+    """Whether that may vary, where it may change its course, and over which shutter."""
+    poser: Poser | None = None
+    """Of a skinned mesh, once it has been posed: it remembers the poses."""
+
+
+@dataclass
+class Shape:
+    """A mesh before its transform is sampled. Never changed once it is made."""
+
+    part: Part
+    mesh: MeshInput
+    """All but the transform and the material."""
     samples: Samples
     """Its points."""
     placed_by: Usd.Prim
@@ -56,14 +79,7 @@ class Shape:
 
     def weight(self) -> int:
         """Points in all samples, and a thousand for the prim itself."""
-        return 1000 + sum(len(points) for _, points in self.mesh["points"])
-
-    def extent(self, caches: XformCaches, root: Usd.Prim | None) -> Box:
-        """Around the points in the space of the group, at a few times."""
-        varying, breakpoints, shutter = self.course
-        motion = caches.motion([self.placed_by], root, varying, shutter, breakpoints)
-        matrices = motion.at_times(motion.few_times01())[:, 0]
-        return Box.around(np.concatenate([self.box.corners() @ matrix[:, :3] for matrix in matrices]))
+        return 1000 + sum(len(points) for _, points in self.samples.values)
 
 
 class Shapes:
@@ -83,139 +99,146 @@ class Shapes:
         self._tolerance = tolerance_pixels
         self._silhouette = silhouette_pixels
 
-    def read(self, part: Part, root: Usd.Prim | None, pixel_sizes: Pixels) -> Shape | None:
+    def read(self, part: Part, root: Usd.Prim | None) -> Draft | None:
         """A mesh and how it moves; None if it is not drawn."""
         try:
-            return self._read(part, root, pixel_sizes)
+            return self._read(part, root)
         except FAULTS as error:
             report_left_out(part.prim, error, self._context.code)
             return None
 
-    def _read(self, part: Part, root: Usd.Prim | None, pixel_sizes: Pixels) -> Shape | None:
+    def _read(self, part: Part, root: Usd.Prim | None) -> Draft | None:
         context = self._context.scaled(part.scales.blur)
-        choose_sides = self._side_chooser(part, root, context, pixel_sizes)
-        mesh = read_shape(part.prim, context, part.scales.velocity, part.authored, choose_sides)
-        if mesh is None:
+        read = read_shape(part, context)
+        if read is None:
             return None
-        placed_by, varying, breakpoints = part.prim, part.varying, part.breakpoints
-        tolerance = self._skinning_tolerance(root, context, pixel_sizes)
-        skinned = read_skinning(part.prim, mesh, context, tolerance, part.authored)
-        samples = mesh.pop("samples")
-        if skinned is not None:
-            if skinned.samples is None:
+        mesh, form = read
+        if part.blinking:
+            mesh.visible = visible_intervals(part.blinking, self._context.shutter)
+        binding = read_binding(part.prim, context, part.authored)
+        placed_by, course = part.prim, (part.varying, part.breakpoints, context.shutter)
+        if binding is not None and binding.placed_by != part.prim:
+            placed_by = binding.placed_by
+            breakpoints = tuple(transform_breakpoints(placed_by, root, context.shutter))
+            course = may_move(placed_by, root), breakpoints, context.shutter
+        return Draft(part, context, mesh, form, binding, placed_by, course)
+
+    def shape(self, draft: Draft, root: Usd.Prim | None, pixel_size: PixelSize) -> Shape | None:
+        """As fine as its size in pixels asks for; None if it is not drawn."""
+        try:
+            return self._shape(draft, root, pixel_size)
+        except FAULTS as error:
+            report_left_out(draft.part.prim, error, self._context.code)
+            return None
+
+    def _shape(self, draft: Draft, root: Usd.Prim | None, pixel_size: PixelSize) -> Shape | None:
+        part, mesh, form = draft.part, draft.mesh, draft.form
+        if isinstance(form, ImplicitShape):
+            mesh = mesh.copy()
+            samples = form.fill(mesh, self._sides(form, part, root, draft.context, pixel_size))
+        else:
+            samples = form
+        posed_at: list[float] = []
+        if draft.binding is not None:
+            poser = draft.poser or Poser(draft.binding, mesh, samples, draft.context)
+            if part.is_mesh:
+                mesh, draft.poser = mesh.copy(), poser
+            skinned = poser.skinned(partial(self._skinning_tolerance, draft, root, pixel_size))
+            if skinned is None:
                 return None
-            samples, placed_by = skinned.samples, skinned.placed_by
-            if placed_by != part.prim:
-                varying = may_move(placed_by, root)
-                breakpoints = tuple(transform_breakpoints(placed_by, root, context.shutter))
-            mesh.update(normals=skinned.normals, normals_indices=None, computed_points=True)
-            for name in ("velocities", "accelerations"):
-                mesh.pop(name, None)
-        if context.found is not None:
-            animation, posed = (skinned.animation, samples.values) if skinned is not None else (None, ())
-            times01 = [time01 for time01, _ in posed]
-            own = part.prim, part.blinking, root, context.shutter
-            context.found.shape(*own, placed_by, animation, times01)
-        mesh["visible"] = visible_intervals(part.blinking, self._context.shutter)
-        mesh.update(points=samples.values, points_held=samples.held)
-        return Shape(part, mesh, samples, placed_by, (varying, breakpoints, context.shutter))
+            samples = skinned.samples
+            mesh.normals, mesh.normals_indices = skinned.normals, None
+            mesh.velocities = mesh.accelerations = None
+            mesh.computed_points = True
+            posed_at = [time01 for time01, _ in samples.values if time01 is not None]
+        if draft.context.found is not None:
+            moved_by = draft.binding.moved_by if draft.binding is not None else None
+            own = part.prim, part.blinking, root, draft.context.shutter
+            draft.context.found.shape(*own, draft.placed_by, moved_by, posed_at)
+        mesh.points, mesh.points_held = samples.values, samples.held
+        return Shape(part, mesh, samples, draft.placed_by, draft.course)
+
+    def extent(self, draft: Draft, root: Usd.Prim | None) -> Box | None:
+        """Around the points in the space of the group, at a few times; None if it is not drawn."""
+        if draft.binding is None and isinstance(draft.form, ImplicitShape):
+            box = draft.form.box
+        else:
+            shape = self.shape(draft, root, _UNLIMITED)
+            if shape is None:
+                return None
+            box = shape.box
+        varying, breakpoints, shutter = draft.course
+        motion = self._caches.motion([draft.placed_by], root, varying, shutter, breakpoints)
+        matrices = motion.at_times(motion.few_times01())[:, 0]
+        return Box.around(np.concatenate([box.corners() @ matrix[:, :3] for matrix in matrices]))
 
     def hand_down(
-        self, shapes: list[Shape], root: Usd.Prim | None, pixel_sizes: Pixels, add: Callable[..., None]
+        self, shapes: list[Shape], root: Usd.Prim | None, pixel_size: PixelSize, add: Callable[[MeshInput], None]
     ) -> None:
         """Hands meshes to the translator with their transforms over the shutter, in their order."""
         held = self._context.held
         alike: dict[Course, list[int]] = {}
         for index, shape in enumerate(shapes):
             alike.setdefault(shape.course, []).append(index)
-        moved: dict[int, tuple[TransformSamples, int]] = {}
+        moved: dict[int, TransformSamples] = {}
         for (varying, breakpoints, shutter), same in alike.items():
             prims = [shapes[index].placed_by for index in same]
             motion = self._caches.motion(prims, root, varying, shutter, breakpoints)
             boxes = [] if motion.still else [shapes[index].box for index in same]
-            for samples in transform_samples(motion, boxes, pixel_sizes, self._tolerance, held):
+            for samples in motion.samples(boxes, pixel_size, self._tolerance, held):
                 for place, index in enumerate(samples.indices.tolist()):
                     if samples.usable:
-                        moved[same[index]] = samples, place
+                        moved[same[index]] = samples.of(place)
                     else:
                         report_unusable(motion, index, self._context.diagnostics)
-        for index, (samples, place) in sorted(moved.items(), key=itemgetter(0)):
-            for part, context in self._stretches(shapes[index]):
-                self._add_shape(part, samples, place, add, context)
+        for index, transform in sorted(moved.items(), key=itemgetter(0)):
+            for mesh, context in self._stretches(shapes[index]):
+                mesh.transform = transform
+                self._add_shape(shapes[index].part, mesh, add, context)
 
-    def _stretches(self, shape: Shape) -> Iterator[tuple[Shape, FrameContext]]:
+    def _stretches(self, shape: Shape) -> Iterator[tuple[MeshInput, FrameContext]]:
         """A mesh, once for each part of the shutter over which its faces are the same; with the context to read them
         in."""
-        prim, context = shape.part.prim, self._context.scaled(shape.part.scales.blur)
-        held = held_attributes(prim, shape.mesh, shape.part.authored, context)
+        part, context = shape.part, self._context.scaled(shape.part.scales.blur)
+        held = held_attributes(part, shape.mesh, context)
         if not held:
-            yield shape, context
+            yield shape.mesh, context
             return
         for stretch in stretches(held, context.shutter, context.diagnostics):
-            yield replace(shape, mesh=held_at(prim, shape.mesh, stretch, context)), context.at(stretch.code)
+            yield held_at(part, shape.mesh, stretch, context), context.at(stretch.code)
 
-    def _add_shape(
-        self,
-        shape: Shape,
-        transform: TransformSamples,
-        place: int,
-        add: Callable[..., None],
-        context: FrameContext,
-    ) -> None:
-        """With the materials of the subsets of `context`. Its matrices are number `place` of the samples'."""
+    def _add_shape(self, part: Part, mesh: MeshInput, add: Callable[[MeshInput], None], context: FrameContext) -> None:
+        """With the materials of the subsets of `context`."""
         if self._context.found is not None:
-            self._context.found.evaluated_shape(shape.mesh["path"], transform.times01.tolist())
-        mesh = {
-            **shape.mesh,
-            "transform_times01": transform.times01,
-            "transforms": np.ascontiguousarray(transform.matrices[:, place]),
-            "transform_breakpoints01": transform.breakpoints01,
-            "transforms_held": transform.held,
-            "transform_error_pixels": transform.error_pixels,
-        }
-        if transform.periods01 and transform.periods01[place]:
-            mesh["transform_periods01"] = np.array(transform.periods01[place])
-        prim = shape.part.prim
-        binds = self._context.cache(Inherited).binds_material(prim, shape.part.authored)
-        material = self._materials.bound_to(prim) if binds else None
-        if prim.IsA(UsdGeom.Mesh):
-            mesh["face_materials"] = self._face_materials(UsdGeom.Mesh(prim), mesh, material, context)
-        add(material=material, **mesh)
+            self._context.found.evaluated_shape(mesh.path, mesh.transform.times01.tolist())
+        mesh.material = self._materials.bound_to(part.prim) if part.binds_material else None
+        if part.is_mesh and part.has_children:
+            mesh.face_materials = self._face_materials(UsdGeom.Mesh(part.prim), mesh, context)
+        add(mesh)
 
-    def _face_materials(
-        self, prim: UsdGeom.Mesh, mesh: dict, own: int | None, context: FrameContext
-    ) -> np.ndarray | None:
+    def _face_materials(self, prim: UsdGeom.Mesh, mesh: MeshInput, context: FrameContext) -> np.ndarray | None:
         """int32: one a face, negative for none; None where no subset has a material of its own."""
-        subsets, owners = faces_by_subset(prim, len(mesh["face_vertex_counts"]), context)
+        subsets, owners = faces_by_subset(prim, len(mesh.face_vertex_counts), context)
         if not subsets:
             return None
         bound = [self._materials.bound_to(subset) for subset in subsets]
-        numbers = np.array([-1 if material is None else material for material in (*bound, own)], np.int32)
+        numbers = np.array([-1 if material is None else material for material in (*bound, mesh.material)], np.int32)
         return numbers[owners]  # Number -1, of the faces of no subset, is the last: the mesh's own.
 
-    def _side_chooser(
-        self, part: Part, root: Usd.Prim | None, context: FrameContext, pixel_sizes: Pixels
-    ) -> ChooseSides:
+    def _sides(
+        self, form: ImplicitShape, part: Part, root: Usd.Prim | None, context: FrameContext, pixel_size: PixelSize
+    ) -> int:
         """Of an implicit shape, by its size in pixels."""
+        motion = self._caches.motion([part.prim], root, part.varying, context.shutter, part.breakpoints)
+        matrices = motion.at_times(motion.few_times01())[:, 0]
+        return sides_of(form, matrices, part.prim.GetTypeName() == "Sphere", pixel_size, self._silhouette)
 
-        def matrices() -> np.ndarray:
-            motion = self._caches.motion([part.prim], root, part.varying, context.shutter, part.breakpoints)
-            return motion.at_times(motion.few_times01())[:, 0]
-
-        return side_chooser(matrices, part.prim.GetTypeName() == "Sphere", pixel_sizes, self._silhouette)
-
-    def _skinning_tolerance(
-        self, root: Usd.Prim | None, context: FrameContext, pixel_sizes: Pixels
-    ) -> Callable[[Usd.Prim, Box], float]:
-        """How far skinned points may stray between samples: a share of the tolerance, the rest of which the
+    def _skinning_tolerance(self, draft: Draft, root: Usd.Prim | None, pixel_size: PixelSize, box: Box) -> float:
+        """How far skinned points in a box may stray between samples: a share of the tolerance, the rest of which the
         track has."""
-
-        def tolerance(placed_by: Usd.Prim, box: Box) -> float:
-            motion = self._caches.motion([placed_by], root, True, context.shutter)
-            matrices = motion.at_times(motion.few_times01())[:, 0]
-            stretch = np.linalg.norm(matrices[:, :3, :3], ord=2, axis=(1, 2)).max()
-            corners = (box.corners() @ matrices[..., :3])[:, None]
-            share = SAMPLING_SHARE * self._tolerance
-            return share * float(pixel_sizes(corners)[0]) / max(stretch, 1e-30)
-
-        return tolerance
+        motion = self._caches.motion([draft.placed_by], root, True, draft.context.shutter)
+        matrices = motion.at_times(motion.few_times01())[:, 0]
+        stretch = np.linalg.norm(matrices[:, :3, :3], ord=2, axis=(1, 2)).max()
+        corners = (box.corners() @ matrices[..., :3])[:, None]
+        share = SAMPLING_SHARE * self._tolerance
+        return share * float(pixel_size.at_boxes(corners)[0]) / max(stretch, 1e-30)

@@ -10,19 +10,19 @@ from typing import Any
 import numpy as np
 from pxr import Usd
 
+from .._core import LARGEST_ELEMENT, InstanceLevel, MeshInput, PixelSize, TransformSamples
 from ..look.materials import Materials
-from ..motion.boxes import Box, Pixels
+from ..motion.boxes import Box
 from ..motion.context import FrameContext
 from ..motion.times import Shutter
 from ..motion.transform_faults import report_unusable
-from ..motion.transform_sampling import transform_samples
-from ..motion.transforms import LARGEST, Motion, XformCaches
+from ..motion.transforms import Motion, XformCaches
 from ..motion.visibility import common_intervals, visible_intervals
 from .implicit import IMPLICIT_TYPES, SIDE_COUNTS, Surface
-from .instances import Level, Placement, sample_keywords
+from .instances import Level, Placement, matrix_level
+from .part import Part
 from .shape_sizes import sides_in_pixels
 from .simple_shapes import Alike, Simple, SimpleShapes
-from .traversal import Part
 
 SHARED_FROM = 16
 """Shapes that are alike; fewer are meshes of their own, which rays find without a way through instances."""
@@ -68,7 +68,7 @@ class Crowd:
         )
 
 
-Measure = Callable[[Placement, Box], Iterator[tuple[list[dict], np.ndarray]]]
+Measure = Callable[[Placement, Box], Iterator[tuple[list[InstanceLevel], np.ndarray]]]
 """The translator's levels of a placement of things in a box, and which of its instances they are."""
 
 
@@ -156,7 +156,7 @@ class SharedShapes:
             box = box.union(Box.around(corners.reshape(-1, 3)))
         return box
 
-    def add_to_world(self, crowds: list[Crowd], pixels: Pixels) -> None:
+    def add_to_world(self, crowds: list[Crowd], pixels: PixelSize) -> None:
         """Hands down crowds that stand in the world."""
         for crowd in crowds:
             self._note(crowd, None)
@@ -164,16 +164,16 @@ class SharedShapes:
             for prototype, sized in self._by_size(crowd, pixels):
                 motion = self._motion(sized, None)
                 box = self._unit_box(sized.alike)
-                for samples in transform_samples(motion, [box], pixels, self._tolerance, self._context.held):
+                for samples in motion.samples([box], pixels, self._tolerance, self._context.held):
                     if samples.usable:
                         moved = sized.some(samples.indices)
-                        self._add(moved, moved.paths[0], prototype, [sample_keywords(samples)], visible)
+                        self._add(moved, moved.paths[0], prototype, [matrix_level(samples)], visible)
                         continue
                     for index in samples.indices.tolist():
                         report_unusable(motion, index, self._context.diagnostics)
 
     def add_to_group(
-        self, crowds: list[Crowd], root: Usd.Prim, pixels: Pixels, placed: list[Placement], measure: Measure
+        self, crowds: list[Crowd], root: Usd.Prim, pixels: PixelSize, placed: list[Placement], measure: Measure
     ) -> None:
         """Hands down the crowds of a group in each of its places."""
         for number, crowd in enumerate(crowds):
@@ -185,7 +185,7 @@ class SharedShapes:
                     visible = common_intervals(own, outer.visible)
                     chain = Placement(outer.path, outer.key, (level, *outer.levels), visible, None, outer.place)
                     for levels, indices in measure(chain, box):
-                        inner = indices[: levels[0]["matrices"].shape[1]] % level.count
+                        inner = indices[: levels[0].matrices.shape[1]] % level.count
                         everywhere = _repeated(sized, inner, indices, outer)
                         # One report for what places the group: with the first thing in it.
                         whole = number == size == 0
@@ -196,7 +196,7 @@ class SharedShapes:
             for part in crowd.parts:
                 self._context.found.shape(part.prim, part.blinking, root, crowd.shutter, part.prim)
 
-    def _by_size(self, crowd: Crowd, pixels: Pixels) -> Iterator[tuple[int, Crowd]]:
+    def _by_size(self, crowd: Crowd, pixels: PixelSize) -> Iterator[tuple[int, Crowd]]:
         """Prototypes and the shapes that they are fine enough for."""
         box, is_sphere = self._unit_box(crowd.alike), crowd.alike.kind == "Sphere"
         sides = np.zeros(len(crowd.parts), int)
@@ -212,8 +212,8 @@ class SharedShapes:
         if key not in self._prototypes:
             path = crowd.paths[0]
             self._prototypes[key] = self._translator.begin_prototype(path, 0.0)
-            mesh = _mesh_keywords(path, _unit_surface(alike, sides), alike)
-            self._translator.add_prototype_mesh(self._prototypes[key], **mesh)
+            mesh = _mesh(path, _unit_surface(alike, sides), alike)
+            self._translator.add_prototype_mesh(self._prototypes[key], mesh)
         return self._prototypes[key]
 
     def _unit_box(self, alike: Alike) -> Box:
@@ -243,7 +243,7 @@ class SharedShapes:
         crowd: Crowd,
         path: str,
         prototype: int,
-        levels: list[dict],
+        levels: list[InstanceLevel],
         visible: np.ndarray | None,
         paths: list[str] | None = None,
         whole: bool = False,
@@ -253,7 +253,7 @@ class SharedShapes:
         if found is not None:
             found.evaluated_instances(path, levels)
             for prim_path in paths:
-                found.evaluated_shape(prim_path, levels[0]["times01"])
+                found.evaluated_shape(prim_path, levels[0].times01.tolist())
         self._translator.add_instances(
             path=path,
             prototype=prototype,
@@ -280,7 +280,7 @@ def _are_sound(crowd: Crowd) -> np.ndarray:
     """bool[N]: whether instances can stand for shapes: finite, under affine matrices that are never flat, not
     even in between, and of colours that are colours."""
     matrices = crowd.root_from_unit
-    finite = (np.abs(matrices) <= LARGEST).all(axis=(0, 2, 3))
+    finite = (np.abs(matrices) <= LARGEST_ELEMENT).all(axis=(0, 2, 3))
     affine = (matrices[..., 3] == (0.0, 0.0, 0.0, 1.0)).all(axis=(0, 2))
     linear = np.where(finite[:, None, None], matrices[..., :3, :3], 0.0)
     volume = np.linalg.norm(linear, axis=-1).prod(axis=-1)
@@ -298,27 +298,13 @@ def _unit_surface(alike: Alike, sides: int) -> Surface:
     return IMPLICIT_TYPES[alike.kind].surface(*alike.parameters, sides=sides)
 
 
-def _mesh_keywords(path: str, surface: Surface, alike: Alike) -> dict:
-    opacity = None if alike.opacity is None else ("constant", np.array([alike.opacity], np.float32), None)
-    return {
-        "path": path,
-        "face_vertex_counts": surface.counts,
-        "face_vertex_indices": surface.indices,
-        "hole_indices": None,
-        "left_handed": False,
-        "points": [(0.0, surface.points.astype(np.float32))],
-        "points_held": False,
-        "transform_times01": np.zeros(1),
-        "transforms": np.eye(4)[None],
-        "transform_breakpoints01": np.zeros(0),
-        "transforms_held": False,
-        "transform_error_pixels": 0.0,
-        "normals": None,
-        "normals_interpolation": "vertex",
-        "normals_indices": None,
-        "computed_normals": "smooth" if IMPLICIT_TYPES[alike.kind].smooth else "faceted",
-        "display_color": None,
-        "display_opacity": opacity,
-        "material": None,
-        "visible": None,
-    }
+def _mesh(path: str, surface: Surface, alike: Alike) -> MeshInput:
+    mesh = MeshInput()
+    mesh.path = path
+    mesh.face_vertex_counts, mesh.face_vertex_indices = surface.counts, surface.indices
+    mesh.points = [(0.0, surface.points.astype(np.float32))]
+    mesh.transform = TransformSamples(np.zeros(1), np.eye(4)[None])
+    mesh.computed_normals = "smooth" if IMPLICIT_TYPES[alike.kind].smooth else "faceted"
+    if alike.opacity is not None:
+        mesh.display_opacity = ("constant", np.array([alike.opacity], np.float32), None)
+    return mesh

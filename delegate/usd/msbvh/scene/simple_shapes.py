@@ -15,14 +15,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from pxr import Gf, Usd, Vt
 
+from .._core import LARGEST_ELEMENT
 from ..motion.context import FrameContext
 from ..motion.times import Shutter, sample_times
-from ..motion.transforms import LARGEST
-from ..stage.inherited import Inherited
 from ..stage.values import might_vary, raw
 from .implicit import IMPLICIT_TYPES, TURNS
-from .primvars import sample_primvar
-from .traversal import Part
+from .part import Part
+from .primvars import find_primvar, sample_primvar
 
 COLOUR, OPACITY = "primvars:displayColor", "primvars:displayOpacity"
 
@@ -125,14 +124,14 @@ class SimpleShapes:
         prim, authored = part.prim, part.authored
         key = prim.GetTypeName(), authored
         recipe = self._recipes.get(key) or self._recipes.setdefault(key, _recipe(*key))
-        above = self._inherited(prim)
+        above = self._inherited(part)
         if not recipe.plain or above.skinned:
             return None
         shutter = self._context.shutter.scaled(part.scales.blur)
         values = list(recipe.fallbacks)
         for index, name in recipe.authored:
             value = self._steady(prim.GetAttribute(name), shutter)
-            if type(value) is not float or not 0.0 <= value <= LARGEST:
+            if type(value) is not float or not 0.0 <= value <= LARGEST_ELEMENT:
                 return None
             values[index] = value
         axis = raw(prim.GetAttribute("axis"), self._code) if recipe.axis else "Z"
@@ -159,11 +158,11 @@ class SimpleShapes:
                 return None
         return found
 
-    def _inherited(self, prim: Usd.Prim) -> _Above:
+    def _inherited(self, part: Part) -> _Above:
         """Siblings come one after the other."""
-        parent = prim.GetParent()
+        parent = part.prim.GetParent()
         if parent != self._parent:
-            names = self._context.cache(Inherited).above(prim)
+            names = part.inherited
             self._parent = parent
             self._above = _Above(
                 colour=self._inherited_value(parent, COLOUR, names),
@@ -177,10 +176,11 @@ class SimpleShapes:
         if name not in names:
             return None
         columns = 3 if name == COLOUR else None
-        found = sample_primvar(parent, name.removeprefix("primvars:"), columns, self._context)
-        if found is None:
+        found = find_primvar(parent, name.removeprefix("primvars:"), columns)
+        sampled = sample_primvar(found, self._context) if found else None
+        if sampled is None:
             return None
-        interpolation, values, indices = found
+        interpolation, values, indices = sampled
         if interpolation != "constant" or not isinstance(values, np.ndarray) or indices is not None:
             return _ODD
         return _single((Vt.Vec3fArray if name == COLOUR else Vt.FloatArray).FromNumpy(values))

@@ -20,11 +20,13 @@ from ..motion.transforms import transform_breakpoints
 from ..motion.visibility import changes_inside, visible_at_opening
 from ..motion.xform_ops import Orders, may_vary, resets
 from ..skel.skeletons import Skeletons
+from ..stage.inherited import inheritable, inherited_names
 from ..stage.tokens import draw_mode, inherited_purpose
 from ..stage.usd_faults import FAULTS, report_left_out
 from ..stage.value_types import BOOL, TOKEN
 from ..stage.values import value
 from .meshes import is_shape
+from .part import Part
 from .point_instancers import prototypes
 from .primvars import primvar_source
 
@@ -35,23 +37,6 @@ DEEPEST_NESTING = 100
 _DEFINED = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 _PROTOTYPE = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
 """Prototypes of point instancers may be mere overs, which keeps them out of the normal traversal."""
-
-
-@dataclass(frozen=True)
-class Part:
-    """A prim in a group."""
-
-    prim: Usd.Prim
-    varying: bool
-    """Whether a transform between the group's root and the prim, its own included, may change over time."""
-    breakpoints: tuple[float, ...] = ()
-    """Time codes inside the prim's shutter at which such a transform may change its course."""
-    scales: MotionScales = MotionScales()
-    blinking: tuple[Usd.Attribute, ...] = ()
-    """Visibilities, likewise, that change inside the shutter."""
-    authored: frozenset[str] = frozenset()
-    """Names of the prim's own properties that have opinions: most of what may be there is not, and asking once
-    is cheaper."""
 
 
 @dataclass
@@ -89,24 +74,39 @@ class _Type:
     imageable: bool
     xformable: bool
     instancer: bool
+    mesh: bool
     shape: bool
 
     @staticmethod
     def of(prim: Usd.Prim) -> _Type:
-        instancer = prim.IsA(UsdGeom.PointInstancer)
-        return _Type(prim.IsA(UsdGeom.Imageable), prim.IsA(UsdGeom.Xformable), instancer, is_shape(prim))
+        is_a = prim.IsA
+        instancer, mesh = is_a(UsdGeom.PointInstancer), is_a(UsdGeom.Mesh)
+        return _Type(is_a(UsdGeom.Imageable), is_a(UsdGeom.Xformable), instancer, mesh, is_shape(prim))
 
 
-@dataclass(frozen=True)
+_NO_TYPE = _Type(False, False, False, False, False)
+
+
+@dataclass(slots=True)
 class _State:
-    """What prims inherit on the way down."""
+    """What prims inherit on the way down. Never changed once it is made."""
 
     varying: bool
     purpose: str
+    kind: _Type = _NO_TYPE
+    """Of the prim that it holds at."""
     blinking: tuple[Usd.Attribute, ...] = ()
     breakpoints: tuple[float, ...] = ()
     scales: MotionScales = MotionScales()
     authored: frozenset[str] = frozenset()
+    inherited: frozenset[str] = frozenset()
+    """See Part."""
+    has_children: bool = False
+
+    def below(self) -> _State:
+        """What children start from."""
+        own = inheritable(self.authored)
+        return self if own <= self.inherited else replace(self, inherited=self.inherited | own)
 
 
 class Traversal:
@@ -154,9 +154,10 @@ class Traversal:
     ) -> Iterator[tuple[Usd.Prim, _State]]:
         """The visible prims of a subtree, in namespace order, down to instances and point instancers."""
         pending = [(top, state)]
+        root = group.root
         while pending:
             prim, above = pending.pop()
-            is_root = group.root is not None and prim == group.root
+            is_root = root is not None and prim == root
             try:
                 here = self._state(prim, above, is_root, group)
                 if here is None:
@@ -167,12 +168,16 @@ class Traversal:
             except FAULTS as error:
                 report_left_out(prim, error, self._context.code)
                 continue
-            yield prim, here
-            if (prim.IsInstance() and not is_root) or self._type(prim).instancer:
-                continue
-            if prim.IsInstance() and predicate is _PROTOTYPE:
+            is_instance = prim.IsInstance()
+            if is_instance and predicate is _PROTOTYPE and is_root:
                 predicate = _DEFINED  # Inside a native prototype everything is defined, seen from the instance.
-            pending.extend((child, here) for child in reversed(prim.GetFilteredChildren(predicate)))
+            children = prim.GetFilteredChildren(predicate)
+            here.has_children = bool(children)
+            yield prim, here
+            if not children or (is_instance and not is_root) or here.kind.instancer:
+                continue
+            below = here.below()
+            pending.extend((child, below) for child in reversed(children))
 
     def _type(self, prim: Usd.Prim) -> _Type:
         name = prim.GetTypeName()
@@ -180,7 +185,9 @@ class Traversal:
 
     def _leaves(self, prim: Usd.Prim, above: _State, here: _State, group: Group, predicate: object) -> bool:
         """Whether a prim resets its transform stack inside a group, and so belongs elsewhere."""
-        if group.root is None or "xformOpOrder" not in here.authored or group.key[0] == "reset":
+        if group.root is None or not here.kind.xformable or group.key[0] == "reset":
+            return False
+        if "xformOpOrder" not in here.authored:
             return False
         if not resets(UsdGeom.Xformable(prim)):
             return False
@@ -197,7 +204,7 @@ class Traversal:
         """What holds at a prim; None if it is invisible."""
         kind = self._type(prim)
         if not kind.imageable:
-            return above
+            return replace(above, kind=kind, authored=frozenset(prim.GetAuthoredPropertyNames()))
         authored = frozenset(prim.GetAuthoredPropertyNames())
         scales = above.scales
         if not authored.isdisjoint(MOTION_PROPERTIES):
@@ -211,7 +218,7 @@ class Traversal:
                 return None
         if "purpose" in authored:
             purpose = value(UsdGeom.Imageable(prim).GetPurposeAttr(), Usd.TimeCode.Default(), TOKEN) or purpose
-        state = _State(above.varying, purpose, blinking, above.breakpoints, scales, authored)
+        state = _State(above.varying, purpose, kind, blinking, above.breakpoints, scales, authored, above.inherited)
         if is_root or "xformOpOrder" not in authored or not kind.xformable:
             return state
         self._orders.check(prim, authored)
@@ -242,8 +249,18 @@ class Traversal:
     def _sort(self, prim: Usd.Prim, state: _State, group: Group) -> None:
         """Puts a prim where it belongs, or says that it is not drawn."""
         around, group = group, self._at_blur(group, state.scales.blur)
-        part = Part(prim, state.varying, state.breakpoints, state.scales, state.blinking, state.authored)
-        kind = self._type(prim)
+        kind = state.kind
+        part = Part(
+            prim,
+            state.varying,
+            state.breakpoints,
+            state.scales,
+            state.blinking,
+            state.authored,
+            state.inherited,
+            kind.mesh,
+            state.has_children,
+        )
         if is_light(prim):
             group.lights.append(part)
         if prim.IsInstance() and prim != group.root:
@@ -268,7 +285,7 @@ class Traversal:
             key = self.prototype_key(prim)
             if prim and key not in self.groups:
                 scales = scales_at(prim, self._context.shutter, self._context.diagnostics)
-                state = _State(False, inherited_purpose(prim), scales=scales)
+                state = _State(False, inherited_purpose(prim), scales=scales, inherited=inherited_names(prim))
                 self._add_group(Group(key, str(prim.GetPath()), prim, scales=scales), state, prim, _PROTOTYPE)
 
     def _at_blur(self, group: Group, blur: float) -> Group:
@@ -304,11 +321,11 @@ class Traversal:
         """A subtree inside an instance, as if there were no instance."""
         stage = instance.GetStage()
         for prefix in path.GetParentPath().GetPrefixes()[instance.GetPath().pathElementCount :]:
-            here = self._state(stage.GetPrimAtPath(prefix), state, False, group)
+            here = self._state(stage.GetPrimAtPath(prefix), state.below(), False, group)
             if here is None:
                 return
             state = here
-        self._scan(stage.GetPrimAtPath(path), state, group, _DEFINED)
+        self._scan(stage.GetPrimAtPath(path), state.below(), group, _DEFINED)
 
     def _take_skins_along(self, group: Group) -> None:
         """A skeleton places what it moves: where one has left its instance, so has all beside it."""
@@ -351,5 +368,6 @@ class Traversal:
         key = ("instance", str(prim.GetPrototype().GetPath()), inherited)
         if key not in self.groups:
             group = Group(key, str(prim.GetPath()), prim, native=True, scales=state.scales)
-            self._add_group(group, _State(False, state.purpose, scales=state.scales), prim, _DEFINED)
+            top = _State(False, state.purpose, scales=state.scales, inherited=state.inherited)
+            self._add_group(group, top, prim, _DEFINED)
         return key

@@ -37,6 +37,16 @@ class SkelBinding:
     """The skeleton's index of each joint of the mesh, -1 for one that it does not have; None: blend shapes
     act alone."""
 
+    @property
+    def placed_by(self) -> Usd.Prim:
+        """Whose transform counts: the skeleton, or the mesh itself where blend shapes alone act."""
+        return self.prim if self.joints is None else self.skeleton.GetPrim()
+
+    @property
+    def moved_by(self) -> Usd.Prim | None:
+        """What moves the joints and weights; None where the skeleton rests."""
+        return self.animation.GetPrim() if self.animation else None
+
 
 def read_binding(prim: Usd.Prim, context: FrameContext, authored: frozenset[str]) -> SkelBinding | None:
     """How a shape is skinned. None, with a warning where something is bound, if the prim is drawn at rest."""

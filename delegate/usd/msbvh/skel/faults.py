@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from pxr import Usd, UsdSkel
 
+from .._core import LARGEST_ELEMENT
 from ..motion.context import FrameContext
-from ..motion.transforms import LARGEST
 from ..stage.value_types import FLOAT3S, HALF3S, QUATERNIONS
 from ..stage.values import value
 from .bindings import SkelBinding
@@ -19,7 +19,7 @@ def report_unusable_pose(
 ) -> bool:
     """Whether float64[T, J, 4, 4] skinning transforms hold what is no number because the animation does: one
     error for it, however many meshes follow. Any other reason is left to the core."""
-    good = (np.abs(joints) <= LARGEST).all(axis=(1, 2, 3))
+    good = (np.abs(joints) <= LARGEST_ELEMENT).all(axis=(1, 2, 3))
     if good.all() or not binding.animation:
         return False
     code = codes[int(np.argmin(good))]
@@ -49,7 +49,7 @@ def report_unusable_pose(
 def _is_sound(value: object) -> bool:
     if hasattr(value, "GetReal") and hasattr(value, "GetImaginary"):
         value = (value.GetReal(), *value.GetImaginary())
-    return bool((np.abs(np.array(value, np.float64)) <= LARGEST).all())
+    return bool((np.abs(np.array(value, np.float64)) <= LARGEST_ELEMENT).all())
 
 
 def _when(code: Usd.TimeCode, context: FrameContext) -> str:

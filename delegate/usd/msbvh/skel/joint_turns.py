@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from pxr import UsdSkel
 
+from .._core import Turns
 from ..motion.times import Shutter
-from ..motion.turns import NO_TURNS, Turns
+from ..motion.turns import NO_TURNS
 
 
 def joint_turns(animation: UsdSkel.AnimQuery, shutter: Shutter) -> Turns:
@@ -15,6 +16,8 @@ def joint_turns(animation: UsdSkel.AnimQuery, shutter: Shutter) -> Turns:
     first, last = shutter.interval.min, shutter.interval.max
     inside = animation.GetJointTransformTimeSamplesInInterval(shutter.interval)
     times = np.unique([first, *inside, last])
+    if len(times) < 2:  # The shutter's ends cannot be told apart.
+        return NO_TURNS
     rotations = [_rotations(animation, time) for time in times.tolist()]
     if any(len(each) != len(rotations[0]) for each in rotations) or not len(rotations[0]):
         return NO_TURNS
@@ -27,7 +30,7 @@ def joint_turns(animation: UsdSkel.AnimQuery, shutter: Shutter) -> Turns:
     total = np.concatenate([[0.0], np.cumsum(with_parents.max(axis=1))])
     times01 = np.array([shutter.time01(time) for time in times.tolist()])
     times01[0], times01[-1] = 0.0, 1.0
-    return Turns(times01, total) if total[-1] > 0.0 else NO_TURNS
+    return Turns(times01.tolist(), total.tolist()) if total[-1] > 0.0 else NO_TURNS
 
 
 def _rotations(animation: UsdSkel.AnimQuery, time: float) -> np.ndarray:

@@ -13,21 +13,20 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from .._core import TIMES_A_TURN, MeshInput, Turns, even_level, even_times01
 from ..motion.boxes import Box
 from ..motion.context import FrameContext, array
-from ..motion.points import Samples
-from ..motion.times import even_level, even_times01
-from ..motion.transform_sampling import TIMES_A_TURN
-from ..motion.turns import NO_TURNS, Turns
+from ..motion.points import RawSamples, Samples
+from ..motion.turns import NO_TURNS
 from ..stage.value_types import FLOAT3S
 from ..stage.values import might_vary, required, value
-from .bindings import SkelBinding, read_binding
+from .bindings import SkelBinding
 from .faults import report_unusable_pose
 from .joint_turns import joint_turns
 from .skeletons import Skeletons
 
 COARSEST_LEVEL = 2
-"""Poses are sampled at 2^2 intervals at least, and at as many as joints turn for (skel_turns.py)."""
+"""Poses are sampled at 2^2 intervals at least, and at as many as joints turn for (joint_turns.py)."""
 FINEST_LEVEL = 10
 """2^10 intervals at most."""
 MOST_POINTS = 2**26
@@ -40,94 +39,74 @@ NORMAL_TOLERANCE = 0.005
 class Skinned:
     """A mesh over the shutter as its skeleton moves it."""
 
-    samples: Samples | None
-    """Points; None: the binding is wrong (an error), and the mesh is not drawn."""
+    samples: Samples
+    """Its points."""
     normals: list[tuple[float, np.ndarray]] | None
     """float32[M, 3] each, with the interpolation that the mesh has authored but no indices."""
-    placed_by: Usd.Prim
-    """Whose transform counts: the skeleton, or the mesh itself where blend shapes alone act."""
-    animation: Usd.Prim | None = None
-    """What moves the joints and weights; None where the skeleton rests."""
-
-
-def read_skinning(
-    prim: Usd.Prim,
-    mesh: dict,
-    context: FrameContext,
-    tolerance_units: Callable[[Usd.Prim, Box], float],
-    authored: frozenset[str],
-) -> Skinned | None:
-    """The skinned points and normals of a mesh; None where no skinning applies and it is drawn at rest.
-
-    `authored` are the names of its properties that have opinions. `mesh` holds the translator's keywords with the rest
-    points as "samples". Between the returned samples the straight line strays from UsdSkel's pose by at most
-    `tolerance_units(placed_by, box of the points)`, in units of the space of `placed_by`, measured at the middles of
-    the sampling intervals. Warns, naming prim and property, where a binding does not resolve.
-    """
-    binding = read_binding(prim, context, authored)
-    if binding is None:
-        return None
-    placed_by = prim if binding.joints is None else binding.skeleton.GetPrim()
-    poser = _Poser(binding, mesh, context)
-    try:
-        times01, held = _sample(poser, context, lambda box: tolerance_units(placed_by, box))
-    except _Rejected:
-        return Skinned(None, None, placed_by)
-    points = [(time01, poser.points[time01]) for time01 in times01]
-    normals = [(time01, poser.normals[time01]) for time01 in times01 if time01 in poser.normals]
-    animation = binding.animation.GetPrim() if binding.animation else None
-    return Skinned(Samples(points, held), normals or None, placed_by, animation)
 
 
 class _Rejected(Exception):
     """The core cannot use a binding, and has said why."""
 
 
-def _sample(poser: _Poser, context: FrameContext, tolerance_units: Callable[[Box], float]) -> tuple[list[float], bool]:
-    """The sample times, and whether each holds until the next."""
-    varying, authored = poser.contributing_times()
-    if not varying:
-        poser.evaluate([0.0])
-        return [0.0], False
-    breakpoints01 = [context.shutter.time01(time) for time in authored]
-    if context.held:
-        times01 = sorted({0.0, *breakpoints01})
-        poser.evaluate(times01)
-        return (times01[:1], False) if poser.still(times01) else (times01, True)
-    coarsest = max(COARSEST_LEVEL, even_level(TIMES_A_TURN * poser.turns().rate))
-    times01 = even_times01(coarsest, breakpoints01)
-    poser.evaluate(times01)
-    if poser.still(times01):
-        return times01[:1], False
-    tolerance = tolerance_units(poser.box())
-    for level in range(coarsest + 1, max(coarsest, FINEST_LEVEL) + 1):
-        finer = even_times01(level, breakpoints01)
-        if len(finer) * poser.point_count > MOST_POINTS:
-            break
-        poser.evaluate(finer)
-        if poser.follows(times01, finer, tolerance):
-            return times01, False
-        times01 = finer
-    poser.warn_of_coarse_poses(len(times01))
-    return times01, False
+class Poser:
+    """Poses a mesh at times of the shutter, each once, however often it is asked."""
 
-
-class _Poser:
-    """Poses a mesh at times of the shutter, each once."""
-
-    def __init__(self, binding: SkelBinding, mesh: dict, context: FrameContext) -> None:
+    def __init__(self, binding: SkelBinding, mesh: MeshInput, rest: Samples, context: FrameContext) -> None:
         self.points: dict[float, np.ndarray] = {}
         self.normals: dict[float, np.ndarray] = {}
         self._binding = binding
         self._context = context
         self._moving_rest = _moving_points(binding.prim, context)
-        self._rest = mesh["samples"].values[0][1]
+        self._rest = rest.values[0][1]
         if self._moving_rest is not None or binding.prim.IsA(UsdGeom.Mesh):
             self._rest = array(
                 required(UsdGeom.PointBased(binding.prim).GetPointsAttr(), context.code, FLOAT3S), np.float32, 3
             )
         self._warn_of_velocities(binding)
         self._normals, self._normal_points = _rest_normals(binding, mesh, len(self._rest), context)
+
+    def skinned(self, tolerance_units: Callable[[Box], float]) -> Skinned | None:
+        """The skinned points and normals; None, with an error, where the core cannot use the binding.
+
+        Between the samples the straight line strays from UsdSkel's pose by at most `tolerance_units(box of the points)`,
+        in units of the space that the skeleton places, measured at the middles of the sampling intervals.
+        """
+        try:
+            times01, held = self._sample(tolerance_units)
+        except _Rejected:
+            return None
+        points = [(time01, self.points[time01]) for time01 in times01]
+        normals = [(time01, self.normals[time01]) for time01 in times01 if time01 in self.normals]
+        return Skinned(Samples(points, held), normals or None)
+
+    def _sample(self, tolerance_units: Callable[[Box], float]) -> tuple[list[float], bool]:
+        """The sample times, and whether each holds until the next."""
+        varying, authored = self.contributing_times()
+        if not varying:
+            self.evaluate([0.0])
+            return [0.0], False
+        breakpoints01 = [self._context.shutter.time01(time) for time in authored]
+        if self._context.held:
+            times01 = sorted({0.0, *breakpoints01})
+            self.evaluate(times01)
+            return (times01[:1], False) if self.still(times01) else (times01, True)
+        coarsest = max(COARSEST_LEVEL, even_level(TIMES_A_TURN * self.turns().rate))
+        times01 = even_times01(coarsest, breakpoints01)
+        self.evaluate(times01)
+        if self.still(times01):
+            return times01[:1], False
+        tolerance = tolerance_units(self.box())
+        for level in range(coarsest + 1, max(coarsest, FINEST_LEVEL) + 1):
+            finer = even_times01(level, breakpoints01)
+            if len(finer) * self.point_count > MOST_POINTS:
+                break
+            self.evaluate(finer)
+            if self.follows(times01, finer, tolerance):
+                return times01, False
+            times01 = finer
+        self.warn_of_coarse_poses(len(times01))
+        return times01, False
 
     def _warn_of_velocities(self, binding: SkelBinding) -> None:
         velocities = binding.prim.GetAttribute("velocities")
@@ -287,17 +266,17 @@ def _moving_points(prim: Usd.Prim, context: FrameContext) -> Usd.Attribute | Non
 
 
 def _rest_normals(
-    binding: SkelBinding, mesh: dict, point_count: int, context: FrameContext
+    binding: SkelBinding, mesh: MeshInput, point_count: int, context: FrameContext
 ) -> tuple[np.ndarray | None, np.ndarray | None]:
     """The rest normals at the frame without indices, and the point of each; None for one normal a point."""
-    if mesh.get("normals") is None:
+    if mesh.normals is None:
         return None, None
     path = str(binding.prim.GetPath())
-    values, interpolation = _nearest(mesh["normals"], context), mesh["normals_interpolation"]
-    if len(mesh["normals"]) > 1:
+    values, interpolation = _nearest(mesh.normals, context), mesh.normals_interpolation
+    if len(mesh.normals) > 1:
         message = "the rest normals of a skinned mesh change within the shutter; held the frame's"
         context.diagnostics.group(path, "normals", message)
-    indices = mesh.get("normals_indices")
+    indices = mesh.normals_indices
     if indices is not None:
         if len(indices) and (indices.min() < 0 or indices.max() >= len(values)):
             message = f"found an index outside 0 to {len(values) - 1}; left out"
@@ -309,15 +288,15 @@ def _rest_normals(
     if interpolation in ("vertex", "varying"):
         return values, None
     if interpolation == "faceVarying":
-        return values, mesh["face_vertex_indices"]
+        return values, mesh.face_vertex_indices
     message = f"{interpolation} normals of a skinned mesh have no joints to follow; left out"
     context.diagnostics.group(path, "normals", message)
     return None, None
 
 
-def _nearest(samples: list[tuple[float, np.ndarray]], context: FrameContext) -> np.ndarray:
+def _nearest(samples: RawSamples, context: FrameContext) -> np.ndarray:
     """The sample next to the frame."""
     if len(samples) == 1:
         return samples[0][1]
     at_frame = context.shutter.frame01_unclamped
-    return min(samples, key=lambda sample: abs(sample[0] - at_frame))[1]
+    return min(samples, key=lambda sample: abs((sample[0] or 0.0) - at_frame))[1]

@@ -1,0 +1,61 @@
+#include "delegate/translate/look/light_radiance.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace msbvh::translate {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Vec3d axis(const Matrix4d& m, std::size_t row) { return {m[4 * row], m[4 * row + 1], m[4 * row + 2]}; }
+
+// Knud Thomsen's formula for ellipsoids, exact for spheres, otherwise within 1.1 %.
+double ellipsoid_area(double a, double b, double c) {
+  constexpr double kP = 1.6075;
+  const double mean = (std::pow(a * b, kP) + std::pow(a * c, kP) + std::pow(b * c, kP)) / 3.0;
+  return 4.0 * kPi * std::pow(mean, 1.0 / kP);
+}
+
+// Of a disc of directions, by their cosine to its middle.
+double weighted_solid_angle(double angle_degrees) {
+  const double half = angle_degrees * kPi / 360.0, sine = std::sin(half);
+  return kPi * (half <= kPi / 2.0 ? sine * sine : 2.0 - sine * sine);
+}
+
+double size_of(LightKind kind, const LightSizes& sizes, const Matrix4d& m) {
+  switch (kind) {
+    case LightKind::kSphere:
+      return ellipsoid_area(sizes.radius * length(axis(m, 0)), sizes.radius * length(axis(m, 1)),
+                            sizes.radius * length(axis(m, 2)));
+    case LightKind::kRect:
+      return sizes.width * sizes.height * length(cross(axis(m, 0), axis(m, 1)));
+    case LightKind::kDistant:
+      return weighted_solid_angle(sizes.angle_degrees);
+    default:
+      return 1.0;
+  }
+}
+
+}  // namespace
+
+Vec3d light_emission(double intensity, double exposure, const Vec3d& color, const Vec3d& temperature) {
+  const double strength = intensity * std::exp2(exposure);
+  return {strength * color.x * temperature.x, strength * color.y * temperature.y,
+          strength * color.z * temperature.z};
+}
+
+double light_normalization(LightKind kind, const LightSizes& sizes, const Matrix4d& world_from_light) {
+  const double size = size_of(kind, sizes, world_from_light);
+  return size > 0.0 ? size : 1.0;
+}
+
+Vec3d light_radiance(LightKind kind, const Vec3d& emission, const LightSizes& sizes, bool normalize,
+                     const Matrix4d& world_from_light) {
+  const double divisor = normalize ? light_normalization(kind, sizes, world_from_light) : 1.0;
+  // Radiant intensity: what a small normalised sphere, pi r^2 L / (4 pi r^2), tends to.
+  const double share = kind == LightKind::kSphere && sizes.radius == 0.0 ? 0.25 : 1.0;
+  return {emission.x / divisor * share, emission.y / divisor * share, emission.z / divisor * share};
+}
+
+}  // namespace msbvh::translate

@@ -1,0 +1,89 @@
+// MeshInput: a mesh's attributes, set one by one, to translate::MeshInput.
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+
+#include "delegate/usd/bindings/attributes.h"
+#include "delegate/usd/bindings/bindings.h"
+#include "delegate/usd/bindings/choices.h"
+#include "delegate/usd/bindings/mesh_object.h"
+
+namespace nb = nanobind;
+
+namespace msbvh::python {
+namespace {
+
+using namespace msbvh::translate;
+
+constexpr Attribute<MeshObject> kAttributes[] = {
+    {"path", &MeshObject::path},
+    {"face_vertex_counts", &MeshObject::face_vertex_counts},
+    {"face_vertex_indices", &MeshObject::face_vertex_indices},
+    {"hole_indices", &MeshObject::hole_indices},
+    {"left_handed", &MeshObject::left_handed},
+    {"points", &MeshObject::points},
+    {"points_held", &MeshObject::points_held},
+    {"velocities", &MeshObject::velocities},
+    {"accelerations", &MeshObject::accelerations},
+    {"frame01", &MeshObject::frame01},
+    {"seconds_per_shutter", &MeshObject::seconds_per_shutter},
+    {"velocity_scale", &MeshObject::velocity_scale},
+    {"topology_varies", &MeshObject::topology_varies},
+    {"computed_points", &MeshObject::computed_points},
+    {"visible", &MeshObject::visible},
+    {"transform", &MeshObject::transform},
+    {"normals", &MeshObject::normals},
+    {"normals_interpolation", &MeshObject::normals_interpolation},
+    {"normals_indices", &MeshObject::normals_indices},
+    {"computed_normals", &MeshObject::computed_normals},
+    {"display_color", &MeshObject::display_color},
+    {"display_opacity", &MeshObject::display_opacity},
+    {"material", &MeshObject::material},
+    {"face_materials", &MeshObject::face_materials},
+};
+
+const nb::object& needed(const nb::object& given, const char* name) {
+  return required(given, "MeshInput", name);
+}
+
+}  // namespace
+
+MeshObject::MeshObject() { set_to_none(*this, kAttributes); }
+
+MeshInput MeshObject::input(Borrowed& borrowed) const {
+  MeshInput mesh;
+  mesh.path = value_from<std::string>(needed(path, "path"), "path", "a str");
+  mesh.face_vertex_counts =
+      borrowed.ints(needed(face_vertex_counts, "face_vertex_counts"), "face_vertex_counts");
+  mesh.face_vertex_indices =
+      borrowed.ints(needed(face_vertex_indices, "face_vertex_indices"), "face_vertex_indices");
+  mesh.hole_indices = borrowed.ints(hole_indices, "hole_indices");
+  take(mesh.left_handed, left_handed, "left_handed", "a bool");
+  bool held = false;
+  take(held, points_held, "points_held", "a bool");
+  mesh.points = borrowed.samples(needed(points, "points"), "points", held);
+  mesh.rates = {borrowed.samples(velocities, "velocities", held),
+                borrowed.samples(accelerations, "accelerations", held)};
+  take(mesh.time_remap.frame01, frame01, "frame01", "a float");
+  take(mesh.time_remap.seconds_per_shutter, seconds_per_shutter, "seconds_per_shutter", "a float");
+  take(mesh.time_remap.velocity_scale, velocity_scale, "velocity_scale", "a float");
+  take(mesh.topology_varies, topology_varies, "topology_varies", "a bool");
+  take(mesh.computed_points, computed_points, "computed_points", "a bool");
+  mesh.visible = visible_from(visible);
+  mesh.world_from_object =
+      value_from<TransformSamples>(needed(transform, "transform"), "transform", "a TransformSamples");
+  mesh.normals = borrowed.samples(normals, "normals", held);
+  take(mesh.normals_interpolation, normals_interpolation, "normals_interpolation", "a str");
+  mesh.normals_indices = borrowed.ints(normals_indices, "normals_indices");
+  std::string computed = "faceted";
+  take(computed, computed_normals, "computed_normals", "a str");
+  mesh.computed_normals = computed_normals_from(computed);
+  mesh.display_color = borrowed.primvar<Vec3f>(display_color, "display_color");
+  mesh.display_opacity = borrowed.primvar<float>(display_opacity, "display_opacity");
+  take(mesh.material, material, "material", "an int or None");
+  mesh.face_materials = borrowed.ints(face_materials, "face_materials");
+  return mesh;
+}
+
+void bind_mesh(nb::module_& m) { bind_attributes(m, "MeshInput", kAttributes); }
+
+}  // namespace msbvh::python

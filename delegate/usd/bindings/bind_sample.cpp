@@ -1,0 +1,271 @@
+// How densely motion is sampled: a Python object as translate::MotionSource, and what says how far things
+// turn.
+#include <algorithm>
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "delegate/translate/sample/even_times.h"
+#include "delegate/translate/sample/sampler.h"
+#include "delegate/translate/time_layout.h"
+#include "delegate/usd/bindings/arguments.h"
+#include "delegate/usd/bindings/arrays.h"
+#include "delegate/usd/bindings/bindings.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace msbvh::python {
+namespace {
+
+using namespace msbvh::translate;
+
+nb::object indices(std::span<const std::uint32_t> which) {
+  return owned_array<std::int64_t>(std::vector<std::int64_t>(which.begin(), which.end()), {which.size()});
+}
+
+// A Python object with the same members; evaluate() gives float64[T, M, 4, 4].
+class PythonMotion : public MotionSource {
+ public:
+  explicit PythonMotion(nb::handle motion) : motion_(motion) {}
+
+  std::size_t count() const override { return nb::cast<std::size_t>(motion_.attr("count")); }
+  bool still() const override { return nb::cast<bool>(motion_.attr("still")); }
+  std::vector<double> breakpoints01() const override {
+    return nb::cast<std::vector<double>>(motion_.attr("breakpoints01"));
+  }
+  Turns turns(std::uint32_t which) const override { return nb::cast<Turns>(motion_.attr("turns")(which)); }
+  void evaluate(std::span<const double> times01, std::span<const std::uint32_t> which,
+                std::span<Matrix4d> out) const override {
+    const nb::object times = nb::cast(std::vector<double>(times01.begin(), times01.end()));
+    const nb::object found = motion_.attr("evaluate")(times, indices(which));
+    const AnyArray array = checked_array<double>(found, "evaluate()", {times01.size(), which.size(), 4, 4});
+    std::ranges::copy(elements<Matrix4d>(array), out.begin());
+  }
+
+ private:
+  nb::handle motion_;
+};
+
+std::vector<Box3d> boxes_from(nb::handle array) {
+  const AnyArray ends = checked_array<double>(array, "boxes", {kAnySize, 2, 3});
+  std::vector<Box3d> boxes;
+  const std::span<const Vec3d> corners = elements<Vec3d>(ends);
+  for (std::size_t i = 0; i < corners.size(); i += 2) boxes.push_back({corners[i], corners[i + 1]});
+  return boxes;
+}
+
+std::vector<MotionSamples> sampled(nb::handle motion, nb::handle boxes, const PixelSize& pixel_size,
+                                   double tolerance_pixels, bool held) {
+  return sample_motion(PythonMotion(motion), boxes_from(boxes), pixel_size, tolerance_pixels, held);
+}
+
+PixelSize pixel_size(nb::handle camera_box, bool perspective, double per_unit, double near) {
+  const AnyArray ends = checked_array<double>(camera_box, "camera_box", {2, 3});
+  const std::span<const Vec3d> corners = elements<Vec3d>(ends);
+  return PixelSize({corners[0], corners[1]}, perspective, per_unit, near);
+}
+
+// The smallest size at each of N things over T times, whose boxes have these corners: float64[T, N, 8, 3].
+nb::object at_boxes(const PixelSize& pixel_size, nb::handle corners) {
+  const AnyArray array = checked_array<double>(corners, "corners", {kAnySize, kAnySize, 8, 3});
+  const std::size_t things = array.shape(1);
+  std::vector<Box3d> boxes(things);
+  const std::span<const Vec3d> points = elements<Vec3d>(array);
+  for (std::size_t i = 0; i < points.size(); ++i) boxes[i / 8 % things].grow(points[i]);
+  std::vector<double> sizes;
+  for (const Box3d& box : boxes) sizes.push_back(pixel_size.at_box(box));
+  return owned_array<double>(sizes, {things});
+}
+
+// The same at shells about float64[T, N, 3] centres, of float64[T, N] radii.
+nb::object at_shells(const PixelSize& pixel_size, nb::handle centres, nb::handle outer, nb::handle inner) {
+  const AnyArray array = checked_array<double>(centres, "centres", {kAnySize, kAnySize, 3});
+  const std::size_t times = array.shape(0), things = array.shape(1);
+  const AnyArray out = checked_array<double>(outer, "outer", {times, things});
+  const AnyArray in = checked_array<double>(inner, "inner", {times, things});
+  std::vector<double> sizes(things, INFINITY);
+  for (std::size_t i = 0; i < times * things; ++i) {
+    const double size =
+        pixel_size.at_shell(elements<Vec3d>(array)[i], elements<double>(out)[i], elements<double>(in)[i]);
+    sizes[i % things] = std::min(sizes[i % things], size);
+  }
+  return owned_array<double>(sizes, {things});
+}
+
+std::vector<double> flattened(const std::vector<std::vector<double>>& rows) {
+  std::vector<double> all;
+  for (const std::vector<double>& row : rows) {
+    if (row.size() != rows.front().size()) throw nb::value_error("values: expected as many each time");
+    all.insert(all.end(), row.begin(), row.end());
+  }
+  return all;
+}
+
+Turns turns_of_angles(const std::vector<double>& times01, const std::vector<std::vector<double>>& degrees,
+                      const std::vector<double>& loop_periods01) {
+  if (degrees.size() != times01.size()) throw nb::value_error("degrees: expected one row a time");
+  const std::size_t axes = degrees.empty() ? 0 : degrees.front().size();
+  return angle_turns(times01, flattened(degrees), axes, loop_periods01);
+}
+
+// Rows of (i, j, k, real).
+Turns turns_of_orientations(const std::vector<double>& times01,
+                            const std::vector<std::vector<double>>& rows) {
+  std::vector<Quatd> orientations;
+  for (const std::vector<double>& row : rows) {
+    if (row.size() != 4) throw nb::value_error("orientations: expected four numbers each");
+    orientations.push_back({row[0], row[1], row[2], row[3]});
+  }
+  if (orientations.size() != times01.size()) throw nb::value_error("orientations: expected one a time");
+  return orientation_turns(times01, orientations);
+}
+
+void bind_turns(nb::module_& m) {
+  nb::class_<Turns>(m, "Turns")
+      .def(nb::init<>())
+      .def(nb::init<std::vector<double>, std::vector<double>, std::vector<double>>(), "times01"_a, "total"_a,
+           "periods01"_a = std::vector<double>{})
+      .def("__add__", &Turns::operator+, "other"_a)
+      .def_prop_ro("times01", &Turns::times01)
+      .def_prop_ro("total", &Turns::total)
+      .def_prop_ro("periods01", &Turns::periods01)
+      .def_prop_ro("rate", &Turns::rate)
+      .def_prop_ro("none", &Turns::none)
+      .def("at", &Turns::at, "time01"_a)
+      .def(
+          "within",
+          [](const Turns& turns, const std::vector<double>& ends01) { return turns.within(ends01); },
+          "ends01"_a);
+  m.def("uniform_turns", &uniform_turns, "turns"_a);
+  m.def("angle_turns", &turns_of_angles, "times01"_a, "degrees"_a,
+        "loop_periods01"_a = std::vector<double>{});
+  m.def("orientation_turns", &turns_of_orientations, "times01"_a, "orientations"_a);
+  m.def(
+      "usable_periods01", [](const std::vector<double>& all) { return usable_periods01(all); },
+      "periods01"_a);
+}
+
+// Read-only, without a copy.
+template <typename Element>
+nb::ndarray<nb::numpy, const double> view(const std::vector<Element>& values,
+                                          std::initializer_list<std::size_t> shape) {
+  return {values.data(), shape};
+}
+
+TransformSamples transform_samples(nb::handle times01, nb::handle matrices,
+                                   std::optional<std::vector<double>> breakpoints01, bool held,
+                                   double error_pixels, std::vector<double> periods01) {
+  const AnyArray times = checked_array<double>(times01, "times01", {kAnySize});
+  const AnyArray array = checked_array<double>(matrices, "matrices", {times.shape(0), 4, 4});
+  const std::span<const double> all_times = elements<double>(times);
+  const std::span<const Matrix4d> all = elements<Matrix4d>(array);
+  return {{all_times.begin(), all_times.end()},
+          {all.begin(), all.end()},
+          std::move(breakpoints01),
+          held,
+          error_pixels,
+          std::move(periods01)};
+}
+
+void bind_transforms(nb::module_& m) {
+  nb::class_<TransformSamples>(m, "TransformSamples")
+      .def(
+          "__init__",
+          [](TransformSamples* self, nb::handle times01, nb::handle matrices,
+             std::optional<std::vector<double>> breakpoints01, bool held, double error_pixels,
+             std::vector<double> periods01) {
+            new (self) TransformSamples(transform_samples(times01, matrices, std::move(breakpoints01), held,
+                                                          error_pixels, std::move(periods01)));
+          },
+          "times01"_a, "matrices"_a, "breakpoints01"_a.none() = nb::none(), "held"_a = false,
+          "error_pixels"_a = 0.0, "periods01"_a = std::vector<double>{})
+      .def_prop_ro(
+          "times01", [](const TransformSamples& s) { return view(s.times01, {s.times01.size()}); },
+          nb::rv_policy::reference_internal)
+      .def_prop_ro(
+          "matrices",
+          [](const TransformSamples& s) {
+            return view(s.matrices, {s.matrices.size(), 4, 4});
+          },
+          nb::rv_policy::reference_internal)
+      .def_ro("breakpoints01", &TransformSamples::breakpoints01)
+      .def_ro("held", &TransformSamples::held)
+      .def_ro("error_pixels", &TransformSamples::error_pixels)
+      .def_ro("periods01", &TransformSamples::periods01);
+}
+
+void bind_samples(nb::module_& m) {
+  nb::class_<MotionSamples>(m, "MotionSamples")
+      .def_prop_ro("indices", [](const MotionSamples& s) { return indices(s.which); })
+      .def_prop_ro(
+          "times01", [](const MotionSamples& s) { return view(s.times01, {s.times01.size()}); },
+          nb::rv_policy::reference_internal)
+      .def_prop_ro(
+          "matrices",
+          [](const MotionSamples& s) {
+            return view(s.matrices, {s.times01.size(), s.which.size(), 4, 4});
+          },
+          nb::rv_policy::reference_internal)
+      .def_prop_ro(
+          "breakpoints01",
+          [](const MotionSamples& s) { return view(s.breakpoints01, {s.breakpoints01.size()}); },
+          nb::rv_policy::reference_internal)
+      .def_ro("held", &MotionSamples::held)
+      .def_ro("error_pixels", &MotionSamples::error_pixels)
+      .def_ro("periods01", &MotionSamples::periods01)
+      .def_ro("usable", &MotionSamples::usable)
+      .def("of", &MotionSamples::of, "place"_a);
+  m.def("sample_motion", &sampled, "motion"_a, "boxes"_a, "pixel_size"_a, "tolerance_pixels"_a, "held"_a);
+}
+
+void bind_times(nb::module_& m) {
+  nb::enum_<Density>(m, "Density")
+      .value("CAMERA", Density::kCamera)
+      .value("LIGHT", Density::kLight)
+      .value("GLANCE", Density::kGlance);
+  m.def("even_level", &even_level, "intervals"_a);
+  m.def(
+      "even_times01",
+      [](int level, const std::vector<double>& breakpoints01, bool held) {
+        return even_times01(level, breakpoints01, held);
+      },
+      "level"_a, "breakpoints01"_a, "held"_a = false);
+  m.def(
+      "dense_times01",
+      [](Density density, double turns, const std::vector<double>& breakpoints01, bool held) {
+        return dense_times01(density, turns, breakpoints01, held);
+      },
+      "density"_a, "turns"_a, "breakpoints01"_a, "held"_a = false);
+}
+
+}  // namespace
+
+void bind_sample(nb::module_& m) {
+  m.attr("FINEST_LEVEL") = kFinestLevel;
+  m.attr("LARGEST_ELEMENT") = kLargestElement;
+  m.attr("MOST_REPEATS") = kMostRepeats;
+  m.attr("MOST_TURNS_FOLLOWED") = kMostTurnsFollowed;
+  m.attr("BEFORE_JUMP01") = kBeforeJump01;
+  m.attr("SAMPLING_SHARE") = kSamplingShare;
+  m.attr("TIMES_A_TURN") = kTimesATurn;
+  nb::class_<PixelSize>(m, "PixelSize")
+      .def(
+          "__init__",
+          [](PixelSize* self, nb::handle camera_box, bool perspective, double per_unit, double near) {
+            new (self) PixelSize(pixel_size(camera_box, perspective, per_unit, near));
+          },
+          "camera_box"_a, "perspective"_a, "per_unit"_a, "near"_a)
+      .def_static("uniform", &PixelSize::uniform, "size"_a)
+      .def_prop_ro("per_unit", &PixelSize::per_unit)
+      .def("at_boxes", &at_boxes, "corners"_a)
+      .def("at_shells", &at_shells, "centres"_a, "outer"_a, "inner"_a);
+  bind_transforms(m);
+  bind_turns(m);
+  bind_times(m);
+  bind_samples(m);
+}
+
+}  // namespace msbvh::python

@@ -1,0 +1,28 @@
+// A mesh on its way from Python to the translator: msbvh._core.MeshInput.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include "delegate/translate/inputs.h"
+#include "delegate/usd/bindings/arguments.h"
+
+namespace msbvh::python {
+
+// Python objects under the names of translate::MeshInput, None where nothing is given. They are looked at
+// when the mesh is handed down.
+struct MeshObject {
+  nanobind::object path, face_vertex_counts, face_vertex_indices, hole_indices, left_handed;
+  nanobind::object points, points_held, velocities, accelerations;
+  nanobind::object frame01, seconds_per_shutter, velocity_scale;
+  nanobind::object topology_varies, computed_points, visible, transform;
+  nanobind::object normals, normals_interpolation, normals_indices, computed_normals;
+  nanobind::object display_color, display_opacity, material, face_materials;
+
+  MeshObject();
+
+  // What it borrows lives as long as `borrowed`. TypeError or ValueError, naming the attribute, for what does
+  // not fit.
+  translate::MeshInput input(Borrowed& borrowed) const;
+};
+
+}  // namespace msbvh::python

@@ -1,0 +1,175 @@
+"""The part of _core that says where and how densely motion is sampled (delegate/translate/sample)."""
+
+import enum
+from collections.abc import Iterable, Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+F64 = NDArray[np.float64]
+
+FINEST_LEVEL: int
+"""2^FINEST_LEVEL intervals: the most segments that a track has."""
+LARGEST_ELEMENT: float
+"""Of a usable matrix."""
+MOST_REPEATS: float
+"""Motion that repeats at most so often in the shutter is kept as one period."""
+MOST_TURNS_FOLLOWED: float
+"""Of a camera or a light in the shutter."""
+BEFORE_JUMP01: float
+"""How long before a jump its last old value is sampled."""
+SAMPLING_SHARE: float
+"""Of the tolerance: by how much interpolation between samples may stray from the stage."""
+TIMES_A_TURN: float
+"""What is sampled so densely at least cannot pass for something slower, or for rest."""
+
+class Density(enum.Enum):
+    """What evenly spaced times are for."""
+
+    CAMERA = ...
+    LIGHT = ...
+    GLANCE = ...
+
+class PixelSize:
+    """How large a pixel is in the world, seen from a camera that may move; the smallest size counts."""
+
+    def __init__(self, camera_box: F64, perspective: bool, per_unit: float, near: float) -> None:
+        """``camera_box`` is float64[2, 3], lo and hi, around the eye over the shutter; ``per_unit`` are world units a
+        pixel, at unit distance (perspective) or anywhere. No distance counts as less than ``near``."""
+    @staticmethod
+    def uniform(size: float) -> PixelSize:
+        """As large everywhere."""
+    @property
+    def per_unit(self) -> float: ...
+    def at_boxes(self, corners: F64) -> F64:
+        """float64[N] at things whose boxes have float64[T, N, 8, 3] corners over time."""
+    def at_shells(self, centres: F64, outer: F64, inner: F64) -> F64:
+        """float64[N] at surfaces between spheres of float64[T, N] radii about float64[T, N, 3] centres."""
+
+class Turns:
+    """An upper bound on the whole turns that a motion has made since the shutter opened."""
+
+    def __init__(
+        self, times01: Sequence[float] = ..., total: Sequence[float] = ..., periods01: Sequence[float] = ...
+    ) -> None:
+        """``times01`` increase from 0 to 1; ``total`` starts at 0 and does not decrease. Turns() is none."""
+    def __add__(self, other: Turns) -> Turns:
+        """Of a product of both motions."""
+    @property
+    def times01(self) -> list[float]: ...
+    @property
+    def total(self) -> list[float]: ...
+    @property
+    def periods01(self) -> list[float]:
+        """Shares of the shutter after which the motion may repeat."""
+    @property
+    def rate(self) -> float:
+        """Turns a shutter at the fastest."""
+    @property
+    def none(self) -> bool: ...
+    def at(self, time01: float) -> float:
+        """Turns made by then."""
+    def within(self, ends01: Sequence[float]) -> list[float]:
+        """Between neighbours of increasing times, as if each stretch had the largest rate that occurs in it."""
+
+class MotionSource(Protocol):
+    """Things that move together: what sample_motion() asks a front-end for."""
+
+    @property
+    def count(self) -> int: ...
+    @property
+    def still(self) -> bool: ...
+    @property
+    def breakpoints01(self) -> Sequence[float]: ...
+    def turns(self, index: int) -> Turns: ...
+    def evaluate(self, times01: list[float], which: NDArray[np.int64]) -> F64:
+        """float64[T, M, 4, 4]."""
+
+class TransformSamples:
+    """A transform at increasing times, interpolated between them and held outside; one sample: still. Arrays are views."""
+
+    def __init__(
+        self,
+        times01: F64,
+        matrices: F64,
+        breakpoints01: Sequence[float] | None = None,
+        held: bool = False,
+        error_pixels: float = 0.0,
+        periods01: Sequence[float] = ...,
+    ) -> None:
+        """float64[T] and float64[T, 4, 4], which are copied."""
+    @property
+    def times01(self) -> F64: ...
+    @property
+    def matrices(self) -> F64: ...
+    @property
+    def breakpoints01(self) -> list[float] | None:
+        """Where the motion may change its course; None: at every sample."""
+    @property
+    def held(self) -> bool:
+        """Each sample holds until the next."""
+    @property
+    def error_pixels(self) -> float:
+        """By which interpolation between the samples may stray from the stage."""
+    @property
+    def periods01(self) -> list[float]:
+        """Shares of the shutter after which the motion may repeat; whether it does is tested."""
+
+class MotionSamples:
+    """Some of a motion's things over the shutter. Arrays are views."""
+
+    @property
+    def indices(self) -> NDArray[np.int64]:
+        """int64[M] among the motion's things."""
+    @property
+    def times01(self) -> F64:
+        """float64[T]."""
+    @property
+    def matrices(self) -> F64:
+        """float64[T, M, 4, 4]."""
+    @property
+    def breakpoints01(self) -> F64:
+        """float64[B]: where the motion may change its course."""
+    @property
+    def held(self) -> bool: ...
+    @property
+    def error_pixels(self) -> float:
+        """By which interpolation between the samples may stray from the stage."""
+    @property
+    def periods01(self) -> list[list[float]]:
+        """Of each thing, the shares of the shutter after which its motion may repeat; empty where nobody asked."""
+    @property
+    def usable(self) -> bool:
+        """False where a matrix of each thing is not finite or too large: nothing can be drawn there."""
+    def of(self, place: int) -> TransformSamples:
+        """Of one thing: number ``place`` of the indices."""
+
+def sample_motion(
+    motion: MotionSource, boxes: F64, pixel_size: PixelSize, tolerance_pixels: float, held: bool
+) -> list[MotionSamples]:
+    """Matrices over the shutter, as dense as interpolation between them needs. ``boxes`` is float64[N, 2, 3], of each
+    thing in its own space, or float64[1, 2, 3], of all."""
+
+def even_level(intervals: float) -> int:
+    """The power of two that makes at least so many even intervals."""
+
+def even_times01(level: int, breakpoints01: Sequence[float], held: bool = False) -> list[float]:
+    """2^level even intervals of the shutter and the breakpoints inside."""
+
+def dense_times01(density: Density, turns: float, breakpoints01: Sequence[float], held: bool = False) -> list[float]:
+    """As many times as something needs that turns so often in the shutter."""
+
+def uniform_turns(turns: float) -> Turns:
+    """At a constant rate."""
+
+def angle_turns(
+    times01: Sequence[float], degrees: Sequence[Sequence[float]], loop_periods01: Iterable[float] = ...
+) -> Turns:
+    """Of angles about one axis or several, a row a time, linear between the times."""
+
+def orientation_turns(times01: Sequence[float], orientations: Sequence[Sequence[float]]) -> Turns:
+    """Of quaternions, a row (i, j, k, real) a time, along the shorter arc."""
+
+def usable_periods01(periods01: Sequence[float]) -> list[float]:
+    """Those that are worth a track of their own."""
