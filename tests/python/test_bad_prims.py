@@ -269,14 +269,21 @@ def test_text_that_is_no_utf8(tmp_path, capfd):
     assert capfd.readouterr().err == ""
 
 
-def test_instances_nested_beyond_all_measure_are_named():
+@pytest.mark.parametrize("siblings", [0, 300])
+def test_instances_nested_beyond_all_measure_are_named(siblings: int):
+    """However many prototypes have been looked at before."""
     count = 400
+    beside = "".join(
+        f'def PointInstancer "s{i}" {{ point3f[] positions = [(0, 0, 900)]\n int[] protoIndices = [0]\n'
+        f' rel prototypes = </s{i}/p>\n def Cube "p" {{}}\n}}\n'
+        for i in range(siblings)
+    )
     deep = "".join(
         f'def PointInstancer "i{i}" {{ point3f[] positions = [(0, 0, 0)]\n int[] protoIndices = [0]\n'
         f" rel prototypes = <{''.join(f'/i{j}' for j in range(i + 2))}>\n"
         for i in range(count)
     )
-    result, pixels = render(stage_of(CAMERA + GOOD + deep + f'def Cube "i{count}" {{}}\n' + "}\n" * count))
+    result, pixels = render(stage_of(CAMERA + GOOD + beside + deep + f'def Cube "i{count}" {{}}\n' + "}\n" * count))
     assert shows_good(pixels)
     (message,) = messages(result)
     assert "found instances nested more than 100 deep" in message

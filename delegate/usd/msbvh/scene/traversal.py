@@ -147,7 +147,6 @@ class Traversal:
                 self._sort(prim, prim_state, group)
             except FAULTS as error:
                 report_left_out(prim, error, self._context.code)
-        self._depth -= 1
 
     def _descend(
         self, top: Usd.Prim, state: _State, group: Group, predicate: object
