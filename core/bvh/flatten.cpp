@@ -88,6 +88,7 @@ class Flattener {
     TrackForm form;         // of the node itself
     FormCode first_block = FormCode::of({});  // of a leaf, as its parent tells it
     std::vector<Box3f> slots;                 // of inner nodes: SlotTracks::controls
+    bool still = true;                        // NodeHeader::still_children
   };
   // Summed over children in their order, so that the sums do not depend on threads.
   struct Tally {
@@ -178,6 +179,7 @@ class Flattener {
     for (std::uint32_t i = 0; i < children.count; ++i) {
       const bool leaf = is_leaf(children.node[i]);
       (leaf ? leaves : p.bytes) += plans_[children.node[i]].bytes;
+      p.still &= plans_[children.node[i]].still;
       tally.cost += slots.area[i] * (leaf ? settings_.block_cost * block_units(children.node[i]) : 1.0);
     }
     p.bytes += rounded_up(leaves, AlignedBuffer::kAlignment);
@@ -204,6 +206,8 @@ class Flattener {
       if (p.bytes == 0 && block.kind == BlockKind::kGathered)
         p.first_block = FormCode::of(block.form).with_vertices(block.vertex_count);
       p.bytes += block.bytes();
+      const bool triangles = block.kind == BlockKind::kGathered || block.kind == BlockKind::kIndexed;
+      p.still &= triangles && !block.form.moving();
       rest = rest.subspan(block.references);
       tally.indexed |= block.kind == BlockKind::kIndexed;
     }
@@ -234,6 +238,7 @@ class Flattener {
     for (std::uint32_t i = 0; i < children.count; ++i) {
       header.child[i] = ref_of(children.node[i], offsets[i]);
       header.child_form[i] = child_code_of(children.node[i]);
+      header.still_children |= static_cast<std::uint8_t>(plans_[children.node[i]].still << i);
     }
     parallel_for_ranges(children.count, p.bytes > kParallelBytes ? 1 : kWidth,
                         [&](std::size_t begin, std::size_t end) {

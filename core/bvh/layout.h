@@ -114,6 +114,8 @@ struct alignas(64) NodeHeader {
   FormCode child_form[kWidth];
   FormCode form_code;
   std::uint8_t child_count;
+  // A bit for each child below which there are triangles alone and none moves: rays need no time there.
+  std::uint8_t still_children;
 
   TrackForm form() const { return form_code.form(); }
 

@@ -58,10 +58,12 @@ class Verifier {
     throw Error(s.str());
   }
 
-  // `slot`: what the parent says that bounds this child.
-  void visit(ChildRef ref, const Slot& slot, std::uint32_t depth) {
+  // `slot`: what the parent says that bounds this child. Returns whether all below are triangles that do not
+  // move.
+  bool visit(ChildRef ref, const Slot& slot, std::uint32_t depth) {
     if (depth > kMaxDepth) fail(ref, "deeper than the traversal stack allows");
     if (ref.is_leaf()) return visit_leaf(ref, slot);
+    bool all_still = true;
     const NodeHeader& node = bvh_.node(ref);
     if (ref.offset() + node_bytes(node.form()) > bvh_.arena.size()) fail(ref, "reaches beyond the arena");
     if (ref.offset() % AlignedBuffer::kAlignment != 0) fail(ref, "does not start on a cache line");
@@ -77,8 +79,12 @@ class Verifier {
       const ChildRef inner = node.child[i];
       if (node.child_form[i].bits != code_told_of(inner).bits)
         fail(ref, "says another form of a child than the child itself");
-      visit(inner, child, depth + 1);
+      const bool still = visit(inner, child, depth + 1);
+      if (((node.still_children >> i & 1u) != 0) != still)
+        fail(ref, still ? "says that a still child moves" : "says that a moving child is still");
+      all_still &= still;
     }
+    return all_still;
   }
 
   // What a parent tells of a child: how many keys it has and how long its controls are; of a leaf, its first
@@ -123,21 +129,25 @@ class Verifier {
     }
   }
 
-  void visit_leaf(ChildRef ref, const Slot& slot) {
+  bool visit_leaf(ChildRef ref, const Slot& slot) {
+    bool still = true;
     const BlockHeader* block = &bvh_.block(ref);
     for (;; block = next_block(block)) {
       const auto end = reinterpret_cast<const std::byte*>(block) + sizeof(BlockHeader) - bvh_.arena.data();
       if (static_cast<std::size_t>(end) > bvh_.arena.size()) fail(ref, "reaches beyond the arena");
       if (block->kind == BlockKind::kInstance) {
         add_instance(ref, *block, slot);
+        still = false;
       } else if (block->kind == BlockKind::kGrid) {
         grids_.add(*block, slot);
+        still = false;
       } else {
         check_block(ref, *block);
         for (int i = 0; i < block->count; ++i)
           triangles_[{block->owner, block->triangles()[i]}].push_back(slot);
+        still &= !block->form().moving();
       }
-      if (block->last) return;
+      if (block->last) return still;
     }
   }
 

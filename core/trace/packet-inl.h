@@ -82,7 +82,7 @@ class Packet {
         go_alone(at, rays);
       } else if (at.ref.is_leaf()) {
         fetch_own_keys(at, rays);
-        visit_leaf(bvh_->block(at.ref), rays);
+        visit_leaf(at, rays);
       } else if (descend(at, rays)) {
         continue;
       }
@@ -278,20 +278,30 @@ class Packet {
   void go_alone(Place at, RayMask rays) {
     saved -= kAlone * std::popcount(rays);
     fetch_own_keys(at, rays);
+    if (kMoving && at.still) return go_alone_in<Movement::kStill>(at, rays);
+    go_alone_in<kMovement>(at, rays);
+  }
+  template <Movement kTree>
+  HWY_INLINE void go_alone_in(Place at, RayMask rays) {
     for (; rays != 0; rays &= rays - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(rays));
-      Traversal<kMovement, kTrianglesAlone, kAnyHit, false>(*bvh_, rays_[i], setup.ray[i], kNoInstance,
-                                                            queries_[i], nullptr)
+      Traversal<kTree, kTrianglesAlone, kAnyHit, false>(*bvh_, rays_[i], setup.ray[i], kNoInstance,
+                                                        queries_[i], nullptr)
           .run(at);
       take_answer(i);
     }
   }
 
-  HWY_INLINE void visit_leaf(const BlockHeader& first, RayMask rays) {
+  HWY_INLINE void visit_leaf(Place at, RayMask rays) {
+    if (kMoving && at.still) return visit_blocks<Movement::kStill>(bvh_->block(at.ref), rays);
+    visit_blocks<kMovement>(bvh_->block(at.ref), rays);
+  }
+  template <Movement kTree>
+  HWY_INLINE void visit_blocks(const BlockHeader& first, RayMask rays) {
     for (; rays != 0; rays &= rays - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(rays));
       for (const BlockHeader* block = &first;; block = next_block(block)) {
-        test_triangles<kMovement, kAnyHit>(*bvh_, *block, setup.ray[i], kNoInstance, queries_[i]);
+        test_triangles<kTree, kAnyHit>(*bvh_, *block, setup.ray[i], kNoInstance, queries_[i]);
         if ((kAnyHit && queries_[i].found) || block->last) break;
       }
       take_answer(i);

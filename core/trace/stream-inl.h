@@ -4,8 +4,8 @@
 // guess again where it guessed wrong which child comes next. Here the next box of a ray is fetched while the
 // others have their turns, and what would be a guess is made arithmetic: a node's children always go onto the
 // stack and the next place is always popped from it; rays at nodes and rays at leaves stand in two queues,
-// and among moving instances of still objects those in a still tree in two of their own, whose steps know no
-// time. Rays need not be coherent. Same tests, same order, same hits as core/trace/traverse-inl.h.
+// and where something moves those in still objects and still subtrees in two of their own, whose steps know
+// no time. Rays need not be coherent. Same tests, same order, same hits as core/trace/traverse-inl.h.
 
 #if defined(MSBVH_STREAM_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef MSBVH_STREAM_INL_H
@@ -67,7 +67,7 @@ class Stream {
     for (std::size_t stepped = 1; stepped > 0;) {
       stepped = each_in(kNodes, [&](Slot& slot) { return step_node<kMovement>(slot), next(slot); });
       stepped += each_in(kLeaves, [&](Slot& slot) { return step_leaf<kMovement>(slot); });
-      if constexpr (kStillObjects) {
+      if constexpr (kMoving) {
         stepped += each_in(kStill + kNodes,
                            [&](Slot& slot) { return step_node<Movement::kStill>(slot), next(slot); });
         stepped += each_in(kStill + kLeaves, [&](Slot& slot) { return step_leaf<Movement::kStill>(slot); });
@@ -76,7 +76,7 @@ class Stream {
   }
 
  private:
-  static constexpr bool kStillObjects = kInstanced && kMovement != Movement::kStill;
+  static constexpr bool kMoving = kMovement != Movement::kStill;
   static constexpr std::size_t kNodes = 0, kLeaves = 1, kStill = 2;
 
   struct Slot {
@@ -90,7 +90,7 @@ class Stream {
     Frame* base;
     std::uint32_t instance;
     std::uint32_t entered;  // the instance that setup[1] is for
-    std::uint32_t queues;   // where those of `bvh` begin: 0 or kStill
+    std::uint32_t queues;   // where those of `bvh` begin: 0, or kStill for a still object
     Place at;
     Spot spot;  // of `at`
     Frame* top;
@@ -100,7 +100,8 @@ class Stream {
   HWY_INLINE void enqueue(Slot* slot) {
     slot->spot = spot_of<kMovement>(*slot->bvh, slot->at, *slot->in);
     prefetch<kMovement>(slot->spot);
-    const std::size_t queue = (kStillObjects ? slot->queues : 0) + slot->at.ref.is_leaf();
+    const std::size_t still = kMoving ? slot->queues | (slot->at.still ? kStill : 0) : 0;
+    const std::size_t queue = still + slot->at.ref.is_leaf();
     queues_[queue][queued_[queue]++] = slot;
   }
 
@@ -200,7 +201,7 @@ class Stream {
   bool enter_instance(Slot& slot, const BlockHeader& block) const {
     constexpr std::size_t kInner = kInstanced ? 1 : 0;
     const Instance& instance = world_->instances[block.owner];
-    const bool still = kStillObjects && instance.object->movement == Movement::kStill;
+    const bool still = kMoving && instance.object->movement == Movement::kStill;
     if (slot.entered != block.owner) {
       Ray local = *slot.ray;
       if (!to_object<kMovement>(*world_, instance, local)) return false;
@@ -219,8 +220,8 @@ class Stream {
   const Bvh* world_ = nullptr;
   const Ray* rays_ = nullptr;
   std::size_t count_ = 0, next_ray_ = 0;
-  std::size_t queued_[kStillObjects ? 4 : 2];
-  Slot* queues_[kStillObjects ? 4 : 2][kSlots];
+  std::size_t queued_[kMoving ? 4 : 2];
+  Slot* queues_[kMoving ? 4 : 2][kSlots];
   Slot slots_[kSlots];
 };
 

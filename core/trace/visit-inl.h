@@ -32,9 +32,10 @@ struct Query {
 struct Place {
   ChildRef ref;
   FormCode form;
+  bool still = false;  // triangles alone, and none moves: steps that know no time will do
 };
 HWY_INLINE Place child_of(const NodeHeader& node, std::uint32_t slot) {
-  return {node.child[slot], node.child_form[slot]};
+  return {node.child[slot], node.child_form[slot], (node.still_children >> slot & 1u) != 0};
 }
 
 // Where a ray's way begins.
