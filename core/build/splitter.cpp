@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/build/leaf_rule.h"
+#include "core/build/motion_split.h"
 
 namespace msbvh {
 namespace {
@@ -90,6 +91,12 @@ SplitChoice Splitter::choose(const WorkSet& set) const {
   return choice;
 }
 
+SplitChoice Splitter::choose_root(const WorkSet& set) const {
+  if (settings_.sah_time != SahTime::kShutter || !moves_in_a_corner(primitives(), set.references))
+    return choose(set);
+  return {SplitKind::kMotion, ObjectBinning(set.bounds, set.size()), {}, {}, set.patience};
+}
+
 void Splitter::divide(const WorkSet& set, const SplitChoice& choice, WorkSet& left, WorkSet& right) const {
   std::span<Reference> all = set.references;
   std::size_t room = set.room;
@@ -101,6 +108,8 @@ void Splitter::divide(const WorkSet& set, const SplitChoice& choice, WorkSet& le
     all = {all.data(), all.size() + added};
     room -= added;
     halves = partition(all, IsLeftOfPlane(choice.spatial));
+  } else if (choice.kind == SplitKind::kMotion) {
+    halves = partition(all, IsStill(primitives()));
   }
   if (halves.left_count == 0 || halves.left_count == all.size()) halves = halve(all);
   const std::size_t left_room = room * halves.left_count / all.size();

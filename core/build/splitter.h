@@ -21,7 +21,7 @@ struct WorkSet {
   std::size_t space_for(const SpatialSplit& split) const { return std::min(room, split.cuts(size())); }
 };
 
-enum class SplitKind : std::uint8_t { kLeaf, kObject, kSpatial, kHalves };
+enum class SplitKind : std::uint8_t { kLeaf, kObject, kSpatial, kHalves, kMotion };
 
 struct SplitChoice {
   SplitKind kind = SplitKind::kLeaf;
@@ -37,6 +37,8 @@ class Splitter {
 
   static WorkSet root(std::span<Reference> references, const SetBounds& bounds, std::size_t room);
   SplitChoice choose(const WorkSet& set) const;
+  // What moves apart from the rest (motion_split.h), where the root is to be split so; else as choose().
+  SplitChoice choose_root(const WorkSet& set) const;
   // Neither child is empty. Right parts of cut references go behind the set's, where there must be space for
   // set.space_for() of them.
   void divide(const WorkSet& set, const SplitChoice& choice, WorkSet& left, WorkSet& right) const;

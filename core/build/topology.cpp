@@ -54,7 +54,7 @@ class TopologyBuilder {
     write_node(slots_.topology.nodes[node], set.bounds.box, half_area(set.bounds.box));
     WorkSet left, right;
     {
-      const SplitChoice choice = splitter_.choose(set);
+      const SplitChoice choice = node == 0 ? splitter_.choose_root(set) : splitter_.choose(set);
       if (choice.kind == SplitKind::kSpatial) memory = with_room(set, choice.spatial);
       splitter_.divide(set, choice, left, right);
     }
