@@ -63,6 +63,7 @@ class Bvh {
   std::vector<Box3f> root_bounds;        // at the controls of the root
   Movement movement = Movement::kStill;  // the most of this tree and of what its instances show
   LeafKinds leaf_kinds;                  // of this tree and of what its instances show
+  bool still_parts = false;              // something moves, but some subtree of this tree is still
   std::uint32_t max_level = 0;           // of nodes and blocks in this tree
   BvhStatistics statistics;
 

@@ -76,6 +76,7 @@ class Flattener {
     out_.root = ref_of(0, 0);
     out_.root_form_code = child_code_of(0);
     out_.root_form = root.form;
+    out_.still_parts = tally.still && !plans_[0].still;
     out_.root_bounds = std::move(root.controls);
     out_.max_level = level_of(tally.segments);
     report(tally);
@@ -98,6 +99,7 @@ class Flattener {
     std::uint32_t motion_segments = 0;  // the most of any block
     double cost = 0.0;
     bool indexed = false;
+    bool still = false;  // some of it, as NodeHeader::still_children has it
 
     void add(const Tally& t) {
       nodes += t.nodes;
@@ -109,6 +111,7 @@ class Flattener {
       motion_segments = std::max(motion_segments, t.motion_segments);
       cost += t.cost;
       indexed |= t.indexed;
+      still |= t.still;
     }
   };
 
@@ -213,6 +216,7 @@ class Flattener {
     }
     tally.segments = tally.motion_segments = p.form.segments;
     tally.leaves = 1;
+    tally.still = p.still;
     tally.leaf_bytes = p.bytes;
     tally.depth = depth - 1;
     BoxTrack track(p.form);

@@ -40,6 +40,7 @@ void join_arenas(Bvh& bvh, std::vector<Bvh>& slices) {
   for (Bvh& slice : slices) {
     std::memcpy(bvh.arena.data() + base, slice.arena.data(), slice.arena.size());
     bvh.slice_roots.push_back({relocate(bvh, slice.root, base), slice.root_form_code});
+    bvh.still_parts |= slice.still_parts;
     base += aligned(slice.arena.size());
     slice.arena = {};
   }

@@ -21,8 +21,11 @@ template <Movement kMovement, std::size_t kSet>
 constexpr void fill(Kernels& kernels) {
   constexpr LeafKinds kKinds = kKernelKinds[kSet];
   kernels.intersect[kSet] = intersect<kMovement, kKinds, false>;
-  kernels.intersect_many[kSet] = intersect_many<kMovement, kKinds>;
-  kernels.occluded_many[kSet] = occluded_many<kMovement, kKinds>;
+  constexpr bool kMixed = kMovement != Movement::kStill;
+  kernels.intersect_many[kSet][0] = intersect_many<kMovement, kKinds, false>;
+  kernels.intersect_many[kSet][1] = intersect_many<kMovement, kKinds, kMixed>;
+  kernels.occluded_many[kSet][0] = occluded_many<kMovement, kKinds, false>;
+  kernels.occluded_many[kSet][1] = occluded_many<kMovement, kKinds, kMixed>;
   kernels.occluded[kSet] = occluded<kMovement, kKinds, false>;
   kernels.intersect_counted[kSet] = intersect<kMovement, kKinds, true>;
   kernels.occluded_counted[kSet] = occluded<kMovement, kKinds, true>;

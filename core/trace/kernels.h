@@ -17,8 +17,9 @@ using OccludedKernel = bool (*)(const Bvh&, const Ray&, TraceCounts*);
 // the linear ones no curves, and none knows of leaves that its set does not have.
 struct Kernels {
   IntersectKernel intersect[kKernelSets];
-  IntersectManyKernel intersect_many[kKernelSets];
-  OccludedManyKernel occluded_many[kKernelSets];
+  // The second ones take steps that know no time in still subtrees of trees that move (Bvh::still_parts).
+  IntersectManyKernel intersect_many[kKernelSets][2];
+  OccludedManyKernel occluded_many[kKernelSets][2];
   OccludedKernel occluded[kKernelSets];
   IntersectKernel intersect_counted[kKernelSets];
   OccludedKernel occluded_counted[kKernelSets];

@@ -64,7 +64,7 @@ struct PacketSetup {
   }
 };
 
-template <Movement kMovement, bool kAnyHit>
+template <Movement kMovement, bool kMixed, bool kAnyHit>
 class Packet {
  public:
   using Setup = PacketSetup<kMovement>;
@@ -219,7 +219,7 @@ class Packet {
       order[place] = key;
     }
     const std::uint32_t nearest = ChildKeys::slot(order[count - 1]);
-    at = child_of(node, nearest);
+    at = child_of<kMixed>(node, nearest);
     fetch(at, entered_[nearest]);
     for (int i = 0; i < count - 1; ++i) push(node, ChildKeys::slot(order[i]));
     rays = entered_[nearest];
@@ -236,7 +236,7 @@ class Packet {
     const DR d;
     for (std::size_t lane = 0; lane < kPacket; lane += kRayLanes)
       hn::Store(hn::Load(d, enter_[c] + lane), d, top_->enter + lane);
-    top_->at = child_of(node, c);
+    top_->at = child_of<kMixed>(node, c);
     top_->rays = entered_[c];
     fetch(top_->at, top_->rays);
     ++top_;
@@ -278,7 +278,7 @@ class Packet {
   void go_alone(Place at, RayMask rays) {
     saved -= kAlone * std::popcount(rays);
     fetch_own_keys(at, rays);
-    if (kMoving && at.still) return go_alone_in<Movement::kStill>(at, rays);
+    if (kMixed && at.still) return go_alone_in<Movement::kStill>(at, rays);
     go_alone_in<kMovement>(at, rays);
   }
   template <Movement kTree>
@@ -293,7 +293,7 @@ class Packet {
   }
 
   HWY_INLINE void visit_leaf(Place at, RayMask rays) {
-    if (kMoving && at.still) return visit_blocks<Movement::kStill>(bvh_->block(at.ref), rays);
+    if (kMixed && at.still) return visit_blocks<Movement::kStill>(bvh_->block(at.ref), rays);
     visit_blocks<kMovement>(bvh_->block(at.ref), rays);
   }
   template <Movement kTree>
@@ -332,7 +332,7 @@ inline bool coherent(const Ray* rays) {
 
 // Coherent rays by packets as long as that pays. One a thread for each kind: large, and it remembers whether
 // it did.
-template <Movement kMovement, bool kAnyHit>
+template <Movement kMovement, bool kMixed, bool kAnyHit>
 class Packets {
  public:
   // kPacket rays; `finish(i, query)` takes the answers.
@@ -368,7 +368,7 @@ class Packets {
   static constexpr std::size_t kTrial = 4, kPause = 124;
   static constexpr std::int64_t kSetup = 60;  // as of Packet::saved
 
-  Packet<kMovement, kAnyHit> packet_;
+  Packet<kMovement, kMixed, kAnyHit> packet_;
   const Bvh* tree_ = nullptr;  // to tell it from others only
   std::size_t traced_ = 0, passed_over_ = 0;
 };

@@ -26,7 +26,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 
-template <Movement kMovement, LeafKinds kKinds, bool kAnyHit>
+template <Movement kMovement, LeafKinds kKinds, bool kMixed, bool kAnyHit>
 class Stream {
   static constexpr bool kInstanced = kKinds.has(LeafKind::kInstances), kGrids = kKinds.has(LeafKind::kGrids);
 
@@ -67,7 +67,7 @@ class Stream {
     for (std::size_t stepped = 1; stepped > 0;) {
       stepped = each_in(kNodes, [&](Slot& slot) { return step_node<kMovement>(slot), next(slot); });
       stepped += each_in(kLeaves, [&](Slot& slot) { return step_leaf<kMovement>(slot); });
-      if constexpr (kMoving) {
+      if constexpr (kStillQueues) {
         stepped += each_in(kStill + kNodes,
                            [&](Slot& slot) { return step_node<Movement::kStill>(slot), next(slot); });
         stepped += each_in(kStill + kLeaves, [&](Slot& slot) { return step_leaf<Movement::kStill>(slot); });
@@ -76,7 +76,8 @@ class Stream {
   }
 
  private:
-  static constexpr bool kMoving = kMovement != Movement::kStill;
+  static constexpr bool kStillObjects = kInstanced && kMovement != Movement::kStill;
+  static constexpr bool kStillQueues = kStillObjects || kMixed;
   static constexpr std::size_t kNodes = 0, kLeaves = 1, kStill = 2;
 
   struct Slot {
@@ -100,7 +101,7 @@ class Stream {
   HWY_INLINE void enqueue(Slot* slot) {
     slot->spot = spot_of<kMovement>(*slot->bvh, slot->at, *slot->in);
     prefetch<kMovement>(slot->spot);
-    const std::size_t still = kMoving ? slot->queues | (slot->at.still ? kStill : 0) : 0;
+    const std::size_t still = (kStillObjects ? slot->queues : 0) | (kMixed && slot->at.still ? kStill : 0);
     const std::size_t queue = still + slot->at.ref.is_leaf();
     queues_[queue][queued_[queue]++] = slot;
   }
@@ -156,7 +157,7 @@ class Stream {
         const auto child = static_cast<std::uint32_t>(std::countr_zero(frame.left)) % kWidth;
         frame.left &= frame.left - 1;
         slot.top -= frame.left == 0;
-        slot.at = child_of(node, child);
+        slot.at = child_of<kMixed>(node, child);
         return true;
       }
       const ChildKey key = ChildKeys::load(frame.keys).take_nearest(frame.keys);
@@ -166,7 +167,7 @@ class Stream {
       }
       const NodeHeader& node = *frame.node;
       slot.top -= --frame.left == 0;
-      slot.at = child_of(node, ChildKeys::slot(key));
+      slot.at = child_of<kMixed>(node, ChildKeys::slot(key));
       return true;
     }
   }
@@ -201,7 +202,7 @@ class Stream {
   bool enter_instance(Slot& slot, const BlockHeader& block) const {
     constexpr std::size_t kInner = kInstanced ? 1 : 0;
     const Instance& instance = world_->instances[block.owner];
-    const bool still = kMoving && instance.object->movement == Movement::kStill;
+    const bool still = kStillObjects && instance.object->movement == Movement::kStill;
     if (slot.entered != block.owner) {
       Ray local = *slot.ray;
       if (!to_object<kMovement>(*world_, instance, local)) return false;
@@ -220,15 +221,15 @@ class Stream {
   const Bvh* world_ = nullptr;
   const Ray* rays_ = nullptr;
   std::size_t count_ = 0, next_ray_ = 0;
-  std::size_t queued_[kMoving ? 4 : 2];
-  Slot* queues_[kMoving ? 4 : 2][kSlots];
+  std::size_t queued_[kStillQueues ? 4 : 2];
+  Slot* queues_[kStillQueues ? 4 : 2][kSlots];
   Slot slots_[kSlots];
 };
 
 // Streams are large, a few kilobytes a ray: one of each kind a thread, made when first asked for.
-template <Movement kMovement, LeafKinds kKinds, bool kAnyHit>
-Stream<kMovement, kKinds, kAnyHit>& thread_stream() {
-  using S = Stream<kMovement, kKinds, kAnyHit>;
+template <Movement kMovement, LeafKinds kKinds, bool kMixed, bool kAnyHit>
+Stream<kMovement, kKinds, kMixed, kAnyHit>& thread_stream() {
+  using S = Stream<kMovement, kKinds, kMixed, kAnyHit>;
   static thread_local const std::unique_ptr<S> stream = std::make_unique<S>();
   return *stream;
 }
@@ -261,15 +262,15 @@ struct TimeSorted {
 };
 
 // Coherent rays, `count` a multiple of kPacket: by packets, and interleaved where those do not pay.
-template <Movement kMovement, bool kAnyHit, typename Finish>
+template <Movement kMovement, bool kMixed, bool kAnyHit, typename Finish>
 void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes& modes,
                     const Finish& finish) {
-  using P = Packets<kMovement, kAnyHit>;
+  using P = Packets<kMovement, kMixed, kAnyHit>;
   static thread_local const std::unique_ptr<P> packets = std::make_unique<P>();
   const auto interleaved = [&](const Ray* some, std::size_t n, const auto& place) {
     if (n == 0) return;
     modes.interleaved += n;
-    thread_stream<kMovement, kTrianglesAlone, kAnyHit>().run(
+    thread_stream<kMovement, kTrianglesAlone, kMixed, kAnyHit>().run(
         bvh, some, n, [&](std::size_t k, const Query& query) { finish(place(k), query); });
   };
   for (std::size_t from = 0; from < count;) {
@@ -292,20 +293,20 @@ void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, TraceMod
 }
 
 // Coherent rays in packets, the others interleaved.
-template <Movement kMovement, bool kAnyHit, typename Finish>
-void trace_mixed(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes& modes,
-                 const Finish& finish) {
+template <Movement kMovement, bool kMixed, bool kAnyHit, typename Finish>
+void trace_by_coherence(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes& modes,
+                        const Finish& finish) {
   const auto packet_at = [&](std::size_t i) { return i + kPacket <= count && coherent(rays + i); };
   for (std::size_t i = 0; i < count;) {
     std::size_t end = i;
     const auto ours = [&](std::size_t k, const Query& query) { finish(i + k, query); };
     while (packet_at(end)) end += kPacket;
     if (end > i) {
-      trace_coherent<kMovement, kAnyHit>(bvh, rays + i, end - i, modes, ours);
+      trace_coherent<kMovement, kMixed, kAnyHit>(bvh, rays + i, end - i, modes, ours);
     } else {
       while (end < count && !packet_at(end)) end = std::min(count, end + kPacket);
       modes.interleaved += end - i;
-      thread_stream<kMovement, kTrianglesAlone, kAnyHit>().run(bvh, rays + i, end - i, ours);
+      thread_stream<kMovement, kTrianglesAlone, kMixed, kAnyHit>().run(bvh, rays + i, end - i, ours);
     }
     i = end;
   }
@@ -313,30 +314,31 @@ void trace_mixed(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes&
 
 // Among instances packets do not pay (docs/design/traversal.md), and rays at different times begin in
 // different slices of the shutter: all interleaved.
-template <Movement kMovement, LeafKinds kKinds, bool kAnyHit, typename Finish>
+template <Movement kMovement, LeafKinds kKinds, bool kMixed, bool kAnyHit, typename Finish>
 void trace_many(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes& modes, const Finish& finish) {
   if constexpr (kKinds == kTrianglesAlone) {
-    if (bvh.slice_roots.empty()) return trace_mixed<kMovement, kAnyHit>(bvh, rays, count, modes, finish);
+    if (bvh.slice_roots.empty())
+      return trace_by_coherence<kMovement, kMixed, kAnyHit>(bvh, rays, count, modes, finish);
   }
   modes.interleaved += count;
-  thread_stream<kMovement, kKinds, kAnyHit>().run(bvh, rays, count, finish);
+  thread_stream<kMovement, kKinds, kMixed, kAnyHit>().run(bvh, rays, count, finish);
 }
 
-template <Movement kMovement, LeafKinds kKinds>
+template <Movement kMovement, LeafKinds kKinds, bool kMixed>
 void intersect_many(const Bvh& bvh, const Ray* rays, std::size_t count, Hit* hits, TraceModes& modes) {
   for (std::size_t i = 0; bvh.empty && i < count; ++i) hits[i] = Hit{};
   if (bvh.empty) return;
-  trace_many<kMovement, kKinds, false>(bvh, rays, count, modes, [&](std::size_t i, const Query& query) {
-    hits[i] = query.found ? query.hit : Hit{};
-  });
+  trace_many<kMovement, kKinds, kMixed, false>(
+      bvh, rays, count, modes,
+      [&](std::size_t i, const Query& query) { hits[i] = query.found ? query.hit : Hit{}; });
 }
 
-template <Movement kMovement, LeafKinds kKinds>
+template <Movement kMovement, LeafKinds kKinds, bool kMixed>
 void occluded_many(const Bvh& bvh, const Ray* rays, std::size_t count, bool* occluded, TraceModes& modes) {
   for (std::size_t i = 0; bvh.empty && i < count; ++i) occluded[i] = false;
   if (bvh.empty) return;
-  trace_many<kMovement, kKinds, true>(bvh, rays, count, modes,
-                                      [&](std::size_t i, const Query& query) { occluded[i] = query.found; });
+  trace_many<kMovement, kKinds, kMixed, true>(
+      bvh, rays, count, modes, [&](std::size_t i, const Query& query) { occluded[i] = query.found; });
 }
 
 }  // namespace msbvh::HWY_NAMESPACE

@@ -77,8 +77,8 @@ Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
   }
   const std::size_t leaves = kernel_set_for(bvh.leaf_kinds);
   intersect_ = kernels->intersect[leaves];
-  intersect_many_ = kernels->intersect_many[leaves];
-  occluded_many_ = kernels->occluded_many[leaves];
+  intersect_many_ = kernels->intersect_many[leaves][bvh.still_parts];
+  occluded_many_ = kernels->occluded_many[leaves][bvh.still_parts];
   occluded_ = kernels->occluded[leaves];
   intersect_counted_ = kernels->intersect_counted[leaves];
   occluded_counted_ = kernels->occluded_counted[leaves];

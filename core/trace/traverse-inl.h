@@ -53,9 +53,9 @@ class Traversal {
     if (hits == 0) return false;
     const std::uint32_t others = hits & (hits - 1);
     if (kAnyHit || others == 0) {
-      at = child_of(node, static_cast<std::uint32_t>(std::countr_zero(hits)) % kWidth);
+      at = child_of<false>(node, static_cast<std::uint32_t>(std::countr_zero(hits)) % kWidth);
     } else {
-      at = child_of(node, ChildKeys::slot(keys.take_nearest(top_->keys)));
+      at = child_of<false>(node, ChildKeys::slot(keys.take_nearest(top_->keys)));
     }
     if (!kAnyHit && others == 0) return true;
     top_->node = &node;
@@ -70,7 +70,7 @@ class Traversal {
     while (top_ != stack_) {
       Frame& frame = top_[-1];
       if constexpr (kAnyHit) {
-        at = child_of(*frame.node, static_cast<std::uint32_t>(std::countr_zero(frame.left)) % kWidth);
+        at = child_of<false>(*frame.node, static_cast<std::uint32_t>(std::countr_zero(frame.left)) % kWidth);
         frame.left &= frame.left - 1;
         top_ -= frame.left == 0;
         return true;
@@ -80,7 +80,7 @@ class Traversal {
         --top_;
         continue;
       }
-      at = child_of(*frame.node, ChildKeys::slot(key));
+      at = child_of<false>(*frame.node, ChildKeys::slot(key));
       top_ -= --frame.left == 0;
       return true;
     }

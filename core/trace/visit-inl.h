@@ -34,8 +34,10 @@ struct Place {
   FormCode form;
   bool still = false;  // triangles alone, and none moves: steps that know no time will do
 };
+// `kMixed`: there are still subtrees among what moves.
+template <bool kMixed>
 HWY_INLINE Place child_of(const NodeHeader& node, std::uint32_t slot) {
-  return {node.child[slot], node.child_form[slot], (node.still_children >> slot & 1u) != 0};
+  return {node.child[slot], node.child_form[slot], kMixed && (node.still_children >> slot & 1u) != 0};
 }
 
 // Where a ray's way begins.
