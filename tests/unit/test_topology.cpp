@@ -4,6 +4,7 @@
 #include <atomic>
 #include <doctest/doctest.h>
 #include <memory>
+#include <set>
 #include <tuple>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/build/make_references.h"
+#include "core/build/motion_split.h"
 #include "core/build/spatial_split.h"
 #include "core/build/topology.h"
 
@@ -197,4 +199,67 @@ TEST_CASE("spatial splits leave whole what costs less whole") {
   CHECK(room[1].box.hi.x == 0.0f);
   CHECK(room[2].is_clipped());
   CHECK(room[2].box.lo.x == 0.0f);
+}
+
+namespace {
+
+// A quad that flies along x over the shutter, through the origin at its centre.
+TriangleMesh flying(float side, float way) {
+  const std::vector<Vec3f> quad{{0, 0, 0}, {side, 0, 0}, {side, side, 0}, {0, side, 0}};
+  std::vector<Vec3f> positions;
+  for (const float x : {-0.5f * way, 0.5f * way}) {
+    for (const Vec3f& p : quad) positions.push_back(p + Vec3f{x, 0.0f, 0.0f});
+  }
+  TriangleMesh mesh = flat(4, std::move(positions), {{0, 1, 2}, {0, 2, 3}});
+  mesh.segments = 1;
+  return mesh;
+}
+
+// Whether the root's left child holds all that stands still, and nothing else.
+bool is_parted(TriangleMesh still, TriangleMesh moving, const BuildSettings& settings = {}) {
+  const std::vector<std::shared_ptr<const TriangleMesh>> meshes{
+      std::make_shared<const TriangleMesh>(validated(std::move(still))),
+      std::make_shared<const TriangleMesh>(validated(std::move(moving)))};
+  const Topology topology = build_topology({meshes, {}}, settings);
+  std::set<std::uint32_t> found;
+  std::vector<std::uint32_t> pending{topology.root().first};
+  while (!pending.empty()) {
+    const BinaryNode& node = topology.nodes[pending.back()];
+    pending.pop_back();
+    if (!node.is_leaf()) {
+      pending.insert(pending.end(), {node.first, node.first + 1});
+      continue;
+    }
+    for (std::uint32_t i = 0; i < node.count; ++i) {
+      const Reference& reference = topology.references[node.first + i];
+      if (reference.mesh() != 0) return false;
+      found.insert(reference.index);
+    }
+  }
+  return found.size() == meshes[0]->triangles.size();
+}
+
+}  // namespace
+
+TEST_CASE("topology: what moves in a corner is parted from the rest at the root") {
+  CHECK(is_parted(sphere(12), flying(0.1f, 0.3f)));
+  BuildSettings paper;
+  paper.sah_time = SahTime::kCentre;
+  CHECK(!is_parted(sphere(12), flying(0.1f, 0.3f), paper));
+}
+
+TEST_CASE("topology: a corner is small, and little is in it") {
+  const auto corner = [](TriangleMesh still, TriangleMesh moving) {
+    const std::vector<std::shared_ptr<const TriangleMesh>> meshes{
+        std::make_shared<const TriangleMesh>(validated(std::move(still))),
+        std::make_shared<const TriangleMesh>(validated(std::move(moving)))};
+    const Primitives primitives{meshes, {}};
+    const CentrePose pose(primitives);
+    const AllReferences all = make_references(pose);
+    return moves_in_a_corner(primitives, {all.memory->data(), all.count});
+  };
+  CHECK(corner(sphere(12), flying(0.1f, 0.3f)));
+  CHECK(!corner(sphere(12), flying(1.0f, 20.0f)));  // all over the scene
+  CHECK(!corner(flat(3, {{0, 0, 0}, {9, 0, 0}, {0, 9, 9}}, {{0, 1, 2}}), flying(0.1f, 0.3f)));  // most of it
+  CHECK(!corner(sphere(12), sphere(3)));  // nothing moves
 }
