@@ -1,7 +1,8 @@
 """The long checks, found where they are written, and one of them run in a process of its own.
 
 C++: test cases of the suite "slow" whose names begin with "soak: " (tests/support/soak.h). Python: tests with the marker
-`soak` (tests/python/soak.py).
+`soak` (tests/python/soak.py). And the C++ tests, as `make test` runs them, in builds with sanitizers and the kernels of
+every instruction set.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from xml.etree import ElementTree
 PREFIX = "soak: "
 BEAT_SECONDS = 60.0
 """How often a running check is heard of."""
+SANITIZERS = {"asan": "AddressSanitizer and UndefinedBehaviorSanitizer", "tsan": "ThreadSanitizer"}
+"""Presets of CMakePresets.json."""
 GRACE_SECONDS = 10.0
 """What a process gets to clean up before it is killed."""
 
@@ -67,7 +70,7 @@ def find_checks(root: Path, build: Path) -> list[Check]:
     if not executables:
         raise SoakError(f"{build / 'tests'}: found no tests; expected a build with them: make setup")
     found = [check for executable in executables for check in _doctest_checks(executable)]
-    return found + _pytest_checks(root)
+    return found + _pytest_checks(root) + [_sanitized(preset) for preset in SANITIZERS]
 
 
 def _doctest_checks(executable: Path) -> list[Check]:
@@ -89,6 +92,17 @@ def _pytest_checks(root: Path) -> list[Check]:
     ids = [line for line in listed if "::" in line]
     ran = re.compile(r"^1 passed", re.MULTILINE)
     return [Check(i.removeprefix("tests/python/"), (*pytest, i), ran) for i in ids]
+
+
+def _sanitized(preset: str) -> Check:
+    """Builds the C++ tests and runs them, the long checks' samples among them."""
+    steps = [
+        f"cmake --preset {preset}",
+        f"cmake --build --preset {preset}",
+        f"env -u MSBVH_SOAK -u MSBVH_SOAK_FIGURES ctest --preset {preset}",
+    ]
+    name = f"sanitizers: every C++ test under {SANITIZERS[preset]}, all instruction sets"
+    return Check(name, ("sh", "-c", " && ".join(steps)), re.compile(r"^100% tests passed", re.MULTILINE))
 
 
 def _output(command: Sequence[str], *, cwd: Path | None = None, none: int = 0) -> str:

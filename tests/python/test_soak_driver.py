@@ -161,6 +161,7 @@ def test_it_finds_the_checks_of_both_languages() -> None:
     assert len({check.slug for check in checks}) == len(names)
     assert any(name.startswith("property: ") for name in names)
     assert any(".py::" in name for name in names)
+    assert sum(name.startswith("sanitizers: ") for name in names) == 2
     with pytest.raises(SoakError, match="expected a build"):
         find_checks(ROOT, ROOT / "nowhere")
     with pytest.raises(SoakError, match="found no check for nothing"):
