@@ -7,9 +7,11 @@
 
 namespace msbvh::translate {
 
-// Inputs by which lights differ in size.
+// Inputs by which lights differ in size, with UsdLux's values for those that have none. Lengths are in stage
+// units.
 struct LightSizes {
-  double angle_degrees, radius, width, height;
+  double angle_degrees = 0.53, radius = 0.5, width = 1.0, height = 1.0;
+  bool operator==(const LightSizes&) const = default;
 };
 
 // intensity * 2^exposure * color; `temperature` is the black body's colour, white where it is not enabled.

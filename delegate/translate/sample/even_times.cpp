@@ -11,10 +11,6 @@ namespace {
 
 static_assert(1u << kFinestLevel == kMaxSegments);
 
-// Times that are nearer are one: an even one that differs from a breakpoint by rounding alone would make an
-// interval of no length.
-constexpr double kSameEvenTime01 = 1e-9;
-
 struct Course {
   int level;        // 2^level intervals at least
   double per_turn;  // times

@@ -16,6 +16,9 @@ inline constexpr double kMostTurnsFollowed = 2048.0;
 inline constexpr int kFinestLevel = 7;
 // How long before a jump its last old value is sampled: half of kJumpTime01 (value_track.h).
 inline constexpr double kBeforeJump01 = 1e-6;
+// Times that are nearer are one: an even one that differs from a breakpoint by rounding alone would make an
+// interval of no length.
+inline constexpr double kSameEvenTime01 = 1e-9;
 
 // The power of two that makes at least so many even intervals, within reason.
 int even_level(double intervals);

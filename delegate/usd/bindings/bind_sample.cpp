@@ -1,5 +1,4 @@
-// How densely motion is sampled: a Python object as translate::MotionSource, and what says how far things
-// turn.
+// How densely motion is sampled, and what says how far things turn.
 #include <algorithm>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -9,10 +8,12 @@
 
 #include "delegate/translate/sample/even_times.h"
 #include "delegate/translate/sample/sampler.h"
+#include "delegate/translate/sample/value_times.h"
 #include "delegate/translate/time_layout.h"
 #include "delegate/usd/bindings/arguments.h"
 #include "delegate/usd/bindings/arrays.h"
 #include "delegate/usd/bindings/bindings.h"
+#include "delegate/usd/bindings/python_motion.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -21,33 +22,6 @@ namespace msbvh::python {
 namespace {
 
 using namespace msbvh::translate;
-
-nb::object indices(std::span<const std::uint32_t> which) {
-  return owned_array<std::int64_t>(std::vector<std::int64_t>(which.begin(), which.end()), {which.size()});
-}
-
-// A Python object with the same members; evaluate() gives float64[T, M, 4, 4].
-class PythonMotion : public MotionSource {
- public:
-  explicit PythonMotion(nb::handle motion) : motion_(motion) {}
-
-  std::size_t count() const override { return nb::cast<std::size_t>(motion_.attr("count")); }
-  bool still() const override { return nb::cast<bool>(motion_.attr("still")); }
-  std::vector<double> breakpoints01() const override {
-    return nb::cast<std::vector<double>>(motion_.attr("breakpoints01"));
-  }
-  Turns turns(std::uint32_t which) const override { return nb::cast<Turns>(motion_.attr("turns")(which)); }
-  void evaluate(std::span<const double> times01, std::span<const std::uint32_t> which,
-                std::span<Matrix4d> out) const override {
-    const nb::object times = nb::cast(std::vector<double>(times01.begin(), times01.end()));
-    const nb::object found = motion_.attr("evaluate")(times, indices(which));
-    const AnyArray array = checked_array<double>(found, "evaluate()", {times01.size(), which.size(), 4, 4});
-    std::ranges::copy(elements<Matrix4d>(array), out.begin());
-  }
-
- private:
-  nb::handle motion_;
-};
 
 std::vector<Box3d> boxes_from(nb::handle array) {
   const AnyArray ends = checked_array<double>(array, "boxes", {kAnySize, 2, 3});
@@ -199,7 +173,7 @@ void bind_transforms(nb::module_& m) {
 
 void bind_samples(nb::module_& m) {
   nb::class_<MotionSamples>(m, "MotionSamples")
-      .def_prop_ro("indices", [](const MotionSamples& s) { return indices(s.which); })
+      .def_prop_ro("indices", [](const MotionSamples& s) { return index_array(s.which); })
       .def_prop_ro(
           "times01", [](const MotionSamples& s) { return view(s.times01, {s.times01.size()}); },
           nb::rv_policy::reference_internal)
@@ -239,6 +213,16 @@ void bind_times(nb::module_& m) {
         return dense_times01(density, turns, breakpoints01, held);
       },
       "density"_a, "turns"_a, "breakpoints01"_a, "held"_a = false);
+  nb::class_<ValueTime>(m, "ValueTime")
+      .def_ro("time01", &ValueTime::time01)
+      .def_ro("read_at01", &ValueTime::read_at01)
+      .def_ro("authored", &ValueTime::authored);
+  m.def(
+      "value_times",
+      [](const std::vector<double>& authored01, const std::vector<double>& switched01) {
+        return value_times(authored01, switched01);
+      },
+      "authored01"_a, "switched01"_a);
 }
 
 }  // namespace

@@ -17,12 +17,18 @@ from numpy.typing import NDArray
 from ._core_inputs import InstanceLevel as InstanceLevel
 from ._core_inputs import MeshInput as MeshInput
 from ._core_look import ASPECT_POLICIES as ASPECT_POLICIES
+from ._core_look import LIGHT_SIZES as LIGHT_SIZES
+from ._core_look import LightSamples as LightSamples
 from ._core_look import Optics as Optics
+from ._core_look import SampledLight as SampledLight
 from ._core_look import conformed as conformed
 from ._core_look import image_height as image_height
+from ._core_look import is_similarity as is_similarity
 from ._core_look import light_emission as light_emission
 from ._core_look import light_normalization as light_normalization
-from ._core_look import light_radiances as light_radiances
+from ._core_look import light_times01 as light_times01
+from ._core_look import placed_light as placed_light
+from ._core_look import switch_times01 as switch_times01
 from ._core_sample import BEFORE_JUMP01 as BEFORE_JUMP01
 from ._core_sample import FINEST_LEVEL as FINEST_LEVEL
 from ._core_sample import LARGEST_ELEMENT as LARGEST_ELEMENT
@@ -35,6 +41,7 @@ from ._core_sample import MotionSamples as MotionSamples
 from ._core_sample import PixelSize as PixelSize
 from ._core_sample import TransformSamples as TransformSamples
 from ._core_sample import Turns as Turns
+from ._core_sample import ValueTime as ValueTime
 from ._core_sample import angle_turns as angle_turns
 from ._core_sample import dense_times01 as dense_times01
 from ._core_sample import even_level as even_level
@@ -43,6 +50,7 @@ from ._core_sample import orientation_turns as orientation_turns
 from ._core_sample import sample_motion as sample_motion
 from ._core_sample import uniform_turns as uniform_turns
 from ._core_sample import usable_periods01 as usable_periods01
+from ._core_sample import value_times as value_times
 from ._core_statistics import AccelStatistics as AccelStatistics
 from ._core_statistics import RenderStatistics as RenderStatistics
 from ._core_statistics import SceneStatistics as SceneStatistics

@@ -160,6 +160,23 @@ def even_times01(level: int, breakpoints01: Sequence[float], held: bool = False)
 def dense_times01(density: Density, turns: float, breakpoints01: Sequence[float], held: bool = False) -> list[float]:
     """As many times as something needs that turns so often in the shutter."""
 
+class ValueTime:
+    """When a value is read that may jump."""
+
+    @property
+    def time01(self) -> float:
+        """Of the sample."""
+    @property
+    def read_at01(self) -> float:
+        """When the stage is read for it."""
+    @property
+    def authored(self) -> int | None:
+        """Which of the authored times this is: there the stage is read at the authored time code itself."""
+
+def value_times(authored01: Sequence[float], switched01: Sequence[float]) -> list[ValueTime]:
+    """2^FINEST_LEVEL even intervals of the shutter, the authored times and those of switches, and an instant before each
+    of these; increasing from 0 to 1."""
+
 def uniform_turns(turns: float) -> Turns:
     """At a constant rate."""
 

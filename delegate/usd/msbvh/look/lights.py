@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Usd, UsdLux
 
-from .._core import Density
+from .._core import is_similarity, light_times01, placed_light
 from ..motion.context import FrameContext
 from ..motion.held_values import any_but, values_within
 from ..motion.transforms import Motion
 from ..motion.turns import report_too_fast
 from ..stage.value_types import ASSET, BOOL
 from ..stage.values import Unreadable, might_vary, value
-from .light_values import LightSamples, Switches, radiances, sample_light
+from .light_values import Switches, sample_light
 
 SUPPORTED_LIGHTS = {
     "DistantLight": "distant",
@@ -50,65 +50,20 @@ def add_lights(
         )
         return 0
     try:
-        samples, at_frame = sample_light(prim, switches, context.shutter)
+        light = sample_light(prim, switches, context.shutter)
     except Unreadable as fault:
         context.diagnostics.error(path, fault.attribute, f"{fault.message}; the light is left out")
         return 0
     _warn_of_the_rest(prim, context)
-    if kind == "sphere" and not all(map(_is_similarity, motion.at_time(context.shutter.frame01))):
+    frame01 = context.shutter.frame01
+    if kind == "sphere" and not all(map(is_similarity, motion.at_time(frame01))):
         message = "found a transform that shears or scales unevenly; lit as the sphere of equal volume"
         context.diagnostics.group(path, "xformOpOrder", message)
+    times01 = light_times01(motion, context.held)
     for index in range(motion.count):
         report_too_fast(motion.turns(index), path, context.diagnostics)
-        light = _keywords(kind, samples, at_frame, motion, index, context)
-        translator.add_light(name=path, kind=kind, **light, **_place(motion, index, context.held))
+        translator.add_light(name=path, kind=kind, **placed_light(kind, light, motion, index, times01, frame01))
     return motion.count
-
-
-def _times01(motion: Motion, held: bool) -> list[float]:
-    """Where the transform of a light is evaluated, for lines between."""
-    return motion.dense_times01(Density.LIGHT, held)
-
-
-def _place(motion: Motion, index: int, held: bool) -> dict:
-    """One of the motion's transforms."""
-    times01 = _times01(motion, held)
-    place = motion.at_times(times01)[:, index]
-    last = 1 if (place == place[0]).all() else len(times01)
-    return {"times01": np.array(times01[:last]), "world_from_light": np.ascontiguousarray(place[:last])}
-
-
-def _keywords(
-    kind: str, samples: LightSamples, at_frame: LightSamples, motion: Motion, index: int, context: FrameContext
-) -> dict:
-    """The values at the frame, and over the shutter where they change."""
-    frame_matrix = motion.at_time(context.shutter.frame01)[index]
-    if samples.still:
-        at_frame = samples
-    radiance = radiances(kind, at_frame, frame_matrix[None])[0]
-    angle, radius, width, height = at_frame.sizes[0].tolist()
-    light = {
-        "radiance": tuple(radiance.tolist()),
-        "angle_degrees": angle,
-        "radius": radius,
-        "width": width,
-        "height": height,
-    }
-    if samples.still and samples.normalize[0] and not motion.still:
-        samples = samples.at(_times01(motion, context.held))
-    if samples.still:
-        return light
-    matrices = np.repeat(frame_matrix[None], len(samples.times01), axis=0)
-    if samples.normalize.any():
-        matrices = np.array([motion.at_time(time01)[index] for time01 in samples.times01.tolist()])
-    over_shutter = radiances(kind, samples, matrices)
-    if (over_shutter == over_shutter[0]).all() and (samples.sizes == samples.sizes[0]).all():
-        return light
-    with np.errstate(over="ignore"):  # The translator says what is not finite.
-        light["radiances"] = over_shutter.astype(np.float32)
-    light["values_times01"] = samples.times01
-    light["sizes"] = samples.sizes.astype(np.float32)
-    return light
 
 
 def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
@@ -150,14 +105,6 @@ def _is_restricted(collection: Usd.CollectionAPI) -> bool:
         or value(collection.GetIncludeRootAttr(), Usd.TimeCode.Default(), BOOL) is False
         or collection.GetMembershipExpressionAttr().HasAuthoredValue()
     )
-
-
-def _is_similarity(matrix: np.ndarray) -> bool:
-    """Whether float64[4, 4] keeps spheres round, but for what single precision rounds; not said of NaN."""
-    with np.errstate(invalid="ignore"):
-        gram = matrix[:3, :3] @ matrix[:3, :3].T
-        uneven = np.abs(gram - np.eye(3) * gram.trace() / 3).max()
-    return not uneven > 1e-5 * gram.trace()
 
 
 def camera_light(times01: np.ndarray, world_from_camera: np.ndarray) -> dict:
