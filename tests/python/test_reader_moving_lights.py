@@ -237,6 +237,24 @@ def test_lights_in_instances_are_normalised_where_they_stand():
     assert [light["radiance"][0] for light in shot.read().scene.lights] == pytest.approx([1.0, 0.25])
 
 
+def test_a_light_whose_instance_appears_shines_from_then_on() -> None:
+    """At a time code that is rounded to before itself on its way to the shutter's time and back."""
+    shot = Shot((-0.25, 0.25))
+    shot.stage.CreateClassPrim("/Asset")
+    UsdLux.SphereLight.Define(shot.stage, "/Asset/Light").CreateIntensityAttr(3.0)
+    instance = UsdGeom.Xform.Define(shot.stage, "/Instance")
+    instance.GetPrim().GetReferences().AddInternalReference("/Asset")
+    instance.GetPrim().SetInstanceable(True)
+    instance.GetVisibilityAttr().Set("invisible", 9.0)
+    instance.GetVisibilityAttr().Set("inherited", 10.025)
+    result = shot.read()
+    shutter = result.camera.shutter
+    begin01 = shutter.time01(10.025)
+    assert shutter.time_code(begin01).GetValue() < 10.025
+    (handed,) = result.scene.lights
+    assert [radiance_at(handed, begin01 + after)[0] for after in (-1e-4, 1e-9, 1e-4)] == [0.0, 3.0, 3.0]
+
+
 def test_a_light_keeps_the_breakpoints_of_its_transform() -> None:
     """Thrown to a place and back between two of the even times at which curves are caught."""
     shot = Shot((0.0, 1.0))
