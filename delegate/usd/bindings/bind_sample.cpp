@@ -200,7 +200,6 @@ void bind_times(nb::module_& m) {
       .value("CAMERA", Density::kCamera)
       .value("LIGHT", Density::kLight)
       .value("GLANCE", Density::kGlance);
-  m.def("even_level", &even_level, "intervals"_a);
   m.def(
       "even_times01",
       [](int level, const std::vector<double>& breakpoints01, bool held) {
@@ -233,8 +232,6 @@ void bind_sample(nb::module_& m) {
   m.attr("MOST_REPEATS") = kMostRepeats;
   m.attr("MOST_TURNS_FOLLOWED") = kMostTurnsFollowed;
   m.attr("BEFORE_JUMP01") = kBeforeJump01;
-  m.attr("SAMPLING_SHARE") = kSamplingShare;
-  m.attr("TIMES_A_TURN") = kTimesATurn;
   nb::class_<PixelSize>(m, "PixelSize")
       .def(
           "__init__",

@@ -1,15 +1,19 @@
-// skin_points: keyword arguments and numpy arrays to the structs of delegate/translate/skinning.h.
+// Skinning: keyword arguments and numpy arrays to the structs of delegate/translate/skinning.h, and a Python
+// object as translate::PoseSource.
 #include <algorithm>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "delegate/translate/sample/pose_sampler.h"
 #include "delegate/translate/skinning.h"
 #include "delegate/usd/bindings/arguments.h"
 #include "delegate/usd/bindings/bindings.h"
+#include "delegate/usd/bindings/python_motion.h"
 
 namespace nb = nanobind;
+using namespace nb::literals;
 
 namespace msbvh::python {
 namespace {
@@ -39,7 +43,8 @@ SubShape sub_shape_from(Arguments& arguments, nb::handle item, const std::string
   return shape;
 }
 
-void read_joints(Arguments& arguments, SkinningInput& input) {
+void read_influences(Arguments& arguments, SkinningInput& input) {
+  input.method = method_from(arguments.value<std::string>("method", "a str"));
   input.joint_indices = arguments.ints("joint_indices");
   const nb::object weights = arguments.optional("joint_weights");
   if (!weights.is_none()) input.joint_weights = arguments.borrowed().scalars(weights, "joint_weights");
@@ -47,12 +52,6 @@ void read_joints(Arguments& arguments, SkinningInput& input) {
   input.constant_influences = arguments.value<bool>("constant_influences", "a bool");
   const AnyArray bind = checked_array<double>(arguments.required("geom_bind"), "geom_bind", {4, 4});
   input.geom_bind = elements<Matrix4d>(bind).front();
-  const nb::object joints = arguments.optional("joints");
-  if (joints.is_none()) return;
-  const AnyArray& array =
-      arguments.keep(checked_array<double>(joints, "joints", {input.times01.size(), kAnySize, 4, 4}));
-  input.joint_count = array.shape(1);
-  input.joints = elements<Matrix4d>(array);
 }
 
 void read_sub_shapes(Arguments& arguments, SkinningInput& input) {
@@ -62,26 +61,35 @@ void read_sub_shapes(Arguments& arguments, SkinningInput& input) {
     const std::string name = "sub_shapes[" + std::to_string(input.sub_shapes.size()) + "]";
     input.sub_shapes.push_back(sub_shape_from(arguments, item, name));
   }
-  const nb::object weights = arguments.optional("sub_shape_weights");
-  if (weights.is_none()) return;
-  input.sub_shape_weights = elements<float>(arguments.keep(
-      checked_array<float>(weights, "sub_shape_weights", {input.times01.size(), input.sub_shapes.size()})));
 }
 
-SkinningInput skinning_from(Arguments& arguments) {
+// All that no time changes.
+SkinningInput mesh_from(Arguments& arguments) {
   SkinningInput input;
   input.path = arguments.value<std::string>("path", "a str");
-  const std::span<const double> times01 = arguments.times("times01");
-  input.times01.assign(times01.begin(), times01.end());
   input.points = arguments.borrowed().vectors(arguments.required("points"), "points");
   const nb::object normals = arguments.optional("normals");
   if (!normals.is_none()) input.normals = arguments.borrowed().vectors(normals, "normals");
   input.normal_points = arguments.ints("normal_points");
-  input.method = method_from(arguments.value<std::string>("method", "a str"));
-  read_joints(arguments, input);
+  read_influences(arguments, input);
   read_sub_shapes(arguments, input);
-  arguments.expect_no_more();
   return input;
+}
+
+void read_poses(Arguments& arguments, SkinningInput& input) {
+  const std::span<const double> times01 = arguments.times("times01");
+  input.times01.assign(times01.begin(), times01.end());
+  const nb::object joints = arguments.optional("joints");
+  if (!joints.is_none()) {
+    const AnyArray& array =
+        arguments.keep(checked_array<double>(joints, "joints", {input.times01.size(), kAnySize, 4, 4}));
+    input.joint_count = array.shape(1);
+    input.joints = elements<Matrix4d>(array);
+  }
+  const nb::object weights = arguments.optional("sub_shape_weights");
+  if (weights.is_none()) return;
+  input.sub_shape_weights = elements<float>(arguments.keep(
+      checked_array<float>(weights, "sub_shape_weights", {input.times01.size(), input.sub_shapes.size()})));
 }
 
 // float32[T, N, 3], owned by Python.
@@ -96,7 +104,9 @@ nb::object stacked(const std::vector<std::vector<Vec3f>>& arrays) {
 
 nb::tuple skin(const nb::kwargs& keywords) {
   Arguments arguments(keywords, "skin_points");
-  const SkinningInput input = skinning_from(arguments);
+  SkinningInput input = mesh_from(arguments);
+  read_poses(arguments, input);
+  arguments.expect_no_more();
   std::vector<Diagnostic> diagnostics;
   std::optional<SkinnedArrays> skinned;
   {
@@ -108,8 +118,121 @@ nb::tuple skin(const nb::kwargs& keywords) {
   return nb::make_tuple(stacked(skinned->points), stacked(skinned->normals), diagnostics);
 }
 
+// A Python object with the same members. evaluate() gives None, or joints float64[T, J, 4, 4], weights
+// float32[T, S] and rest points float32[N, 3], each of which may be None.
+class PythonPoses : public PoseSource {
+ public:
+  explicit PythonPoses(nb::handle poses) : poses_(poses) {}
+
+  bool still() const override { return get<bool>("still"); }
+  std::vector<double> breakpoints01() const override { return get<std::vector<double>>("breakpoints01"); }
+  Turns turns() const override {
+    const nb::gil_scoped_acquire gil;
+    return nb::cast<Turns>(poses_.attr("turns")());
+  }
+  bool moves_rest() const override { return get<bool>("moves_rest"); }
+  bool evaluate(std::span<const double> times01, PoseValues& out) const override {
+    const nb::gil_scoped_acquire gil;
+    const nb::object found = poses_.attr("evaluate")(std::vector<double>(times01.begin(), times01.end()));
+    if (found.is_none()) return false;
+    if (!nb::isinstance<nb::tuple>(found) || nb::len(found) != 3)
+      wrong_type("evaluate()", found, "(joints, weights, rest points) or None");
+    const std::size_t times = times01.size();
+    fill<double>(out.joints, found[0], "evaluate()[0]", {times, kAnySize, 4, 4});
+    fill<float>(out.weights, found[1], "evaluate()[1]", {times, kAnySize});
+    fill<float>(out.rest, found[2], "evaluate()[2]", {kAnySize, 3});
+    return true;
+  }
+
+ private:
+  template <typename T>
+  T get(const char* name) const {
+    const nb::gil_scoped_acquire gil;
+    return nb::cast<T>(poses_.attr(name));
+  }
+
+  template <typename Scalar, typename Element>
+  static void fill(std::vector<Element>& out, nb::handle values, const char* name,
+                   std::initializer_list<std::size_t> shape) {
+    if (values.is_none()) return;
+    const AnyArray array = checked_array<Scalar>(values, name, shape);
+    const std::span<const Element> all = elements<Element>(array);
+    out.assign(all.begin(), all.end());
+  }
+
+  nb::handle poses_;
+};
+
+// With the arrays that the mesh borrows.
+class PoseSamplerObject {
+ public:
+  explicit PoseSamplerObject(const nb::kwargs& keywords)
+      : keywords_(keywords),
+        arguments_(keywords_, "PoseSampler"),
+        mesh_(mesh_from(arguments_)),
+        sampler_(mesh_) {
+    arguments_.expect_no_more();
+  }
+  PoseSamplerObject(const PoseSamplerObject&) = delete;
+  PoseSamplerObject& operator=(const PoseSamplerObject&) = delete;
+
+  // (what was sampled or None, diagnostics).
+  nb::tuple sample(nb::handle poses, nb::handle placed, const PixelSize& pixel_size, double tolerance_pixels,
+                   bool held) {
+    std::vector<Diagnostic> diagnostics;
+    std::optional<PoseSamples> samples;
+    {
+      nb::gil_scoped_release release;
+      PrimLog log(diagnostics, mesh_.path);
+      samples =
+          sampler_.sample(PythonPoses(poses), PythonMotion(placed), pixel_size, tolerance_pixels, held, log);
+    }
+    if (!samples) return nb::make_tuple(nb::none(), diagnostics);
+    return nb::make_tuple(std::move(*samples), diagnostics);
+  }
+
+ private:
+  nb::kwargs keywords_;
+  Arguments arguments_;
+  SkinningInput mesh_;
+  PoseSampler sampler_;
+};
+
+// float32[N, 3] that lives as long as Python wants it, read-only.
+nb::object shared_array(const PosedArray& values) {
+  const nb::capsule owner(new PosedArray(values),
+                          [](void* p) noexcept { delete static_cast<PosedArray*>(p); });
+  return nb::cast(nb::ndarray<nb::numpy, const float>(values->data(), {values->size(), 3}, owner));
+}
+
+// (time01, array) of each pose that has such an array.
+nb::list pairs(const PoseSamples& samples, PosedArray Pose::*array) {
+  nb::list pairs;
+  for (std::size_t i = 0; i < samples.poses.size(); ++i) {
+    const PosedArray& values = samples.poses[i].*array;
+    if (values) pairs.append(nb::make_tuple(samples.times01[i], shared_array(values)));
+  }
+  return pairs;
+}
+
+void bind_pose_sampler(nb::module_& m) {
+  nb::class_<PoseSamples>(m, "PoseSamples")
+      .def_prop_ro("points", [](const PoseSamples& samples) { return pairs(samples, &Pose::points); })
+      .def_prop_ro("normals", [](const PoseSamples& samples) { return pairs(samples, &Pose::normals); })
+      .def_ro("held", &PoseSamples::held)
+      .def_ro("follows", &PoseSamples::follows);
+  nb::class_<PoseSamplerObject>(m, "PoseSampler")
+      .def("__init__", [](PoseSamplerObject* self,
+                          const nb::kwargs& keywords) { new (self) PoseSamplerObject(keywords); })
+      .def("sample", &PoseSamplerObject::sample, "poses"_a, "placed"_a, "pixel_size"_a, "tolerance_pixels"_a,
+           "held"_a);
+}
+
 }  // namespace
 
-void bind_skinning(nb::module_& m) { m.def("skin_points", &skin); }
+void bind_skinning(nb::module_& m) {
+  m.def("skin_points", &skin);
+  bind_pose_sampler(m);
+}
 
 }  // namespace msbvh::python

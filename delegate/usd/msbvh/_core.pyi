@@ -34,17 +34,17 @@ from ._core_sample import FINEST_LEVEL as FINEST_LEVEL
 from ._core_sample import LARGEST_ELEMENT as LARGEST_ELEMENT
 from ._core_sample import MOST_REPEATS as MOST_REPEATS
 from ._core_sample import MOST_TURNS_FOLLOWED as MOST_TURNS_FOLLOWED
-from ._core_sample import SAMPLING_SHARE as SAMPLING_SHARE
-from ._core_sample import TIMES_A_TURN as TIMES_A_TURN
 from ._core_sample import Density as Density
 from ._core_sample import MotionSamples as MotionSamples
 from ._core_sample import PixelSize as PixelSize
+from ._core_sample import PoseSampler as PoseSampler
+from ._core_sample import PoseSamples as PoseSamples
+from ._core_sample import SubShape as SubShape
 from ._core_sample import TransformSamples as TransformSamples
 from ._core_sample import Turns as Turns
 from ._core_sample import ValueTime as ValueTime
 from ._core_sample import angle_turns as angle_turns
 from ._core_sample import dense_times01 as dense_times01
-from ._core_sample import even_level as even_level
 from ._core_sample import even_times01 as even_times01
 from ._core_sample import orientation_turns as orientation_turns
 from ._core_sample import sample_motion as sample_motion
@@ -279,10 +279,6 @@ class Renderer:
         """(effect, prim, why)."""
     @property
     def statistics(self) -> RenderStatistics: ...
-
-SubShape: TypeAlias = tuple[str, F32 | None, F32 | None, I32 | None]
-"""(path of the blend shape, offsets [K, 3], normal offsets [K, 3], the points [K] that they move; None: all
-points in their order)."""
 
 def skin_points(
     *,

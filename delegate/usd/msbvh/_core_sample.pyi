@@ -2,12 +2,16 @@
 
 import enum
 from collections.abc import Iterable, Sequence
-from typing import Protocol
+from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._core import Diagnostic
+
+F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
+I32 = NDArray[np.int32]
 
 FINEST_LEVEL: int
 """2^FINEST_LEVEL intervals: the most segments that a track has."""
@@ -19,10 +23,6 @@ MOST_TURNS_FOLLOWED: float
 """Of a camera or a light in the shutter."""
 BEFORE_JUMP01: float
 """How long before a jump its last old value is sampled."""
-SAMPLING_SHARE: float
-"""Of the tolerance: by how much interpolation between samples may stray from the stage."""
-TIMES_A_TURN: float
-"""What is sampled so densely at least cannot pass for something slower, or for rest."""
 
 class Density(enum.Enum):
     """What evenly spaced times are for."""
@@ -151,9 +151,6 @@ def sample_motion(
     """Matrices over the shutter, as dense as interpolation between them needs. ``boxes`` is float64[N, 2, 3], of each
     thing in its own space, or float64[1, 2, 3], of all."""
 
-def even_level(intervals: float) -> int:
-    """The power of two that makes at least so many even intervals."""
-
 def even_times01(level: int, breakpoints01: Sequence[float], held: bool = False) -> list[float]:
     """2^level even intervals of the shutter and the breakpoints inside."""
 
@@ -190,3 +187,67 @@ def orientation_turns(times01: Sequence[float], orientations: Sequence[Sequence[
 
 def usable_periods01(periods01: Sequence[float]) -> list[float]:
     """Those that are worth a track of their own."""
+
+SubShape: TypeAlias = tuple[str, F32 | None, F32 | None, I32 | None]
+"""(path of the blend shape, offsets [K, 3], normal offsets [K, 3], the points [K] that they move; None: all
+points in their order)."""
+
+class PoseSource(Protocol):
+    """A mesh and its skeleton: what PoseSampler asks a front-end for."""
+
+    @property
+    def still(self) -> bool:
+        """Nothing that acts on the mesh changes over the shutter."""
+    @property
+    def breakpoints01(self) -> Sequence[float]:
+        """Authored times of what acts on it."""
+    def turns(self) -> Turns:
+        """How far a joint turns at most, with all that it hangs on."""
+    @property
+    def moves_rest(self) -> bool:
+        """Whether the rest points change: then it is evaluated at one time after the other."""
+    def evaluate(self, times01: list[float]) -> tuple[F64 | None, F32 | None, F32 | None] | None:
+        """Joints [T, J, 4, 4] and weights [T, S] as skin_points() takes them, and rest points [N, 3] that change; None
+        where the values cannot be used, which the front-end has said."""
+
+class PoseSamples:
+    """A skinned mesh at increasing times. Arrays are read-only and keep themselves alive."""
+
+    @property
+    def points(self) -> list[tuple[float, F32]]:
+        """(time01, [N, 3]) each, in the skeleton's space; one: still."""
+    @property
+    def normals(self) -> list[tuple[float, F32]]:
+        """(time01, [M, 3]) each; empty without rest normals."""
+    @property
+    def held(self) -> bool:
+        """Each holds until the next."""
+    @property
+    def follows(self) -> bool:
+        """False where so many poses as it takes cannot be afforded."""
+
+class PoseSampler:
+    """Poses one mesh, at each time once, however often it is sampled."""
+
+    def __init__(
+        self,
+        *,
+        path: str,
+        points: F32,
+        normals: F32 | None = None,
+        normal_points: I32 | None = None,
+        method: Literal["classicLinear", "dualQuaternion"],
+        joint_indices: I32 | None = None,
+        joint_weights: F32 | None = None,
+        influences_per_point: int,
+        constant_influences: bool,
+        geom_bind: F64,
+        sub_shapes: Sequence[SubShape],
+    ) -> None:
+        """As skin_points() takes them. Keeps the arrays."""
+    def sample(
+        self, poses: PoseSource, placed: MotionSource, pixel_size: PixelSize, tolerance_pixels: float, held: bool
+    ) -> tuple[PoseSamples | None, list[Diagnostic]]:
+        """As dense as straight lines between the poses need. ``placed``, of which the first thing counts, places the
+        skeleton's space. None where the mesh cannot be skinned. See delegate/translate/sample/pose_sampler.h. Skins
+        without the GIL."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from operator import itemgetter
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .._core import SAMPLING_SHARE, MeshInput, PixelSize, TransformSamples
+from .._core import MeshInput, PixelSize, TransformSamples
 from ..look.materials import Materials
 from ..motion.boxes import Box
 from ..motion.context import FrameContext
@@ -143,7 +143,8 @@ class Shapes:
             poser = draft.poser or Poser(draft.binding, mesh, samples, draft.context)
             if part.is_mesh:
                 mesh, draft.poser = mesh.copy(), poser
-            skinned = poser.skinned(partial(self._skinning_tolerance, draft, root, pixel_size))
+            placed = self._caches.motion([draft.placed_by], root, True, draft.context.shutter)
+            skinned = poser.skinned(placed, pixel_size, self._tolerance)
             if skinned is None:
                 return None
             samples = skinned.samples
@@ -232,13 +233,3 @@ class Shapes:
         motion = self._caches.motion([part.prim], root, part.varying, context.shutter, part.breakpoints)
         matrices = motion.at_times(motion.few_times01())[:, 0]
         return sides_of(form, matrices, part.prim.GetTypeName() == "Sphere", pixel_size, self._silhouette)
-
-    def _skinning_tolerance(self, draft: Draft, root: Usd.Prim | None, pixel_size: PixelSize, box: Box) -> float:
-        """How far skinned points in a box may stray between samples: a share of the tolerance, the rest of which the
-        track has."""
-        motion = self._caches.motion([draft.placed_by], root, True, draft.context.shutter)
-        matrices = motion.at_times(motion.few_times01())[:, 0]
-        stretch = np.linalg.norm(matrices[:, :3, :3], ord=2, axis=(1, 2)).max()
-        corners = (box.corners() @ matrices[..., :3])[:, None]
-        share = SAMPLING_SHARE * self._tolerance
-        return share * float(pixel_size.at_boxes(corners)[0]) / max(stretch, 1e-30)

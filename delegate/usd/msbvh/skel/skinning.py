@@ -1,22 +1,21 @@
-"""Skinned meshes: UsdSkel's poses sampled over the shutter, the arithmetic left to the core.
+"""Skinned meshes: UsdSkel's poses, read at the times of the shutter that the translator asks for.
 
 Skinned points lie in the skeleton's space: the skeleton's transform places them, the mesh's own does not
-count (UsdSkel). Joints rotate between their samples on arcs, so poses are sampled until straight lines
-between them follow.
+count (UsdSkel).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .._core import TIMES_A_TURN, MeshInput, Turns, even_level, even_times01
-from ..motion.boxes import Box
+from .._core import Diagnostic, MeshInput, PixelSize, PoseSampler, Turns
 from ..motion.context import FrameContext, array
 from ..motion.points import RawSamples, Samples
+from ..motion.transforms import Motion
 from ..motion.turns import NO_TURNS
 from ..stage.value_types import FLOAT3S
 from ..stage.values import might_vary, required, value
@@ -24,15 +23,6 @@ from .bindings import SkelBinding
 from .faults import report_unusable_pose
 from .joint_turns import joint_turns
 from .skeletons import Skeletons
-
-COARSEST_LEVEL = 2
-"""Poses are sampled at 2^2 intervals at least, and at as many as joints turn for (joint_turns.py)."""
-FINEST_LEVEL = 10
-"""2^10 intervals at most."""
-MOST_POINTS = 2**26
-"""Of all poses of a mesh together, 800 MB: no finer level begins beyond it."""
-NORMAL_TOLERANCE = 0.005
-"""Radians that a normal may stray between samples: half of what its track may (translate/normals.h)."""
 
 
 @dataclass
@@ -45,16 +35,10 @@ class Skinned:
     """float32[M, 3] each, with the interpolation that the mesh has authored but no indices."""
 
 
-class _Rejected(Exception):
-    """The core cannot use a binding, and has said why."""
-
-
 class Poser:
-    """Poses a mesh at times of the shutter, each once, however often it is asked."""
+    """A mesh and its skeleton as the translator's PoseSource. Each pose is made once, however often it is asked for."""
 
     def __init__(self, binding: SkelBinding, mesh: MeshInput, rest: Samples, context: FrameContext) -> None:
-        self.points: dict[float, np.ndarray] = {}
-        self.normals: dict[float, np.ndarray] = {}
         self._binding = binding
         self._context = context
         self._moving_rest = _moving_points(binding.prim, context)
@@ -64,49 +48,35 @@ class Poser:
                 required(UsdGeom.PointBased(binding.prim).GetPointsAttr(), context.code, FLOAT3S), np.float32, 3
             )
         self._warn_of_velocities(binding)
-        self._normals, self._normal_points = _rest_normals(binding, mesh, len(self._rest), context)
+        normals, normal_points = _rest_normals(binding, mesh, len(self._rest), context)
+        self._shapes = [] if binding.shapes is None else binding.shapes.shapes
+        self._sampler = PoseSampler(
+            path=str(binding.prim.GetPath()),
+            points=self._rest,
+            normals=normals,
+            normal_points=normal_points,
+            sub_shapes=self._shapes,
+            **binding.influences,
+        )
 
-    def skinned(self, tolerance_units: Callable[[Box], float]) -> Skinned | None:
-        """The skinned points and normals; None, with an error, where the core cannot use the binding.
-
-        Between the samples the straight line strays from UsdSkel's pose by at most `tolerance_units(box of the points)`,
-        in units of the space that the skeleton places, measured at the middles of the sampling intervals.
-        """
-        try:
-            times01, held = self._sample(tolerance_units)
-        except _Rejected:
+    def skinned(self, placed: Motion, pixel_size: PixelSize, tolerance_pixels: float) -> Skinned | None:
+        """The skinned points and normals, as dense as straight lines between them need; None, with an error, where the
+        core cannot use the binding. `placed` is how the space that they lie in moves."""
+        found, diagnostics = self._sampler.sample(self, placed, pixel_size, tolerance_pixels, self._context.held)
+        self._report(diagnostics)
+        if found is None:
             return None
-        points = [(time01, self.points[time01]) for time01 in times01]
-        normals = [(time01, self.normals[time01]) for time01 in times01 if time01 in self.normals]
-        return Skinned(Samples(points, held), normals or None)
+        if not found.follows:
+            self._warn_of_coarse_poses(len(found.points))
+        return Skinned(Samples(found.points, found.held), found.normals or None)
 
-    def _sample(self, tolerance_units: Callable[[Box], float]) -> tuple[list[float], bool]:
-        """The sample times, and whether each holds until the next."""
-        varying, authored = self.contributing_times()
-        if not varying:
-            self.evaluate([0.0])
-            return [0.0], False
-        breakpoints01 = [self._context.shutter.time01(time) for time in authored]
-        if self._context.held:
-            times01 = sorted({0.0, *breakpoints01})
-            self.evaluate(times01)
-            return (times01[:1], False) if self.still(times01) else (times01, True)
-        coarsest = max(COARSEST_LEVEL, even_level(TIMES_A_TURN * self.turns().rate))
-        times01 = even_times01(coarsest, breakpoints01)
-        self.evaluate(times01)
-        if self.still(times01):
-            return times01[:1], False
-        tolerance = tolerance_units(self.box())
-        for level in range(coarsest + 1, max(coarsest, FINEST_LEVEL) + 1):
-            finer = even_times01(level, breakpoints01)
-            if len(finer) * self.point_count > MOST_POINTS:
-                break
-            self.evaluate(finer)
-            if self.follows(times01, finer, tolerance):
-                return times01, False
-            times01 = finer
-        self.warn_of_coarse_poses(len(times01))
-        return times01, False
+    def _report(self, diagnostics: list[Diagnostic]) -> None:
+        for found in diagnostics:
+            if found.severity == "error":
+                message = f"{found.message}; the prim is not drawn"
+                self._context.diagnostics.error(found.path, found.attribute, message)
+            else:
+                self._context.diagnostics.warning(found.path, found.attribute, found.message)
 
     def _warn_of_velocities(self, binding: SkelBinding) -> None:
         velocities = binding.prim.GetAttribute("velocities")
@@ -114,137 +84,76 @@ class Poser:
             message = "not used on a skinned mesh, whose joints say how it moves (UsdSkel)"
             self._context.diagnostics.group(str(binding.prim.GetPath()), "velocities", message)
 
-    def contributing_times(self) -> tuple[bool, list[float]]:
-        """Whether anything that acts on the mesh may change over the shutter, and the time codes within it
-        where that has samples."""
-        shutter, binding = self._context.shutter, self._binding
-        times: set[float] = set()
-        if not shutter.moving:
-            return False, []
-        animation = binding.animation
-        varying = False
-        if self._moving_rest is not None:
-            varying = True
-            times.update(self._moving_rest.GetTimeSamplesInInterval(shutter.interval))
-        if binding.joints is not None and animation and animation.JointTransformsMightBeTimeVarying():
-            varying = True
-            times.update(animation.GetJointTransformTimeSamplesInInterval(shutter.interval))
-        if binding.shapes is not None and animation.BlendShapeWeightsMightBeTimeVarying():
-            varying = True
-            times.update(animation.GetBlendShapeWeightTimeSamplesInInterval(shutter.interval))
-        return varying, sorted(times)
-
-    def turns(self) -> Turns:
-        """How far any joint turns at most within the shutter, with all that it hangs on."""
-        animation = self._binding.animation
-        if self._binding.joints is None or not animation or not animation.JointTransformsMightBeTimeVarying():
-            return NO_TURNS
-        return joint_turns(animation, self._context.shutter)
-
-    @property
-    def point_count(self) -> int:
-        """Of a pose."""
-        return len(self._rest)
-
-    def warn_of_coarse_poses(self, count: int) -> None:
+    def _warn_of_coarse_poses(self, count: int) -> None:
         """Where no affordable number of poses lets straight lines follow."""
         message = (
             f"poses are read at {count} times of the shutter, too few for --motion-tolerance; a shorter shutter helps"
         )
         self._context.diagnostics.group(str(self._binding.prim.GetPath()), "skel:animationSource", message)
 
-    def evaluate(self, times01: list[float]) -> None:
-        """Poses the mesh at those of the times that it has not been at. Raises _Rejected."""
-        new = [time01 for time01 in times01 if time01 not in self.points]
+    @cached_property
+    def _times(self) -> list[float] | None:
+        """Time codes within the shutter at which anything that acts on the mesh has samples; None where nothing may
+        change."""
+        shutter, binding = self._context.shutter, self._binding
+        if not shutter.moving:
+            return None
+        found: list[list[float]] = []
         if self._moving_rest is not None:
-            for time01 in new:
-                self._skin([time01], self._rest_at(time01))
-        elif new:
-            self._skin(new, self._rest)
+            found.append(self._moving_rest.GetTimeSamplesInInterval(shutter.interval))
+        if self._joints_may_vary:
+            found.append(binding.animation.GetJointTransformTimeSamplesInInterval(shutter.interval))
+        if binding.shapes is not None and binding.animation.BlendShapeWeightsMightBeTimeVarying():
+            found.append(binding.animation.GetBlendShapeWeightTimeSamplesInInterval(shutter.interval))
+        return sorted(set().union(*found)) if found else None
 
-    def still(self, times01: list[float]) -> bool:
-        """Whether all poses are the same but for rounding: UsdSkel interpolates between equal rotations
-        too."""
-        return all(_still([values[time] for time in times01 if time in values]) for values in self._posed())
+    @property
+    def _joints_may_vary(self) -> bool:
+        animation = self._binding.animation
+        return bool(self._binding.joints is not None and animation and animation.JointTransformsMightBeTimeVarying())
 
-    def box(self) -> Box:
-        """Around all poses so far."""
-        return Samples(list(self.points.items())).box()
+    @property
+    def still(self) -> bool:
+        """Nothing that acts on the mesh changes over the shutter."""
+        return self._times is None
 
-    def follows(self, times01: list[float], finer: list[float], tolerance: float) -> bool:
-        """Whether straight lines between the poses stray from those at the finer times by no more than the
-        tolerance, and normals by no more than theirs."""
-        if _breakpoint(self.points, times01, finer) > tolerance:
-            return False
-        return not self.normals or _breakpoint(self.normals, times01, finer, unit=True) <= NORMAL_TOLERANCE
+    @property
+    def breakpoints01(self) -> list[float]:
+        """Authored times of what acts on it."""
+        return [self._context.shutter.time01(time) for time in self._times or ()]
 
-    def _posed(self) -> tuple[dict[float, np.ndarray], ...]:
-        return self.points, self.normals
+    def turns(self) -> Turns:
+        """How far any joint turns at most within the shutter, with all that it hangs on."""
+        if not self._joints_may_vary:
+            return NO_TURNS
+        return joint_turns(self._binding.animation, self._context.shutter)
 
-    def _rest_at(self, time01: float) -> np.ndarray:
-        code = self._context.shutter.time_code(time01)
-        rest = array(value(self._moving_rest, code, FLOAT3S), np.float32, 3)
+    @property
+    def moves_rest(self) -> bool:
+        """Whether the rest points change."""
+        return self._moving_rest is not None
+
+    def evaluate(self, times01: list[float]) -> tuple[np.ndarray | None, np.ndarray | None, np.ndarray | None] | None:
+        """Skinning transforms, weights of blend shapes and, of the one time, rest points that change; None, with an
+        error, where the animation has no numbers."""
+        binding, context = self._binding, self._context
+        codes = [context.shutter.time_code(time01) for time01 in times01]
+        rest = None if self._moving_rest is None else self._rest_at(self._moving_rest, codes[0])
+        joints = _joints(binding, codes, context)
+        if joints is not None and report_unusable_pose(binding, joints, codes, context):
+            return None
+        weights = None
+        if binding.shapes is not None and self._shapes:
+            weights = np.array([binding.shapes.weights(code, context) for code in codes])
+        return joints, weights, rest
+
+    def _rest_at(self, moving: Usd.Attribute, code: Usd.TimeCode) -> np.ndarray:
+        rest = array(value(moving, code, FLOAT3S), np.float32, 3)
         if len(rest) == len(self._rest):
             return rest
         message = f"found {len(rest)} points within the shutter, expected {len(self._rest)}; held the frame's"
         self._context.diagnostics.warning(str(self._binding.prim.GetPath()), "points", message)
         return self._rest
-
-    def _skin(self, times01: list[float], rest: np.ndarray) -> None:
-        from .. import _core
-
-        binding, context = self._binding, self._context
-        codes = [context.shutter.time_code(time01) for time01 in times01]
-        joints = _joints(binding, codes, context)
-        if joints is not None and report_unusable_pose(binding, joints, codes, context):
-            raise _Rejected
-        shapes = [] if binding.shapes is None else binding.shapes.shapes
-        weights = [binding.shapes.weights(code, context) for code in codes] if binding.shapes and shapes else None
-        points, normals, diagnostics = _core.skin_points(
-            path=str(binding.prim.GetPath()),
-            times01=np.array(times01),
-            points=rest,
-            normals=self._normals,
-            normal_points=self._normal_points,
-            joints=joints,
-            sub_shapes=shapes,
-            sub_shape_weights=None if weights is None else np.array(weights),
-            **binding.influences,
-        )
-        for found in diagnostics:
-            if found.severity == "error":
-                message = f"{found.message}; the prim is not drawn"
-                context.diagnostics.error(found.path, found.attribute, message)
-            else:
-                context.diagnostics.warning(found.path, found.attribute, found.message)
-        if points is None:
-            raise _Rejected
-        self.points.update(zip(times01, points, strict=True))
-        if normals is not None:
-            self.normals.update(zip(times01, normals, strict=True))
-
-
-def _still(values: list[np.ndarray]) -> bool:
-    if not values:
-        return True
-    rounding = 4 * np.finfo(np.float32).eps * np.abs(values[0]).max(initial=0.0)
-    return all(np.abs(value - values[0]).max(initial=0.0) <= rounding for value in values[1:])
-
-
-def _breakpoint(values: dict[float, np.ndarray], times01: list[float], finer: list[float], unit: bool = False) -> float:
-    """How far values at the finer times stray from straight lines between the others; `unit`: from lines of
-    directions."""
-    worst = 0.0
-    for time01 in sorted(set(finer) - set(times01)):
-        after = int(np.searchsorted(times01, time01))
-        begin, end = times01[after - 1], times01[after]
-        weight = (time01 - begin) / (end - begin)
-        straight = (1.0 - weight) * values[begin] + weight * values[end]
-        if unit:
-            straight /= np.maximum(np.linalg.norm(straight, axis=1, keepdims=True), 1e-30)
-        deviation = np.linalg.norm(values[time01] - straight, axis=1)
-        worst = max(worst, float(deviation.max(initial=0.0)))
-    return worst
 
 
 def _joints(binding: SkelBinding, codes: list[Usd.TimeCode], context: FrameContext) -> np.ndarray | None:
