@@ -167,6 +167,19 @@ def test_held_animation_jumps():
         assert np.abs(points_at(mesh, time01) - usd_skinned_points(arm.mesh.GetPrim(), code)).max() <= 1e-6
 
 
+def test_a_held_pose_begins_where_it_is_authored():
+    """At a time code that is rounded to before itself on its way to the shutter's time and back."""
+    arm = Arm(Shot((-0.25, 0.25)))
+    arm.stage.SetInterpolationType(Usd.InterpolationTypeHeld)
+    arm.rotate({9: (0, 0), 10.025: (90, 0)})
+    result = arm.shot.read()
+    shutter = result.camera.shutter
+    assert shutter.time_code(shutter.time01(10.025)).GetValue() < 10.025
+    mesh = result.scene.meshes["/Root/Mesh"]
+    assert len(mesh["points"]) == 2
+    assert np.allclose(mesh["points"][1][1], usd_skinned_points(arm.mesh.GetPrim(), Usd.TimeCode(10.025)), atol=1e-6)
+
+
 def test_moving_rest_points_are_skinned_as_they_move():
     arm = spinning_arm()
     for frame in (9, 11):

@@ -202,13 +202,14 @@ TEST_CASE("poses that differ by rounding are one, those that differ by more are 
   }
 }
 
-TEST_CASE("held poses stand at the breakpoints") {
+TEST_CASE("held poses stand at the breakpoints and are read in the middle of what holds") {
   Functions source;
   source.breaks01 = {0.25, 0.75};
   source.weight = [](double u) { return u < 0.25 ? 1.0 : u < 0.75 ? 2.0 : 3.0; };
   const PoseSamples found = sampled(source, 1e-5, true);
   CHECK(found.held);
   CHECK(found.times01 == Times{0.0, 0.25, 0.75});
+  CHECK(source.asked01 == Times{0.125, 0.5, 0.875});
   Times heights;
   for (const Pose& pose : found.poses) heights.push_back(pose.points->front().y);
   CHECK(heights == Times{1.0, 2.0, 3.0});

@@ -118,13 +118,13 @@ std::optional<PoseSamples> PoseSampler::sample(const PoseSource& source, const M
   if (held) return held_samples(source, breakpoints01, log);
   const int coarsest = std::max(kCoarsestPoseLevel, even_level(kTimesATurn * source.turns().rate()));
   Times times01 = even_times01(coarsest, breakpoints01);
-  if (!pose(source, times01, log)) return std::nullopt;
+  if (!pose(source, times01, times01, log)) return std::nullopt;
   if (still(times01)) return samples({times01.front()});
   const double tolerance = pose_tolerance(box(), placed, pixel_size, tolerance_pixels);
   for (int level = coarsest + 1; level <= kFinestPoseLevel; ++level) {
     Times finer01 = even_times01(level, breakpoints01);
     if (finer01.size() * mesh_.points.size() > kMostPosedPoints) break;
-    if (!pose(source, finer01, log)) return std::nullopt;
+    if (!pose(source, finer01, finer01, log)) return std::nullopt;
     if (follows(times01, finer01, tolerance)) return samples(std::move(times01));
     times01 = std::move(finer01);
   }
@@ -134,33 +134,44 @@ std::optional<PoseSamples> PoseSampler::sample(const PoseSource& source, const M
 }
 
 std::optional<PoseSamples> PoseSampler::posed_once(const PoseSource& source, PrimLog& log) {
-  if (!pose(source, Times{0.0}, log)) return std::nullopt;
+  const Times once01{0.0};
+  if (!pose(source, once01, once01, log)) return std::nullopt;
   return samples({0.0});
 }
 
 std::optional<PoseSamples> PoseSampler::held_samples(const PoseSource& source, Times times01, PrimLog& log) {
   if (times01.empty() || times01.front() > 0.0) times01.insert(times01.begin(), 0.0);
-  if (!pose(source, times01, log)) return std::nullopt;
+  // In the middle of what holds: a time that is rounded might lie before its own sample.
+  Times middles01;
+  for (std::size_t i = 0; i < times01.size(); ++i)
+    middles01.push_back(0.5 * (times01[i] + (i + 1 < times01.size() ? times01[i + 1] : 1.0)));
+  if (!pose(source, times01, middles01, log)) return std::nullopt;
   if (still(times01)) return samples({times01.front()});
   PoseSamples held = samples(std::move(times01));
   held.held = true;
   return held;
 }
 
-// At those of the times that it has not been at.
-bool PoseSampler::pose(const PoseSource& source, std::span<const double> times01, PrimLog& log) {
-  Times unknown01;
-  std::ranges::copy_if(times01, std::back_inserter(unknown01),
-                       [this](double time01) { return !poses_.contains(time01); });
-  if (unknown01.empty()) return true;
-  if (!source.moves_rest()) return skin(source, unknown01, log);
-  return std::ranges::all_of(unknown01,
-                             [&](double time01) { return skin(source, std::span(&time01, 1), log); });
+// At those of the times that it has not been at; each is evaluated at its place in `read_at01`.
+bool PoseSampler::pose(const PoseSource& source, const Times& times01, const Times& read_at01, PrimLog& log) {
+  Times unknown01, unread01;
+  for (std::size_t t = 0; t < times01.size(); ++t) {
+    if (poses_.contains(times01[t])) continue;
+    unknown01.push_back(times01[t]);
+    unread01.push_back(read_at01[t]);
+  }
+  const std::span<const double> times = unknown01, reads = unread01;
+  const std::size_t step = source.moves_rest() ? 1 : times.size();
+  for (std::size_t t = 0; t < times.size(); t += step) {
+    if (!skin(source, times.subspan(t, step), reads.subspan(t, step), log)) return false;
+  }
+  return true;
 }
 
-bool PoseSampler::skin(const PoseSource& source, std::span<const double> times01, PrimLog& log) {
+bool PoseSampler::skin(const PoseSource& source, std::span<const double> times01,
+                       std::span<const double> read_at01, PrimLog& log) {
   PoseValues values;
-  if (!source.evaluate(times01, values)) return false;
+  if (!source.evaluate(read_at01, values)) return false;
   SkinningInput input = mesh_;
   input.times01.assign(times01.begin(), times01.end());
   input.joints = values.joints;

@@ -66,8 +66,9 @@ class PoseSampler {
 
   std::optional<PoseSamples> posed_once(const PoseSource& source, PrimLog& log);
   std::optional<PoseSamples> held_samples(const PoseSource& source, Times times01, PrimLog& log);
-  bool pose(const PoseSource& source, std::span<const double> times01, PrimLog& log);
-  bool skin(const PoseSource& source, std::span<const double> times01, PrimLog& log);
+  bool pose(const PoseSource& source, const Times& times01, const Times& read_at01, PrimLog& log);
+  bool skin(const PoseSource& source, std::span<const double> times01, std::span<const double> read_at01,
+            PrimLog& log);
   bool still(const Times& times01) const;
   bool follows(const Times& times01, const Times& finer01, double tolerance) const;
   Box3d box() const;
