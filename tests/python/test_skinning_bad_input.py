@@ -135,3 +135,14 @@ def test_a_pose_that_is_no_number_keeps_the_mesh_out_of_the_picture():
     assert one_message(arm, "error").startswith(
         "/Root/Skeleton/Animation.translations: found (nan, 0, 0) for joint 'a' at shutter time "
     )
+
+
+@pytest.mark.parametrize("op", ["AddTranslateOp", "AddScaleOp", "AddRotateXYZOp"])
+def test_a_skeleton_that_stands_nowhere_keeps_what_it_moves_out_of_the_picture(op: str):
+    arm = spinning_arm()
+    arm.shot.mesh("/Card")
+    getattr(arm.skeleton, op)().Set((float("nan"), 1, 1))
+    result = arm.shot.read()
+    errors = messages(result, "error")
+    assert len(errors) == 1 and errors[0].startswith("/Root/Skeleton.xformOp:") and "found (nan, 1, 1)" in errors[0]
+    assert list(result.scene.meshes) == ["/Card"]
