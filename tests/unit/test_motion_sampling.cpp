@@ -3,6 +3,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -203,6 +204,39 @@ TEST_CASE("angles and orientations say how far they turn") {
   CHECK(axes.periods01() == std::vector<double>{1.0 / 8.0, 1.0 / 4.0});
   const std::vector<Quatd> quarter{{0.0, 0.0, 0.0, 2.0}, {0.0, 0.0, 3.0, 3.0}};
   CHECK(orientation_turns({0.0, 1.0}, quarter).total().back() == doctest::Approx(0.25));
+}
+
+TEST_CASE("a joint turns with all that it hangs on, wherever that stands in the order") {
+  const auto about_x = [](double turns) {
+    const double half = std::numbers::pi * turns;
+    return Quatd{2.0 * std::sin(half), 0.0, 0.0, 2.0 * std::cos(half)};  // of any length
+  };
+  // Number 1 hangs on 2, which hangs on 0; the fastest is 1 in the first half, by 0.1 + 0.3 + 0.05, and 3 in
+  // the second. The shorter way round from -0.3 to 0.4 is 0.3.
+  const std::vector<int> parents{-1, 2, 0, -1};
+  const std::vector<Quatd> rotations{about_x(0.0), about_x(0.0), about_x(0.0),  about_x(-0.3),
+                                     about_x(0.1), about_x(0.3), about_x(0.05), about_x(-0.3),
+                                     about_x(0.1), about_x(0.3), about_x(0.05), about_x(0.4)};
+  const Turns turns = joint_turns({0.0, 0.5, 1.0}, rotations, parents);
+  REQUIRE(turns.total().size() == 3);
+  CHECK(turns.total()[1] == doctest::Approx(0.45));
+  CHECK(turns.total()[2] == doctest::Approx(0.75));
+}
+
+TEST_CASE(
+    "joints that turn nowhere, or by what is no number, have no turns; parents that are none are refused") {
+  const Quatd rest{0.0, 0.0, 0.0, 1.0}, none{0.0, 0.0, 0.0, 0.0};
+  const Quatd turned{1.0, 0.0, 0.0, 0.0}, bad{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0, 1.0};
+  const std::vector<int> root{-1};
+  CHECK(joint_turns({0.0, 1.0}, std::vector<Quatd>{rest, rest}, root).none());
+  CHECK(joint_turns({0.0, 1.0}, std::vector<Quatd>{rest, bad}, root).none());
+  CHECK(joint_turns({0.0, 1.0}, {}, {}).none());
+  CHECK(joint_turns({0.0, 1.0}, std::vector<Quatd>{rest, turned}, root).rate() == doctest::Approx(0.5));
+  CHECK(joint_turns({0.0, 1.0}, std::vector<Quatd>{rest, none}, root).rate() == doctest::Approx(0.5));
+  const std::vector<Quatd> four(4, rest);
+  for (const std::vector<int>& parents : {std::vector<int>{1, 0}, {0, -1}, {-1, 2}}) {
+    CHECK_THROWS_AS(joint_turns({0.0, 1.0}, four, parents), Error);
+  }
 }
 
 TEST_CASE("even times nest and leave room around breakpoints") {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -49,6 +50,35 @@ bool is_uniform(std::span<const double> times01, std::span<const double> degrees
     most = std::max(most, rate);
   }
   return most - least <= kSameRate * turned;
+}
+
+Quatd unit(const Quatd& q) {
+  const double size = std::sqrt(q.real * q.real + q.i * q.i + q.j * q.j + q.k * q.k);
+  return size > 0.0 ? Quatd{q.i / size, q.j / size, q.k / size, q.real / size} : q;
+}
+
+// In turns, from one rotation to another.
+double arc(const Quatd& a, const Quatd& b) {
+  const double cosine = std::abs(a.real * b.real + a.i * b.i + a.j * b.j + a.k * b.k);
+  return std::acos(std::min(cosine, 1.0)) / std::numbers::pi;
+}
+
+// Joints, each behind what it hangs on.
+std::vector<std::size_t> parents_first(std::span<const int> parents) {
+  std::vector<std::size_t> depths, order(parents.size());
+  for (int parent : parents) {
+    std::size_t depth = 0;
+    for (; parent >= 0; parent = parents[std::size_t(parent)]) {
+      if (std::size_t(parent) >= parents.size() || ++depth >= parents.size()) {
+        throw Error("parents: found " + std::to_string(parent) + "; expected one of " +
+                    std::to_string(parents.size()) + " joints, and none above itself");
+      }
+    }
+    depths.push_back(depth);
+  }
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::ranges::stable_sort(order, {}, [&](std::size_t joint) { return depths[joint]; });
+  return order;
 }
 
 }  // namespace
@@ -135,6 +165,25 @@ Turns orientation_turns(std::vector<double> times01, std::span<const Quatd> orie
     const double lengths = std::sqrt(cosine(a, a)) * std::sqrt(cosine(b, b));
     const double c = std::abs(cosine(a, b)) / (lengths > 0.0 ? lengths : 1.0);
     total.push_back(total.back() + std::acos(std::clamp(c, 0.0, 1.0)) / std::numbers::pi);
+  }
+  if (!(total.back() > 0.0)) return {};
+  return Turns(std::move(times01), std::move(total));
+}
+
+Turns joint_turns(std::vector<double> times01, std::span<const Quatd> rotations,
+                  std::span<const int> parents) {
+  const std::size_t joints = parents.size();
+  const std::vector<std::size_t> order = parents_first(parents);
+  std::vector<double> total{0.0}, turned(joints);
+  for (std::size_t t = 1; t < times01.size(); ++t) {
+    double most = 0.0;
+    for (const std::size_t joint : order) {
+      turned[joint] = arc(unit(rotations[(t - 1) * joints + joint]), unit(rotations[t * joints + joint]));
+      if (!std::isfinite(turned[joint])) return {};
+      if (parents[joint] >= 0) turned[joint] += turned[std::size_t(parents[joint])];
+      most = std::max(most, turned[joint]);
+    }
+    total.push_back(total.back() + most);
   }
   if (!(total.back() > 0.0)) return {};
   return Turns(std::move(times01), std::move(total));

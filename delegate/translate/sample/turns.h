@@ -57,6 +57,13 @@ struct Quatd {
 };
 Turns orientation_turns(std::vector<double> times01, std::span<const Quatd> orientations);
 
+// The most that a joint of a skeleton turns together with all that it hangs on, which turns it too: rotations
+// are [time][joint], along the shorter arc; `parents` are one a joint, negative for none. None where a
+// rotation is not finite, which others report. Throws Error for parents that are no joints, or hang on each
+// other.
+Turns joint_turns(std::vector<double> times01, std::span<const Quatd> rotations,
+                  std::span<const int> parents);
+
 // Those of the periods that are worth a track of their own (is_period() in time_layout.h).
 std::vector<double> usable_periods01(std::span<const double> periods01);
 

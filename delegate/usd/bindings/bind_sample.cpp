@@ -97,6 +97,13 @@ Turns turns_of_orientations(const std::vector<double>& times01,
   return orientation_turns(times01, orientations);
 }
 
+// float64[T, J, 4] of (i, j, k, real).
+Turns turns_of_joints(const std::vector<double>& times01, nb::handle rotations,
+                      const std::vector<int>& parents) {
+  const AnyArray array = checked_array<double>(rotations, "rotations", {times01.size(), parents.size(), 4});
+  return joint_turns(times01, elements<Quatd>(array), parents);
+}
+
 void bind_turns(nb::module_& m) {
   nb::class_<Turns>(m, "Turns")
       .def(nb::init<>())
@@ -116,6 +123,7 @@ void bind_turns(nb::module_& m) {
   m.def("uniform_turns", &uniform_turns, "turns"_a);
   m.def("angle_turns", &turns_of_angles, "times01"_a, "degrees"_a,
         "loop_periods01"_a = std::vector<double>{});
+  m.def("joint_turns", &turns_of_joints, "times01"_a, "rotations"_a, "parents"_a);
   m.def("orientation_turns", &turns_of_orientations, "times01"_a, "orientations"_a);
   m.def(
       "usable_periods01", [](const std::vector<double>& all) { return usable_periods01(all); },

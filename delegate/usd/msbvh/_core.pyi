@@ -46,6 +46,7 @@ from ._core_sample import ValueTime as ValueTime
 from ._core_sample import angle_turns as angle_turns
 from ._core_sample import dense_times01 as dense_times01
 from ._core_sample import even_times01 as even_times01
+from ._core_sample import joint_turns as joint_turns
 from ._core_sample import orientation_turns as orientation_turns
 from ._core_sample import sample_motion as sample_motion
 from ._core_sample import uniform_turns as uniform_turns
@@ -299,12 +300,11 @@ def skin_points(
 ) -> tuple[F32 | None, F32 | None, list[Diagnostic]]:
     """Blend shapes, then joints, at ``times01`` [T]: points [T, N, 3] and normals [T, M, 3].
 
-    ``points`` [N, 3] and ``normals`` [M, 3] are in the mesh's space at rest; ``normal_points`` [M] says which
-    point each normal belongs to (None: one normal a point). ``joint_indices`` and ``joint_weights`` are
-    [N * influences_per_point], or [influences_per_point] for ``constant_influences``; ``geom_bind`` is [4, 4]
-    and ``joints``, the skinning transforms in the order that the indices count in, [T, J, 4, 4]. Results are
-    in the skeleton's space; in the mesh's where there are no ``joint_indices``. ``sub_shape_weights`` is
-    [T, len(sub_shapes)].
+    ``points`` [N, 3] and ``normals`` [M, 3] are in the mesh's space at rest; ``normal_points`` [M] says which point each
+    normal belongs to (None: one normal a point). ``joint_indices`` and ``joint_weights`` are [N * influences_per_point],
+    or [influences_per_point] for ``constant_influences``; ``geom_bind`` is [4, 4] and ``joints``, the skinning transforms
+    in the order that the indices count in, [T, J, 4, 4]. Results are in the skeleton's space; in the mesh's where there
+    are no ``joint_indices``. ``sub_shape_weights`` is [T, len(sub_shapes)].
 
     Points are None where the input cannot be used (an error among the diagnostics); normals also where there
     are none. See delegate/translate/skinning.h. Releases the GIL.

@@ -185,6 +185,10 @@ def angle_turns(
 def orientation_turns(times01: Sequence[float], orientations: Sequence[Sequence[float]]) -> Turns:
     """Of quaternions, a row (i, j, k, real) a time, along the shorter arc."""
 
+def joint_turns(times01: Sequence[float], rotations: F64, parents: Sequence[int]) -> Turns:
+    """The most that a joint of a skeleton turns together with all that it hangs on: [T, J, 4] quaternions (i, j, k, real);
+    the parent of each joint, negative for none. None where a rotation is not finite."""
+
 def usable_periods01(periods01: Sequence[float]) -> list[float]:
     """Those that are worth a track of their own."""
 

@@ -2,55 +2,48 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from pxr import UsdSkel
 
+from .. import _core
 from .._core import Turns
 from ..motion.times import Shutter
 from ..motion.turns import NO_TURNS
 
 
 def joint_turns(animation: UsdSkel.AnimQuery, shutter: Shutter) -> Turns:
-    """The most that a joint turns together with its parents, which turn it too: between two samples each turns along
-    the shorter arc, by half a turn at most. NO_TURNS where the rotations are no usable numbers, which others report."""
+    """The most that a joint turns together with its parents. NO_TURNS where the rotations are no usable numbers, which
+    others report."""
     first, last = shutter.interval.min, shutter.interval.max
     inside = animation.GetJointTransformTimeSamplesInInterval(shutter.interval)
-    times = np.unique([first, *inside, last])
+    times = np.unique([first, *inside, last]).tolist()
     if len(times) < 2:  # The shutter's ends cannot be told apart.
         return NO_TURNS
-    rotations = [_rotations(animation, time) for time in times.tolist()]
-    if any(len(each) != len(rotations[0]) for each in rotations) or not len(rotations[0]):
+    parents = _parents([str(name) for name in animation.GetJointOrder()])
+    rotations = [_rotations(animation, time) for time in times]
+    if any(len(each) != len(parents) for each in rotations):
         return NO_TURNS
-    unit = np.array(rotations)
-    cosines = np.clip(np.abs((unit[1:] * unit[:-1]).sum(axis=2)), 0.0, 1.0)
-    own = np.arccos(cosines) / np.pi
-    if not np.isfinite(own).all():
-        return NO_TURNS
-    with_parents = _added_to_parents(own, [str(name) for name in animation.GetJointOrder()])
-    total = np.concatenate([[0.0], np.cumsum(with_parents.max(axis=1))])
-    times01 = np.array([shutter.time01(time) for time in times.tolist()])
-    times01[0], times01[-1] = 0.0, 1.0
-    return Turns(times01.tolist(), total.tolist()) if total[-1] > 0.0 else NO_TURNS
+    times01 = [0.0, *map(shutter.time01, times[1:-1]), 1.0]
+    return _core.joint_turns(times01, np.array(rotations), parents)
 
 
 def _rotations(animation: UsdSkel.AnimQuery, time: float) -> np.ndarray:
-    """float64[J, 4] of unit length."""
+    """float64[J, 4]: i, j, k, real."""
     components = animation.ComputeJointLocalTransformComponents(time)
     if not components:
         return np.zeros((0, 4))
-    values = np.array([(q.GetReal(), *q.GetImaginary()) for q in components[1]], np.float64).reshape(-1, 4)
-    lengths = np.linalg.norm(values, axis=1, keepdims=True)
-    return values / np.where(lengths > 0.0, lengths, 1.0)
+    return np.array([(*q.GetImaginary(), q.GetReal()) for q in components[1]], np.float64).reshape(-1, 4)
 
 
-def _added_to_parents(own: np.ndarray, names: list[str]) -> np.ndarray:
-    """float64[T, J] with those of all joints above each: names are paths."""
-    column = {name: index for index, name in enumerate(names)}
-    result = own.copy()
-    for index in sorted(range(len(names)), key=lambda joint: names[joint].count("/")):
-        above = names[index].rpartition("/")[0]
-        while above and above not in column:
+def _parents(names: Sequence[str]) -> list[int]:
+    """The nearest joint above each; -1 for none. Names are paths."""
+    index_of = {name: index for index, name in enumerate(names)}
+    parents = []
+    for name in names:
+        above = name.rpartition("/")[0]
+        while above and above not in index_of:
             above = above.rpartition("/")[0]
-        if above:
-            result[:, index] += result[:, column[above]]
-    return result
+        parents.append(index_of[above] if above else -1)
+    return parents
