@@ -273,7 +273,7 @@ def test_instruction_sets() -> None:
     assert set(names) <= {"sse4", "avx2", "avx3"}
 
 
-STUBS = ("_core.pyi", "_core_inputs.pyi", "_core_look.pyi", "_core_sample.pyi")
+STUBS = ("_core.pyi", "_core_inputs.pyi", "_core_look.pyi", "_core_sample.pyi", "_core_shape.pyi")
 
 
 def test_the_stub_names_what_there_is() -> None:

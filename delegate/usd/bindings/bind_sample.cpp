@@ -54,21 +54,6 @@ nb::object at_boxes(const PixelSize& pixel_size, nb::handle corners) {
   return owned_array<double>(sizes, {things});
 }
 
-// The same at shells about float64[T, N, 3] centres, of float64[T, N] radii.
-nb::object at_shells(const PixelSize& pixel_size, nb::handle centres, nb::handle outer, nb::handle inner) {
-  const AnyArray array = checked_array<double>(centres, "centres", {kAnySize, kAnySize, 3});
-  const std::size_t times = array.shape(0), things = array.shape(1);
-  const AnyArray out = checked_array<double>(outer, "outer", {times, things});
-  const AnyArray in = checked_array<double>(inner, "inner", {times, things});
-  std::vector<double> sizes(things, INFINITY);
-  for (std::size_t i = 0; i < times * things; ++i) {
-    const double size =
-        pixel_size.at_shell(elements<Vec3d>(array)[i], elements<double>(out)[i], elements<double>(in)[i]);
-    sizes[i % things] = std::min(sizes[i % things], size);
-  }
-  return owned_array<double>(sizes, {things});
-}
-
 std::vector<double> flattened(const std::vector<std::vector<double>>& rows) {
   std::vector<double> all;
   for (const std::vector<double>& row : rows) {
@@ -130,13 +115,6 @@ void bind_turns(nb::module_& m) {
       "periods01"_a);
 }
 
-// Read-only, without a copy.
-template <typename Element>
-nb::ndarray<nb::numpy, const double> view(const std::vector<Element>& values,
-                                          std::initializer_list<std::size_t> shape) {
-  return {values.data(), shape};
-}
-
 TransformSamples transform_samples(nb::handle times01, nb::handle matrices,
                                    std::optional<std::vector<double>> breakpoints01, bool held,
                                    double error_pixels, std::vector<double> periods01) {
@@ -165,12 +143,12 @@ void bind_transforms(nb::module_& m) {
           "times01"_a, "matrices"_a, "breakpoints01"_a.none() = nb::none(), "held"_a = false,
           "error_pixels"_a = 0.0, "periods01"_a = std::vector<double>{})
       .def_prop_ro(
-          "times01", [](const TransformSamples& s) { return view(s.times01, {s.times01.size()}); },
+          "times01", [](const TransformSamples& s) { return view<double>(s.times01, {s.times01.size()}); },
           nb::rv_policy::reference_internal)
       .def_prop_ro(
           "matrices",
           [](const TransformSamples& s) {
-            return view(s.matrices, {s.matrices.size(), 4, 4});
+            return view<double>(s.matrices, {s.matrices.size(), 4, 4});
           },
           nb::rv_policy::reference_internal)
       .def_ro("breakpoints01", &TransformSamples::breakpoints01)
@@ -183,17 +161,17 @@ void bind_samples(nb::module_& m) {
   nb::class_<MotionSamples>(m, "MotionSamples")
       .def_prop_ro("indices", [](const MotionSamples& s) { return index_array(s.which); })
       .def_prop_ro(
-          "times01", [](const MotionSamples& s) { return view(s.times01, {s.times01.size()}); },
+          "times01", [](const MotionSamples& s) { return view<double>(s.times01, {s.times01.size()}); },
           nb::rv_policy::reference_internal)
       .def_prop_ro(
           "matrices",
           [](const MotionSamples& s) {
-            return view(s.matrices, {s.times01.size(), s.which.size(), 4, 4});
+            return view<double>(s.matrices, {s.times01.size(), s.which.size(), 4, 4});
           },
           nb::rv_policy::reference_internal)
       .def_prop_ro(
           "breakpoints01",
-          [](const MotionSamples& s) { return view(s.breakpoints01, {s.breakpoints01.size()}); },
+          [](const MotionSamples& s) { return view<double>(s.breakpoints01, {s.breakpoints01.size()}); },
           nb::rv_policy::reference_internal)
       .def_ro("held", &MotionSamples::held)
       .def_ro("error_pixels", &MotionSamples::error_pixels)
@@ -249,8 +227,7 @@ void bind_sample(nb::module_& m) {
           "camera_box"_a, "perspective"_a, "per_unit"_a, "near"_a)
       .def_static("uniform", &PixelSize::uniform, "size"_a)
       .def_prop_ro("per_unit", &PixelSize::per_unit)
-      .def("at_boxes", &at_boxes, "corners"_a)
-      .def("at_shells", &at_shells, "centres"_a, "outer"_a, "inner"_a);
+      .def("at_boxes", &at_boxes, "corners"_a);
   bind_transforms(m);
   bind_turns(m);
   bind_times(m);

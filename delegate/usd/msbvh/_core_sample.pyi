@@ -44,8 +44,6 @@ class PixelSize:
     def per_unit(self) -> float: ...
     def at_boxes(self, corners: F64) -> F64:
         """float64[N] at things whose boxes have float64[T, N, 8, 3] corners over time."""
-    def at_shells(self, centres: F64, outer: F64, inner: F64) -> F64:
-        """float64[N] at surfaces between spheres of float64[T, N] radii about float64[T, N, 3] centres."""
 
 class Turns:
     """An upper bound on the whole turns that a motion has made since the shutter opened."""

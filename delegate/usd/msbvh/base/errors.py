@@ -3,8 +3,12 @@ approximated."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .._core import Diagnostic as TranslatorDiagnostic
 
 
 class SceneError(Exception):
@@ -54,6 +58,14 @@ class Diagnostics:
     def error(self, path: str, attribute: str, message: str) -> None:
         """A prim is wrong and was not rendered; the rest of the picture is right."""
         self._single[Diagnostic("error", path, attribute, message)] = None
+
+    def take(self, found: Iterable[TranslatorDiagnostic]) -> None:
+        """What the translator has to say: its errors are prims that are not rendered."""
+        for each in found:
+            if each.severity == "error":
+                self.error(each.path, each.attribute, f"{each.message}; the prim is not drawn")
+            else:
+                self.warning(each.path, each.attribute, each.message)
 
     def group(self, path: str, attribute: str, message: str, severity: str = "warning") -> None:
         """Like warning(), for what many prims have in common: one line for all of them, naming the first."""

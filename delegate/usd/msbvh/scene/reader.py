@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from pxr import Tf, Usd, UsdGeom
 
-from .._core import InstanceLevel, MeshInput, PixelSize
+from .._core import MOST_PLACES, SILHOUETTES, InstanceLevel, MeshInput, PixelSize
 from ..base.crash_line import crash_line
 from ..base.errors import Diagnostics, SceneError
 from ..camera.render_camera import RenderCamera, optics, read_camera
@@ -30,13 +30,12 @@ from ..stage.opening import tf_messages, tf_reason
 from ..stage.overs import report_overs
 from ..stage.usd_faults import leaving_out
 from ..stage.values import reported_to
-from .implicit import SILHOUETTES
 from .instance_count import InstanceGraph
 from .instances import Placement, Placer, coarse_level, sampled_levels
 from .part import Part
 from .point_instancers import each, taken
 from .shapes import BATCH_WEIGHT, Draft, Shape, Shapes
-from .shared_shapes import MOST_PLACES, Crowd, SharedShapes
+from .shared_shapes import Crowd, SharedShapes
 from .traversal import WORLD, Group, Traversal
 
 MAX_INSTANCES = 10_000_000
@@ -60,7 +59,7 @@ class ReadSettings:
     """Opening and closing in frames relative to the frame, in place of the camera's; None: the camera's."""
     disable_camera_light: bool = False
     complexity: str = "low"
-    """How fine implicit shapes are; implicit.SILHOUETTES."""
+    """How fine implicit shapes are; a key of SILHOUETTES."""
     motion_tolerance: float = 0.1
     """Pixels by which a moving point may stray from the stage's own evaluation. Less: more keys, more memory.
     """
@@ -360,11 +359,7 @@ class _FrameReader:
 
     def _finish(self) -> ReadResult:
         diagnostics = self._context.diagnostics
-        for found in self._translator.diagnostics():
-            if found.severity == "error":
-                diagnostics.error(found.path, found.attribute, f"{found.message}; the prim is not drawn")
-            else:
-                diagnostics.warning(found.path, found.attribute, found.message)
+        diagnostics.take(self._translator.diagnostics())
         if self._translator.empty:
             diagnostics.warning(
                 "", "", "nothing to draw: no visible meshes or instances at this frame; the image is empty"

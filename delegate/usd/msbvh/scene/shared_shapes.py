@@ -10,7 +10,17 @@ from typing import Any
 import numpy as np
 from pxr import Usd
 
-from .._core import LARGEST_ELEMENT, InstanceLevel, MeshInput, PixelSize, TransformSamples
+from .._core import (
+    SHARED_FROM,
+    InstanceLevel,
+    MeshInput,
+    PixelSize,
+    Surface,
+    TransformSamples,
+    can_be_instances,
+    implicit_surface,
+    shapes_from_units,
+)
 from ..look.materials import Materials
 from ..motion.boxes import Box
 from ..motion.context import FrameContext
@@ -18,21 +28,11 @@ from ..motion.times import Shutter
 from ..motion.transform_faults import report_unusable
 from ..motion.transforms import Motion, XformCaches
 from ..motion.visibility import common_intervals, visible_intervals
-from .implicit import IMPLICIT_TYPES, SIDE_COUNTS, Surface
+from .implicit import IMPLICIT_TYPES, SIDE_COUNTS
 from .instances import Level, Placement, matrix_level
 from .part import Part
 from .shape_sizes import sides_in_pixels
 from .simple_shapes import Alike, Simple, SimpleShapes
-
-SHARED_FROM = 16
-"""Shapes that are alike; fewer are meshes of their own, which rays find without a way through instances."""
-MOST_PLACES = 64
-"""Of a group whose shapes are placed one by one, in each of its places. Where it stands more often, its
-shapes are meshes: a mesh of a few hundred triangles takes less than so many instances of it."""
-LARGEST_COLOUR = 65504.0
-"""kMaxColor of delegate/translate/primvars.h."""
-SINGULAR = 1e-6
-"""kSingular of delegate/translate/transform_samples.cpp."""
 
 
 @dataclass(frozen=True)
@@ -118,17 +118,15 @@ class SharedShapes:
             by_course.setdefault(course, []).append(simple)
         for same in by_course.values():
             crowd = self._crowd(same, root)
-            sound = _are_sound(crowd)
+            matrices = np.ascontiguousarray(crowd.root_from_unit)
+            sound = can_be_instances(matrices, crowd.colours, crowd.alike.opacity)
             if sound.any():
                 yield crowd if sound.all() else crowd.some(np.flatnonzero(sound))
 
     def _crowd(self, members: list[Simple], root: Usd.Prim | None) -> Crowd:
         parts = [simple.part for simple in members]
         shutter = self._context.shutter.scaled(parts[0].scales.blur)
-        scales = np.array([simple.scale for simple in members])
-        turned = np.array([np.roll(np.eye(3), turn, axis=1) for turn in range(3)])
-        shape_from_unit = np.tile(np.eye(4), (len(members), 1, 1))
-        shape_from_unit[:, :3, :3] = scales[:, :, None] * turned[[simple.turn for simple in members]]
+        shape_from_unit = shapes_from_units([simple.form for simple in members])
         prims = [part.prim for part in parts]
         motion = self._caches.motion(prims, root, parts[0].varying, shutter, parts[0].breakpoints)
         root_from_shape = motion.at_times(motion.few_times01())
@@ -198,10 +196,10 @@ class SharedShapes:
 
     def _by_size(self, crowd: Crowd, pixels: PixelSize) -> Iterator[tuple[int, Crowd]]:
         """Prototypes and the shapes that they are fine enough for."""
-        box, is_sphere = self._unit_box(crowd.alike), crowd.alike.kind == "Sphere"
-        sides = np.zeros(len(crowd.parts), int)
-        if IMPLICIT_TYPES[crowd.alike.kind].smooth:
-            sides = sides_in_pixels(crowd.root_from_unit, 1.0, box, is_sphere, pixels, self._silhouette)
+        kind, box = crowd.alike.kind, self._unit_box(crowd.alike)
+        sides = np.zeros(len(crowd.parts), np.int32)
+        if IMPLICIT_TYPES[kind].smooth:
+            sides = sides_in_pixels(crowd.root_from_unit, kind, 1.0, box, pixels, self._silhouette)
         for count in np.unique(sides).tolist():
             chosen = np.flatnonzero(sides == count)
             sized = crowd if len(chosen) == len(sides) else crowd.some(chosen)
@@ -276,26 +274,8 @@ def _repeated(crowd: Crowd, inner: np.ndarray, indices: np.ndarray, outer: Place
     return replace(everywhere, colours=colours)
 
 
-def _are_sound(crowd: Crowd) -> np.ndarray:
-    """bool[N]: whether instances can stand for shapes: finite, under affine matrices that are never flat, not
-    even in between, and of colours that are colours."""
-    matrices = crowd.root_from_unit
-    finite = (np.abs(matrices) <= LARGEST_ELEMENT).all(axis=(0, 2, 3))
-    affine = (matrices[..., 3] == (0.0, 0.0, 0.0, 1.0)).all(axis=(0, 2))
-    linear = np.where(finite[:, None, None], matrices[..., :3, :3], 0.0)
-    volume = np.linalg.norm(linear, axis=-1).prod(axis=-1)
-    determinant = np.linalg.det(linear)
-    solid = np.abs(determinant) > SINGULAR * volume
-    one_side = (determinant > 0).all(axis=0) | (determinant < 0).all(axis=0)
-    sound = finite & affine & solid.all(axis=0) & one_side
-    if crowd.colours is not None:
-        sound &= (np.abs(crowd.colours) <= LARGEST_COLOUR).all(axis=1)
-    opacity = crowd.alike.opacity
-    return sound & (opacity is None or abs(opacity) <= LARGEST_COLOUR)
-
-
 def _unit_surface(alike: Alike, sides: int) -> Surface:
-    return IMPLICIT_TYPES[alike.kind].surface(*alike.parameters, sides=sides)
+    return implicit_surface(alike.kind, alike.parameters, sides)
 
 
 def _mesh(path: str, surface: Surface, alike: Alike) -> MeshInput:
@@ -304,7 +284,7 @@ def _mesh(path: str, surface: Surface, alike: Alike) -> MeshInput:
     mesh.face_vertex_counts, mesh.face_vertex_indices = surface.counts, surface.indices
     mesh.points = [(0.0, surface.points.astype(np.float32))]
     mesh.transform = TransformSamples(np.zeros(1), np.eye(4)[None])
-    mesh.computed_normals = "smooth" if IMPLICIT_TYPES[alike.kind].smooth else "faceted"
+    mesh.computed_normals = IMPLICIT_TYPES[alike.kind].computed_normals
     if alike.opacity is not None:
         mesh.display_opacity = ("constant", np.array([alike.opacity], np.float32), None)
     return mesh

@@ -8,26 +8,21 @@ messages.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from pxr import Gf, Usd, Vt
 
-from .._core import LARGEST_ELEMENT
+from .._core import UnitForm, unit_form
 from ..motion.context import FrameContext
 from ..motion.times import Shutter, sample_times
 from ..stage.values import might_vary, raw
-from .implicit import IMPLICIT_TYPES, TURNS
+from .implicit import IMPLICIT_TYPES
 from .part import Part
 from .primvars import find_primvar, sample_primvar
 
 COLOUR, OPACITY = "primvars:displayColor", "primvars:displayOpacity"
-
-Values = Sequence[float]
-Unit = tuple[Values, tuple[float, float, float]]
-"""The parameters of a unit shape, and the scale along its axes that makes the prim of it."""
 
 
 class Alike(NamedTuple):
@@ -35,7 +30,7 @@ class Alike(NamedTuple):
 
     kind: str
     """Prim type."""
-    parameters: Values
+    parameters: tuple[float, ...]
     """Of the unit shape."""
     opacity: float | None
 
@@ -45,50 +40,10 @@ class Simple(NamedTuple):
 
     part: Part
     alike: Alike
-    scale: tuple[float, float, float]
-    turn: int
-    """By how many places the scaled coordinates move to lie along the prim's axis; implicit.TURNS."""
+    form: UnitForm
     colour: Gf.Vec3f | None
     binds: bool
     """It may have a material."""
-
-
-def _even(size: float) -> Unit:
-    return (1.0,), (size, size, size)
-
-
-def _round(radius: float, height: float) -> Unit:
-    return (1.0, 1.0), (radius, radius, height)
-
-
-def _tapered(bottom: float, top: float, height: float) -> Unit | None:
-    largest = max(bottom, top)
-    return ((bottom / largest, top / largest, 1.0), (largest, largest, height)) if largest else None
-
-
-def _capped(radius: float, height: float) -> Unit | None:
-    return ((1.0, height / radius), (radius, radius, radius)) if radius else None
-
-
-def _unevenly_capped(bottom: float, top: float, height: float) -> Unit | None:
-    size = max(bottom, top)
-    return ((bottom / size, top / size, height / size), (size, size, size)) if size else None
-
-
-def _flat(width: float, length: float) -> Unit:
-    return (1.0, 1.0), (width, length, 1.0)
-
-
-_UNITS: dict[str, Callable[..., Unit | None]] = {
-    "Sphere": _even,
-    "Cube": _even,
-    "Cone": _round,
-    "Cylinder": _round,
-    "Cylinder_1": _tapered,
-    "Capsule": _capped,
-    "Capsule_1": _unevenly_capped,
-    "Plane": _flat,
-}
 
 
 @dataclass(frozen=True)
@@ -131,24 +86,22 @@ class SimpleShapes:
         values = list(recipe.fallbacks)
         for index, name in recipe.authored:
             value = self._steady(prim.GetAttribute(name), shutter)
-            if type(value) is not float or not 0.0 <= value <= LARGEST_ELEMENT:
+            if type(value) is not float:
                 return None
             values[index] = value
         axis = raw(prim.GetAttribute("axis"), self._code) if recipe.axis else "Z"
-        if axis not in TURNS:
+        if axis not in ("X", "Y", "Z"):
             return None
-        if recipe.kind == "Plane" and axis != "Z":
-            values.reverse()  # As read_implicit() has it.
-        unit = _UNITS[recipe.kind](*values)
         colour, opacity = above.colour, above.opacity
         if recipe.colour:
             colour = _single(self._steady(prim.GetAttribute(COLOUR), shutter))
         if recipe.opacity:
             opacity = _single(self._steady(prim.GetAttribute(OPACITY), shutter))
-        if unit is None or min(unit[1]) <= 0.0 or colour is _ODD or opacity is _ODD:
+        form = unit_form(recipe.kind, values, axis)
+        if form is None or colour is _ODD or opacity is _ODD:
             return None
         binds = recipe.binds or above.binds
-        return Simple(part, Alike(recipe.kind, unit[0], opacity), unit[1], TURNS[axis], colour, binds)
+        return Simple(part, Alike(recipe.kind, form.parameters, opacity), form, colour, binds)
 
     def _steady(self, attribute: Usd.Attribute, shutter: Shutter) -> object:
         """The value at the frame; None where it changes within the shutter."""

@@ -1,0 +1,42 @@
+// What many implicit prims may have in common: a sphere is the unit sphere scaled by its radius, a cylinder
+// the unit cylinder scaled by radius and height, and so on. Shapes of one unit form can be instances of one
+// mesh.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/base/vec.h"
+#include "delegate/translate/inputs.h"
+#include "delegate/translate/shape/implicit_type.h"
+
+namespace msbvh::translate {
+
+// Shapes that are alike; fewer are meshes of their own, which rays find without a way through instances.
+inline constexpr std::size_t kSharedFrom = 16;
+// Of a group whose shapes are placed one by one, in each of its places. Where it stands more often, its
+// shapes are meshes: a mesh of a few hundred triangles takes less than so many instances of it.
+inline constexpr std::size_t kMostPlaces = 64;
+
+struct UnitForm {
+  std::vector<double> parameters;  // of the unit shape, which stands along z
+  Vec3d scale;                     // along the unit shape's axes, each larger than 0
+  Axis axis;                       // along which the z of the scaled shape lies
+};
+
+// None for a shape that stands for itself: one whose value is negative, larger than 2^60 or no number, or
+// that is flat.
+std::optional<UnitForm> unit_form(ImplicitKind kind, std::span<const double> values, Axis axis);
+
+// What makes the shape of the unit shape.
+Matrix4d shape_from_unit(const UnitForm& form);
+
+// Of `count` shapes, those that instances can stand for: under matrices [time][count] from the unit shape
+// that are affine and of usable size, never flat, not even in between, and of colours (one each, or none
+// given) and an opacity (of all) that are some.
+std::vector<bool> can_be_instances(std::span<const Matrix4d> matrices, std::size_t count,
+                                   std::span<const Vec3f> colors, std::optional<float> opacity);
+
+}  // namespace msbvh::translate

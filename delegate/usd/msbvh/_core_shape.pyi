@@ -1,0 +1,85 @@
+"""The part of _core that says what implicit shapes are (delegate/translate/shape)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._core import Diagnostic
+from ._core_sample import PixelSize
+
+F32 = NDArray[np.float32]
+F64 = NDArray[np.float64]
+I32 = NDArray[np.int32]
+
+SIDE_COUNTS: tuple[int, ...]
+"""How many sides a shape may have around its axis; half as many from pole to pole."""
+SIDES: int
+"""Where nobody knows how large a shape is seen."""
+SILHOUETTES: dict[str, float]
+"""Pixels by which a shape may lie inside of the true one, by usdrecord's --complexity."""
+SHARED_FROM: int
+"""Shapes that are alike; fewer are meshes of their own."""
+MOST_PLACES: int
+"""Of a group whose shapes are placed one by one, in each of its places."""
+
+def implicit_types() -> list[tuple[str, tuple[str, ...], bool]]:
+    """Of each prim type its name, its parameters' attributes, and whether its normals are smooth."""
+
+class Surface:
+    """A polygon mesh. Arrays are views."""
+
+    @property
+    def counts(self) -> I32:
+        """int32[F] vertices a face."""
+    @property
+    def indices(self) -> I32:
+        """int32[I], counter-clockwise seen from outside."""
+    @property
+    def points(self) -> F64:
+        """float64[N, 3]."""
+
+def implicit_surface(kind: str, values: Sequence[float], sides: int) -> Surface:
+    """Along z around the origin. ``values``: the parameters; ``sides``: at least 4."""
+
+class ImplicitShape:
+    """An implicit prim over the shutter."""
+
+    @staticmethod
+    def make(
+        path: str, kind: str, axis: str, values: Sequence[Sequence[float]]
+    ) -> tuple[ImplicitShape | None, list[Diagnostic]]:
+        """``values`` are the parameters at some times. None, with an error, for one that is no finite number of at most
+        2^60 in size; an axis other than X, Y and Z counts as Z, with a warning."""
+    @property
+    def radius(self) -> float:
+        """The largest around the axis; 0 where there is none."""
+    def box(self, sides: int) -> F64:
+        """float64[2, 3]: lo and hi over all times."""
+    def surface(self, time: int, sides: int) -> Surface:
+        """At time number ``time``."""
+
+def sides_for(radii_pixels: F64, silhouette_pixels: float, side_counts: Sequence[int]) -> I32:
+    """int32[N]: the fewest of ``side_counts``, which increase, for which shapes of float64[N] radii stray by
+    ``silhouette_pixels`` at most. SIDES for NaN."""
+
+def radii_in_pixels(kind: str, radius: float, box: F64, matrices: F64, pixel_size: PixelSize) -> F64:
+    """float64[N]: the largest of shapes of that radius in that box (float64[2, 3]) under float64[T, N, 4, 4] matrices.
+    NaN where there is no radius, or a matrix that is not finite."""
+
+class UnitForm:
+    """A shape as a unit shape under a scale."""
+
+    @property
+    def parameters(self) -> tuple[float, ...]:
+        """Of the unit shape, which stands along z."""
+
+def unit_form(kind: str, values: Sequence[float], axis: str) -> UnitForm | None:
+    """None for a shape that stands for itself: flat, or of a value that is negative, larger than 2^60 or no number."""
+
+def shapes_from_units(forms: Sequence[UnitForm]) -> F64:
+    """float64[N, 4, 4]: what makes each shape of its unit shape."""
+
+def can_be_instances(matrices: F64, colors: F32 | None, opacity: float | None) -> NDArray[np.bool_]:
+    """bool[N]: whether instances can stand for shapes: under float64[T, N, 4, 4] matrices from the unit shape that are
+    affine and finite, never flat, not even in between, and of colours (float32[N, 3]) that are colours."""
