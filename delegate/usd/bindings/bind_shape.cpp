@@ -1,13 +1,18 @@
-// What implicit shapes are (delegate/translate/shape).
+// What implicit shapes and subsets are (delegate/translate/shape).
+#include <algorithm>
+#include <cstdint>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
 
 #include "delegate/translate/shape/crowd.h"
 #include "delegate/translate/shape/implicit_shape.h"
 #include "delegate/translate/shape/sides.h"
+#include "delegate/translate/shape/subsets.h"
 #include "delegate/usd/bindings/arguments.h"
 #include "delegate/usd/bindings/arrays.h"
 #include "delegate/usd/bindings/bindings.h"
@@ -179,12 +184,42 @@ void bind_crowds(nb::module_& m) {
   m.def("can_be_instances", &instances_possible, "matrices"_a, "colors"_a.none(), "opacity"_a.none());
 }
 
+// (int32 owners, diagnostics) of subsets, each (path, int32 indices).
+nb::tuple owners_of_faces(const std::vector<std::pair<std::string, nb::object>>& given,
+                          std::size_t face_count) {
+  Borrowed borrowed;
+  std::vector<FaceSubset> subsets;
+  for (const auto& [path, indices] : given) subsets.push_back({path, borrowed.ints(indices, "indices")});
+  std::vector<Diagnostic> diagnostics;
+  const std::vector<int> owners = face_owners(subsets, face_count, diagnostics);
+  return nb::make_tuple(owned_array<int>(owners, {face_count}), diagnostics);
+}
+
+nb::object materials_of_faces(nb::handle owners, const std::vector<std::optional<int>>& of_subsets,
+                              std::optional<int> own) {
+  const AnyArray array = checked_array<int>(owners, "owners", {kAnySize});
+  const std::span<const int> numbers = elements<int>(array);
+  if (!numbers.empty() && std::ranges::max(numbers) >= std::int64_t(of_subsets.size())) {
+    throw nb::value_error("owners: expected numbers of subsets");
+  }
+  std::vector<int> materials;
+  for (const std::optional<int> material : of_subsets) materials.push_back(material.value_or(-1));
+  return owned_array<int>(face_materials(numbers, materials, own.value_or(-1)), {numbers.size()});
+}
+
+void bind_subsets(nb::module_& m) {
+  m.def("binds_faces", &binds_faces, "element_type"_a, "family_name"_a);
+  m.def("face_owners", &owners_of_faces, "subsets"_a, "face_count"_a);
+  m.def("face_materials", &materials_of_faces, "owners"_a, "of_subsets"_a, "own"_a.none());
+}
+
 }  // namespace
 
 void bind_shape(nb::module_& m) {
   bind_surfaces(m);
   bind_sides(m);
   bind_crowds(m);
+  bind_subsets(m);
 }
 
 }  // namespace msbvh::python

@@ -62,7 +62,10 @@ from ._core_shape import SILHOUETTES as SILHOUETTES
 from ._core_shape import ImplicitShape as ImplicitShape
 from ._core_shape import Surface as Surface
 from ._core_shape import UnitForm as UnitForm
+from ._core_shape import binds_faces as binds_faces
 from ._core_shape import can_be_instances as can_be_instances
+from ._core_shape import face_materials as face_materials
+from ._core_shape import face_owners as face_owners
 from ._core_shape import implicit_surface as implicit_surface
 from ._core_shape import implicit_types as implicit_types
 from ._core_shape import radii_in_pixels as radii_in_pixels

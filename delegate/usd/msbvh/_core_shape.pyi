@@ -1,4 +1,4 @@
-"""The part of _core that says what implicit shapes are (delegate/translate/shape)."""
+"""The part of _core that says what implicit shapes and subsets are (delegate/translate/shape)."""
 
 from collections.abc import Sequence
 
@@ -83,3 +83,13 @@ def shapes_from_units(forms: Sequence[UnitForm]) -> F64:
 def can_be_instances(matrices: F64, colors: F32 | None, opacity: float | None) -> NDArray[np.bool_]:
     """bool[N]: whether instances can stand for shapes: under float64[T, N, 4, 4] matrices from the unit shape that are
     affine and finite, never flat, not even in between, and of colours (float32[N, 3]) that are colours."""
+
+def binds_faces(element_type: str, family_name: str) -> bool:
+    """Whether a GeomSubset's faces may have a material of their own. No ``element_type``: the schema's."""
+
+def face_owners(subsets: Sequence[tuple[str, I32]], face_count: int) -> tuple[I32, list[Diagnostic]]:
+    """int32[face_count]: the number of the subset (path and indices) that each face belongs to, -1 for none; and
+    warnings. A face of several belongs to the last one."""
+
+def face_materials(owners: I32, of_subsets: Sequence[int | None], own: int | None) -> I32:
+    """int32[F]: the material of each face, negative for none; ``own`` is that of faces of no subset."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .._core import MeshInput
+from .._core import MeshInput, binds_faces, face_owners
 from ..motion.context import FrameContext, array
 from ..motion.held_values import Stretch, warn_of_change
 from ..motion.points import Samples, changes, optional_samples, rate_times, sample_points
@@ -177,29 +177,17 @@ def _constant(primvar: MovingPrimvar | None, name: str, path: str, context: Fram
 
 
 def _binds_faces(subset: UsdGeom.Subset) -> bool:
-    """Whether a subset's faces may have a material of their own."""
     code = Usd.TimeCode.Default()
-    element = value(subset.GetElementTypeAttr(), code, TOKEN) or UsdGeom.Tokens.face
-    return element == UsdGeom.Tokens.face and value(subset.GetFamilyNameAttr(), code, TOKEN) == "materialBind"
+    element, family = subset.GetElementTypeAttr(), subset.GetFamilyNameAttr()
+    return binds_faces(value(element, code, TOKEN) or "", value(family, code, TOKEN) or "")
 
 
 def faces_by_subset(mesh: UsdGeom.Mesh, face_count: int, context: FrameContext) -> tuple[list[Usd.Prim], np.ndarray]:
     """The subsets that bind materials of their own, and int32[face_count]: the number of the one that each face
-    belongs to, -1 for none. A face of several belongs to the last one, which is said."""
-    owners = np.full(face_count, -1, np.int32)
+    belongs to, -1 for none."""
     subsets = [each for each in UsdGeom.Subset.GetAllGeomSubsets(mesh) if _binds_faces(each)]
-    for number, subset in enumerate(subsets):
-        faces = array(value(subset.GetIndicesAttr(), context.code, INTS), np.int32)
-        inside = faces[(faces >= 0) & (faces < face_count)]
-        if len(inside) < len(faces):
-            message = f"found {len(faces) - len(inside)} indices outside 0 to {face_count - 1}; left out"
-            context.diagnostics.warning(str(subset.GetPath()), "indices", message)
-        taken = np.unique(inside[owners[inside] >= 0])
-        if len(taken):
-            message = (
-                f"found {len(taken)} faces that an earlier subset has too, expected each face in one subset; took this"
-                " one's material"
-            )
-            context.diagnostics.warning(str(subset.GetPath()), "indices", message)
-        owners[inside] = number
+    indices = [array(value(each.GetIndicesAttr(), context.code, INTS), np.int32) for each in subsets]
+    paths = [str(each.GetPath()) for each in subsets]
+    owners, said = face_owners(list(zip(paths, indices, strict=True)), face_count)
+    context.diagnostics.take(said)
     return [subset.GetPrim() for subset in subsets], owners

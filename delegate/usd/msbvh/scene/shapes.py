@@ -10,7 +10,7 @@ from operator import itemgetter
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .._core import MeshInput, PixelSize, TransformSamples
+from .._core import MeshInput, PixelSize, TransformSamples, face_materials
 from ..look.materials import Materials
 from ..motion.boxes import Box
 from ..motion.context import FrameContext
@@ -222,9 +222,7 @@ class Shapes:
         subsets, owners = faces_by_subset(prim, len(mesh.face_vertex_counts), context)
         if not subsets:
             return None
-        bound = [self._materials.bound_to(subset) for subset in subsets]
-        numbers = np.array([-1 if material is None else material for material in (*bound, mesh.material)], np.int32)
-        return numbers[owners]  # Number -1, of the faces of no subset, is the last: the mesh's own.
+        return face_materials(owners, [self._materials.bound_to(subset) for subset in subsets], mesh.material)
 
     def _sides(
         self, form: ImplicitShape, part: Part, root: Usd.Prim | None, context: FrameContext, pixel_size: PixelSize
@@ -232,9 +230,6 @@ class Shapes:
         """Of an implicit shape, by its size in pixels."""
         motion = self._caches.motion([part.prim], root, part.varying, context.shutter, part.breakpoints)
         matrices = motion.at_times(motion.few_times01())[:, 0]
-<<<<<<< HEAD
-        return sides_of(form, matrices, part.prim.GetTypeName() == "Sphere", pixel_size, self._silhouette)
-=======
         return sides_of(form, matrices, pixel_size, self._silhouette)
 
     def _skinning_tolerance(self, draft: Draft, root: Usd.Prim | None, pixel_size: PixelSize, box: Box) -> float:
@@ -246,4 +241,3 @@ class Shapes:
         corners = (box.corners() @ matrices[..., :3])[:, None]
         share = SAMPLING_SHARE * self._tolerance
         return share * float(pixel_size.at_boxes(corners)[0]) / max(stretch, 1e-30)
->>>>>>> 4df52c9 (Implicit shapes are tessellated, sized and put into unit form in C++)
