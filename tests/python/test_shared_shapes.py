@@ -284,6 +284,18 @@ def test_what_is_no_radius_is_named_and_the_others_are_drawn(radius: float, said
     assert len({track.path for track in result.tracks if track.path != "/S_3"}) >= 30
 
 
+@pytest.mark.parametrize("count", [3, 24])
+def test_needles_are_drawn_alone_and_together(count: int) -> None:
+    shot = Shot()
+    for i in range(count):
+        capsule = UsdGeom.Capsule.Define(shot.stage, f"/S_{i}")
+        capsule.CreateRadiusAttr(1e-19)
+        capsule.AddTranslateOp().Set(Gf.Vec3d(i, 0, 0))
+    result = shot.read()
+    assert not messages(result, "error")
+    assert {f"/S_{i}" for i in range(count)} <= {track.path for track in result.tracks}
+
+
 def test_matrices_that_are_singular_or_no_numbers_are_drawn_or_named() -> None:
     shot = Shot()
     for i in range(30):

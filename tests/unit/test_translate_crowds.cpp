@@ -182,6 +182,14 @@ TEST_SUITE("translate: implicit shapes in numbers") {
     CHECK(!has_form(ImplicitKind::kCylinder1, {0.0, 0.0, 1.0}));
   }
 
+  TEST_CASE("a needle, whose unit shape would be too long, has no unit form") {
+    for (const Values& values : {Values{1e-19, 1.0}, Values{0x1p-1074, 1.0}}) {
+      CHECK(!unit_form(ImplicitKind::kCapsule, values, Axis::kZ));
+      CHECK(!unit_form(ImplicitKind::kCapsule1, Values{values[0], 0.0, values[1]}, Axis::kZ));
+    }
+    CHECK(unit_form(ImplicitKind::kCapsule, Values{0x1p-60, 1.0}, Axis::kZ));
+  }
+
   TEST_CASE("instances stand for shapes that are never flat, mirrored ones too") {
     const Matrix4d upright = matrix_of(scaled(2, 3, 4, {5, 6, 7})), mirrored = matrix_of(scaled(-2, 3, 4));
     const Matrix4d flat = matrix_of(scaled(2, 3, 0)), thin = matrix_of(scaled(1, 1, 1e-3));
@@ -191,7 +199,7 @@ TEST_SUITE("translate: implicit shapes in numbers") {
           std::vector{false, true, false});
   }
 
-  TEST_CASE("instances stand for shapes under affine matrices of usable size, of colours that are some") {
+  TEST_CASE("instances stand for shapes under affine matrices of usable size, of usable colours") {
     const Matrix4d sound = matrix_of({});
     std::vector<Matrix4d> matrices(4, sound);
     matrices[0][7] = 1e-9;

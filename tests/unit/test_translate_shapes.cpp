@@ -239,7 +239,7 @@ TEST_SUITE("translate: implicit shapes") {
     CHECK(Made({"", ImplicitKind::kCapsule, "Z", {{0x1p60, -0x1p60}}}).shape);
   }
 
-  TEST_CASE("an axis that there is none of counts as z") {
+  TEST_CASE("an unknown axis counts as z") {
     const Made made({"", ImplicitKind::kCone, "W", {{1.0, 4.0}}});
     REQUIRE(made.shape);
     CHECK(made.shape->box(8).hi.z == 2.0);

@@ -68,6 +68,7 @@ std::optional<UnitForm> unit_form(ImplicitKind kind, std::span<const double> val
   if (!std::ranges::all_of(values, is_length)) return std::nullopt;
   UnitForm form = form_along_z(kind, values_along_z(kind, values, axis));
   if (!(std::min({form.scale.x, form.scale.y, form.scale.z}) > 0.0)) return std::nullopt;
+  if (!std::ranges::all_of(form.parameters, is_length)) return std::nullopt;
   form.axis = axis;
   return form;
 }

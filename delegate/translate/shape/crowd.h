@@ -26,16 +26,16 @@ struct UnitForm {
   Axis axis;                       // along which the z of the scaled shape lies
 };
 
-// None for a shape that stands for itself: one whose value is negative, larger than 2^60 or no number, or
-// that is flat.
+// None for a shape that stands for itself: one with a value that is negative, larger than 2^60 or no number,
+// one that is flat, or so thin a needle that its unit shape would be longer than 2^60.
 std::optional<UnitForm> unit_form(ImplicitKind kind, std::span<const double> values, Axis axis);
 
 // What makes the shape of the unit shape.
 Matrix4d shape_from_unit(const UnitForm& form);
 
-// Of `count` shapes, those that instances can stand for: under matrices [time][count] from the unit shape
-// that are affine and of usable size, never flat, not even in between, and of colours (one each, or none
-// given) and an opacity (of all) that are some.
+// Which of `count` shapes can be instances: those whose matrices [time][count] from the unit shape are
+// affine, of usable size and never flat, not even between two times, and whose colours (one each, or none
+// given) and opacity (of all) are usable (is_color).
 std::vector<bool> can_be_instances(std::span<const Matrix4d> matrices, std::size_t count,
                                    std::span<const Vec3f> colors, std::optional<float> opacity);
 

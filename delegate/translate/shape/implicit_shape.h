@@ -31,8 +31,7 @@ bool check_parameters(ImplicitKind kind, std::span<const double> values, PrimLog
 // A mesh at as many sides as its size calls for (sides.h).
 class ImplicitShape {
  public:
-  // Nothing, with an error, for a parameter that is no such number. An axis that there is none of counts as
-  // z, with a warning.
+  // Nothing, with an error, where check_parameters() fails. An unknown axis counts as z, with a warning.
   static std::optional<ImplicitShape> make(ImplicitInput input, PrimLog& log);
 
   ImplicitKind kind() const { return kind_; }

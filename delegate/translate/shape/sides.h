@@ -27,8 +27,8 @@ struct Silhouette {
 inline constexpr Silhouette kSilhouettes[] = {
     {"low", 0.1}, {"medium", 0.05}, {"high", 0.025}, {"veryhigh", 0.0125}};
 
-// How far a shape of radius 1 with n sides may lie inside of the true one: a chord of a circle 1 - cos(pi /
-// n), the middle of a sphere's face twice as far, since it is curved both ways.
+// How far a shape of radius 1 with n sides may lie inside of the true one. A chord of a circle lies
+// 1 - cos(pi / n) inside; the middle of a sphere's face twice as far, since it is curved both ways.
 double stray_of(int sides);
 
 // The fewest of `counts`, which increase, for which shapes of these radii in pixels stray by
@@ -44,8 +44,8 @@ struct Stretch {
 Stretch stretch_of(const Matrix4d& matrix);
 
 // The largest radii in pixels of `count` shapes that have one radius and one box in their own space, under
-// matrices [time][count] to the space that pixels are measured in. NaN, for not known, where there is no
-// radius, or a matrix with an element that is not finite.
+// matrices [time][count] to the space that pixels are measured in. NaN (not known) where the radius is 0 or
+// a matrix has an element that is not finite.
 std::vector<double> radii_in_pixels(ImplicitKind kind, double radius, const Box3d& box,
                                     std::span<const Matrix4d> matrices, std::size_t count,
                                     const PixelSize& pixel_size);

@@ -75,14 +75,15 @@ class UnitForm:
         """Of the unit shape, which stands along z."""
 
 def unit_form(kind: str, values: Sequence[float], axis: str) -> UnitForm | None:
-    """None for a shape that stands for itself: flat, or of a value that is negative, larger than 2^60 or no number."""
+    """None for a shape that stands for itself: flat, a needle, or with a value that is negative, larger than 2^60 or
+    no number."""
 
 def shapes_from_units(forms: Sequence[UnitForm]) -> F64:
     """float64[N, 4, 4]: what makes each shape of its unit shape."""
 
 def can_be_instances(matrices: F64, colors: F32 | None, opacity: float | None) -> NDArray[np.bool_]:
-    """bool[N]: whether instances can stand for shapes: under float64[T, N, 4, 4] matrices from the unit shape that are
-    affine and finite, never flat, not even in between, and of colours (float32[N, 3]) that are colours."""
+    """bool[N]: which shapes can be instances: those whose float64[T, N, 4, 4] matrices from the unit shape are affine,
+    finite and never flat, not even between two times, and whose colours (float32[N, 3]) and opacity are usable."""
 
 def binds_faces(element_type: str, family_name: str) -> bool:
     """Whether a GeomSubset's faces may have a material of their own. No ``element_type``: the schema's."""
