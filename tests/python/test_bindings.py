@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -265,6 +266,24 @@ def test_ctrl_c_stops_long_work(work: str) -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
     assert done.returncode == 42, done.stderr
     assert time.monotonic() - start < 60
+
+
+@pytest.mark.parametrize(
+    ("call", "expected"),
+    [
+        (lambda: _core.implicit_surface("Torus", [1.0], 8), 'kind: found "Torus"; expected Sphere, Cube'),
+        (lambda: _core.implicit_surface("Cone", [1.0], 8), "values: expected one for each"),
+        (lambda: _core.implicit_surface("Cone", [1.0, 1.0], 3), "sides: expected at least 4"),
+        (lambda: _core.unit_form("Cone", [1.0, 1.0], "W"), 'axis: found "W"; expected X, Y or Z'),
+        (lambda: _core.sides_for(np.ones(2), 0.1, ()), "side_counts: found none"),
+        (lambda: _core.face_materials(np.array([0, 1], np.int32), [3], None), "owners: expected numbers of subsets"),
+        (lambda: _core.can_be_instances(np.zeros((1, 2, 4, 4)), np.zeros((3, 3), np.float32), None), "colors: found"),
+    ],
+)
+def test_shapes_that_do_not_fit_are_named(call: Callable[[], object], expected: str) -> None:
+    with pytest.raises(ValueError) as raised:
+        call()
+    assert str(raised.value).startswith(expected)
 
 
 def test_instruction_sets() -> None:

@@ -66,6 +66,7 @@ TEST_SUITE("translate: implicit shapes in numbers") {
         }
       }
     }
+    CHECK(sides_of(0.1 / stray_of(24), 0.1) == 24);  // Just enough.
     CHECK(stray_of(4) == doctest::Approx(2.0 - std::sqrt(2.0)));
   }
 
