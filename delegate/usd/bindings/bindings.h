@@ -19,11 +19,8 @@ void bind_sample(nanobind::module_& m);
 void bind_mesh(nanobind::module_& m);
 void bind_level(nanobind::module_& m);
 void bind_look(nanobind::module_& m);
-<<<<<<< HEAD
 void bind_lights(nanobind::module_& m);
-=======
 void bind_shape(nanobind::module_& m);
->>>>>>> 4df52c9 (Implicit shapes are tessellated, sized and put into unit form in C++)
 void bind_translator(nanobind::module_& m);
 void bind_skinning(nanobind::module_& m);
 void bind_renderer(nanobind::module_& m);

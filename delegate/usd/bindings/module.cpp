@@ -19,11 +19,8 @@ NB_MODULE(_core, m) {
   msbvh::python::bind_mesh(m);
   msbvh::python::bind_level(m);
   msbvh::python::bind_look(m);
-<<<<<<< HEAD
   msbvh::python::bind_lights(m);
-=======
   msbvh::python::bind_shape(m);
->>>>>>> 4df52c9 (Implicit shapes are tessellated, sized and put into unit form in C++)
   msbvh::python::bind_translator(m);
   msbvh::python::bind_skinning(m);
   msbvh::python::bind_renderer(m);

@@ -51,9 +51,7 @@ from ._core_sample import orientation_turns as orientation_turns
 from ._core_sample import sample_motion as sample_motion
 from ._core_sample import uniform_turns as uniform_turns
 from ._core_sample import usable_periods01 as usable_periods01
-<<<<<<< HEAD
 from ._core_sample import value_times as value_times
-=======
 from ._core_shape import MOST_PLACES as MOST_PLACES
 from ._core_shape import SHARED_FROM as SHARED_FROM
 from ._core_shape import SIDE_COUNTS as SIDE_COUNTS
@@ -72,7 +70,6 @@ from ._core_shape import radii_in_pixels as radii_in_pixels
 from ._core_shape import shapes_from_units as shapes_from_units
 from ._core_shape import sides_for as sides_for
 from ._core_shape import unit_form as unit_form
->>>>>>> 4df52c9 (Implicit shapes are tessellated, sized and put into unit form in C++)
 from ._core_statistics import AccelStatistics as AccelStatistics
 from ._core_statistics import RenderStatistics as RenderStatistics
 from ._core_statistics import SceneStatistics as SceneStatistics

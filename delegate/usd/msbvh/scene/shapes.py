@@ -231,13 +231,3 @@ class Shapes:
         motion = self._caches.motion([part.prim], root, part.varying, context.shutter, part.breakpoints)
         matrices = motion.at_times(motion.few_times01())[:, 0]
         return sides_of(form, matrices, pixel_size, self._silhouette)
-
-    def _skinning_tolerance(self, draft: Draft, root: Usd.Prim | None, pixel_size: PixelSize, box: Box) -> float:
-        """How far skinned points in a box may stray between samples: a share of the tolerance, the rest of which the
-        track has."""
-        motion = self._caches.motion([draft.placed_by], root, True, draft.context.shutter)
-        matrices = motion.at_times(motion.few_times01())[:, 0]
-        stretch = np.linalg.norm(matrices[:, :3, :3], ord=2, axis=(1, 2)).max()
-        corners = (box.corners() @ matrices[..., :3])[:, None]
-        share = SAMPLING_SHARE * self._tolerance
-        return share * float(pixel_size.at_boxes(corners)[0]) / max(stretch, 1e-30)
