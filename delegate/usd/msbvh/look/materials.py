@@ -188,7 +188,7 @@ class Materials:
     def _number(self, value: Any, default: Number, source: Usd.Attribute) -> Number:
         """A value as the kind of number that `default` is; `default`, with a warning, where it is none."""
         try:
-            number = () if isinstance(value, bool) else self._converted(value, default)
+            number = () if isinstance(value, (bool, str)) else self._converted(value, default)
         except (TypeError, ValueError):
             number = ()
         if isinstance(number, float) or len(number) == 3:

@@ -1,0 +1,47 @@
+"""Shading networks on their way from a stage: which values count, and which nodes there are."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from pxr import Gf, Sdf, UsdShade
+from recording import Shot, messages
+
+TYPES = Sdf.ValueTypeNames
+
+
+class Look(Shot):
+    """A mesh with a material whose surface is a UsdPreviewSurface."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.material = UsdShade.Material.Define(self.stage, "/Look")
+        self.surface = self.shader("Surface", "UsdPreviewSurface")
+        self.material.CreateSurfaceOutput().ConnectToSource(self.surface.ConnectableAPI(), "surface")
+        UsdShade.MaterialBindingAPI.Apply(self.mesh("/Mesh").GetPrim()).Bind(self.material)
+
+    def shader(self, name: str, identifier: str) -> UsdShade.Shader:
+        shader = UsdShade.Shader.Define(self.stage, f"/Look/{name}")
+        shader.CreateIdAttr(identifier)
+        return shader
+
+    def set(self, shader: UsdShade.Shader, name: str, kind: Sdf.ValueTypeName, value: Any) -> None:
+        shader.CreateInput(name, kind).Set(value)
+
+    def connect(self, name: str, kind: Sdf.ValueTypeName, source: UsdShade.Shader, output: str) -> None:
+        self.surface.CreateInput(name, kind).ConnectToSource(source.CreateOutput(output, kind))
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "expected"),
+    [
+        ("opacity", "0.5", "a number; drawn as 1"),
+        ("opacityThreshold", "nan", "a number; drawn as 0"),
+        ("diffuseColor", "123", "three numbers; drawn as (0.18, 0.18, 0.18)"),
+    ],
+)
+def test_text_is_no_number(name: str, text: str, expected: str) -> None:
+    look = Look()
+    look.set(look.surface, name, TYPES.String, text)
+    assert messages(look.read(), "warning") == [f"/Look/Surface.inputs:{name}: found {text!r}, expected {expected}"]
