@@ -45,3 +45,16 @@ def test_text_is_no_number(name: str, text: str, expected: str) -> None:
     look = Look()
     look.set(look.surface, name, TYPES.String, text)
     assert messages(look.read(), "warning") == [f"/Look/Surface.inputs:{name}: found {text!r}, expected {expected}"]
+
+
+@pytest.mark.parametrize(("kind", "vector"), [(TYPES.Double4, Gf.Vec4d), (TYPES.Half4, Gf.Vec4h)])
+def test_a_textures_fallback_may_have_any_precision(kind: Sdf.ValueTypeName, vector: type) -> None:
+    look = Look()
+    texture = look.shader("Texture", "UsdUVTexture")
+    look.set(texture, "fallback", kind, vector(0.5, 0.25, 0, 0.75))
+    look.connect("diffuseColor", TYPES.Color3f, texture, "rgb")
+    look.connect("opacity", TYPES.Float, texture, "a")
+    result = look.read()
+    (material,) = result.scene.materials
+    assert material["diffuse_color"] == (0.5, 0.25, 0) and material["opacity"] == 0.75
+    assert [text for text in messages(result, "warning") if "expected" in text] == []

@@ -181,7 +181,7 @@ class Materials:
         """What a node says is drawn in its place. Those of textures have four channels; None for what is no
         texture."""
         value = self._constant(node, "fallback", default)
-        if isinstance(value, Gf.Vec4f) and output is not None:
+        if isinstance(value, (Gf.Vec4f, Gf.Vec4d, Gf.Vec4h)) and output is not None:
             value = _channel(np.array(value, np.float64), output, default)
         return self._number(value, default, node.GetPrim().GetAttribute("inputs:fallback"))
 
