@@ -58,3 +58,12 @@ def test_a_textures_fallback_may_have_any_precision(kind: Sdf.ValueTypeName, vec
     (material,) = result.scene.materials
     assert material["diffuse_color"] == (0.5, 0.25, 0) and material["opacity"] == 0.75
     assert [text for text in messages(result, "warning") if "expected" in text] == []
+
+
+@pytest.mark.parametrize("samples", [{9.0: None}, {9.0: 0.0, 10.1: None}])
+def test_a_blocked_value_is_the_default_and_no_displacement(samples: dict[float, float | None]) -> None:
+    look = Look()
+    displacement = look.surface.CreateInput("displacement", TYPES.Float)
+    for time, value in samples.items():
+        displacement.GetAttr().Set(Sdf.ValueBlock() if value is None else value, time)
+    assert messages(look.read(), "warning") == []

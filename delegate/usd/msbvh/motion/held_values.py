@@ -81,8 +81,9 @@ def values_within(attribute: Usd.Attribute, shutter: Shutter) -> list[Any]:
 
 def any_but(neutral: Any, attribute: Usd.Attribute, shutter: Shutter) -> bool:
     """Whether an attribute has another value than the neutral one anywhere in the shutter, or one of a type that is
-    never neutral: False is no 0.0, and an empty string names no asset."""
-    found = values_within(attribute, shutter)
+    never neutral: False is no 0.0, and an empty string names no asset. Where it has none its default counts, which is
+    neutral."""
+    found = [value for value in values_within(attribute, shutter) if value is not None]
     alike = (int, float) if isinstance(neutral, float) else type(neutral)
     return any(
         value != neutral or not isinstance(value, alike) or isinstance(value, bool) is not isinstance(neutral, bool)
