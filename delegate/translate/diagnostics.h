@@ -10,6 +10,7 @@
 namespace msbvh::translate {
 
 enum class Severity : std::uint8_t {
+  kNote,     // nothing is lost
   kWarning,  // rendered, but something was left out or approximated
   kError     // the prim was not rendered
 };
@@ -20,6 +21,8 @@ struct Diagnostic {
   std::string path;
   std::string attribute;
   std::string message;
+  // What many prims may have in common: front-ends tell it once for all of them.
+  bool in_common = false;
 };
 
 // Parts written one after the other: numbers in the fewest digits that tell them apart at single precision.
@@ -63,6 +66,13 @@ class PrimLog {
 
   void warn(const std::string& attribute, const std::string& message) {
     all_->push_back({Severity::kWarning, path_, attribute, message});
+  }
+  // For what many prims may have in common.
+  void warn_in_common(const std::string& attribute, const std::string& message) {
+    all_->push_back({Severity::kWarning, path_, attribute, message, true});
+  }
+  void note_in_common(const std::string& attribute, const std::string& message) {
+    all_->push_back({Severity::kNote, path_, attribute, message, true});
   }
   // What is checked cannot be used. Returns false, so that a check can end with `return log.reject(...)`.
   bool reject(const std::string& attribute, const std::string& message) {

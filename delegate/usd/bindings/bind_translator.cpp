@@ -215,13 +215,25 @@ void add_light(Translator& translator, const nb::kwargs& keywords) {
   translator.add_light(input);
 }
 
+const char* severity_name(Severity severity) {
+  switch (severity) {
+    case Severity::kNote:
+      return "note";
+    case Severity::kWarning:
+      return "warning";
+    case Severity::kError:
+      break;
+  }
+  return "error";
+}
+
 void bind_reports(nb::module_& m) {
   nb::class_<Diagnostic>(m, "Diagnostic")
-      .def_prop_ro("severity",
-                   [](const Diagnostic& d) { return d.severity == Severity::kError ? "error" : "warning"; })
+      .def_prop_ro("severity", [](const Diagnostic& d) { return severity_name(d.severity); })
       .def_ro("path", &Diagnostic::path)
       .def_ro("attribute", &Diagnostic::attribute)
-      .def_ro("message", &Diagnostic::message);
+      .def_ro("message", &Diagnostic::message)
+      .def_ro("in_common", &Diagnostic::in_common);
   nb::class_<TrackReport>(m, "TrackReport")
       .def_ro("path", &TrackReport::path)
       .def_ro("source", &TrackReport::source)

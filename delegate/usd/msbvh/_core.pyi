@@ -29,6 +29,17 @@ from ._core_look import light_normalization as light_normalization
 from ._core_look import light_times01 as light_times01
 from ._core_look import placed_light as placed_light
 from ._core_look import switch_times01 as switch_times01
+from ._core_materials import Asset as Asset
+from ._core_materials import Material as Material
+from ._core_materials import Origin as Origin
+from ._core_materials import ShaderConnection as ShaderConnection
+from ._core_materials import ShaderData as ShaderData
+from ._core_materials import ShaderInput as ShaderInput
+from ._core_materials import ShaderNetwork as ShaderNetwork
+from ._core_materials import ShaderNode as ShaderNode
+from ._core_materials import ShaderValue as ShaderValue
+from ._core_materials import evaluated_inputs as evaluated_inputs
+from ._core_materials import preview_surface as preview_surface
 from ._core_sample import BEFORE_JUMP01 as BEFORE_JUMP01
 from ._core_sample import FINEST_LEVEL as FINEST_LEVEL
 from ._core_sample import LARGEST_ELEMENT as LARGEST_ELEMENT
@@ -85,17 +96,20 @@ class Error(Exception):
     """The scene or a setting is wrong; one line: the prim, the attribute, what was found and is expected."""
 
 class Diagnostic:
-    """What a translation has to say about its input. ``warning``: rendered, but something was left out or
-    approximated; ``error``: the prim is not rendered."""
+    """What a translation has to say about its input. ``note``: nothing is lost; ``warning``: rendered, but something
+    was left out or approximated; ``error``: the prim is not rendered."""
 
     @property
-    def severity(self) -> Literal["warning", "error"]: ...
+    def severity(self) -> Literal["note", "warning", "error"]: ...
     @property
     def path(self) -> str: ...
     @property
     def attribute(self) -> str: ...
     @property
     def message(self) -> str: ...
+    @property
+    def in_common(self) -> bool:
+        """Many prims may have it in common: it is told once for all of them."""
 
 class TrackReport:
     """How the motion of the camera, a mesh or a set of instances was kept."""
@@ -205,18 +219,7 @@ class Translator:
         ``display_color`` [N, 3], ``materials`` [N] (negative: none) override the prototype's own. ``paths``: of
         the prims that the innermost level places, for a track report each; ``report_whole``: and one of all. After
         the prototype's meshes."""
-    def add_material(
-        self,
-        *,
-        name: str,
-        diffuse_color: Rgb,
-        diffuse_from_display_color: bool,
-        emissive_color: Rgb,
-        emissive_from_display_color: bool,
-        opacity: float,
-        opacity_from_display_opacity: bool,
-        opacity_threshold: float,
-    ) -> int: ...
+    def add_material(self, **material: Unpack[Material]) -> int: ...
     def add_light(
         self,
         *,

@@ -59,19 +59,20 @@ class Diagnostics:
         """A prim is wrong and was not rendered; the rest of the picture is right."""
         self._single[Diagnostic("error", path, attribute, message)] = None
 
-    def take(self, found: Iterable[TranslatorDiagnostic]) -> None:
-        """What the translator has to say: its errors are prims that are not rendered."""
-        for each in found:
-            if each.severity == "error":
-                self.error(each.path, each.attribute, f"{each.message}; the prim is not drawn")
-            else:
-                self.warning(each.path, each.attribute, each.message)
-
     def group(self, path: str, attribute: str, message: str, severity: str = "warning") -> None:
         """Like warning(), for what many prims have in common: one line for all of them, naming the first."""
         paths = self._grouped.setdefault((severity, attribute, message), [])
         if path not in paths[:1]:
             paths.append(path)
+
+    def take(self, found: Iterable[TranslatorDiagnostic]) -> None:
+        """What the C++ side has to say."""
+        for each in found:
+            message = f"{each.message}; the prim is not drawn" if each.severity == "error" else each.message
+            if each.in_common:
+                self.group(each.path, each.attribute, message, each.severity)
+            else:
+                self._single[Diagnostic(each.severity, each.path, each.attribute, message)] = None
 
     def by_path(self) -> dict[str, list[str]]:
         """Warnings and errors by the prim that they name; what many have in common stands with each."""

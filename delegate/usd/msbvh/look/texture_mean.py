@@ -22,26 +22,31 @@ LARGEST = 65504.0
 """What is brighter counts as this, as everywhere (delegate/translate/primvars.h)."""
 
 
-def texture_mean(file: Sdf.AssetPath, attribute: Usd.Attribute, colour_space: str) -> np.ndarray | None:
-    """float64[4]: linear red, green, blue, alpha of the texture that an attribute names; None where it cannot
-    be read.
+Rgba = tuple[float, float, float, float]
+
+
+def texture_mean(files: list[str], colour_space: str) -> Rgba | None:
+    """Linear red, green, blue, alpha of the texture in some files (texture_files()); None where it cannot be read.
 
     `colour_space` is UsdUVTexture's sourceColorSpace: raw, sRGB or auto (sRGB where there are 8 bits and
     three or four channels). One channel is grey; alpha is 1 where there is none. Every texel counts alike.
     """
-    means = [mean for path in _paths(file, attribute) if (mean := _mean(path, colour_space)) is not None]
-    return np.mean(means, axis=0) if means else None
+    means = [mean for path in files[:MOST_TILES] if (mean := _mean(path, colour_space)) is not None]
+    if not means:
+        return None
+    red, green, blue, alpha = np.mean(means, axis=0).tolist()
+    return red, green, blue, alpha
 
 
-def _paths(file: Sdf.AssetPath, attribute: Usd.Attribute) -> list[str]:
-    """Resolved: one, or a few tiles."""
+def texture_files(file: Sdf.AssetPath, attribute: Usd.Attribute) -> list[str]:
+    """The resolved paths of what an attribute names: one, a UDIM texture's tiles, or none."""
     if not UsdShade.UdimUtils.IsUdimIdentifier(file.path):
         return [file.resolvedPath] if file.resolvedPath else []
     specs = attribute.GetPropertyStack(Usd.TimeCode.EarliestTime())
     if not specs:
         return []
     tiles = UsdShade.UdimUtils.ResolveUdimTilePaths(file.path, specs[0].layer)
-    return [path for path, _ in tiles[:MOST_TILES]]
+    return [path for path, _ in tiles]
 
 
 @cache

@@ -1,0 +1,23 @@
+// What a front-end can say about a texture.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include "delegate/translate/look/shader_network.h"
+
+namespace msbvh::translate {
+
+using Rgba = std::array<double, 4>;  // linear red, green and blue, and alpha
+
+class TextureSource {
+ public:
+  virtual ~TextureSource() = default;
+
+  // Every texel counts alike. None where the texture cannot be read. `colour_space` is UsdUVTexture's
+  // sourceColorSpace: raw, sRGB, or auto, as which anything else counts.
+  virtual std::optional<Rgba> mean(const Asset& texture, std::string_view colour_space) const = 0;
+};
+
+}  // namespace msbvh::translate

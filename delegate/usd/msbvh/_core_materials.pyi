@@ -1,0 +1,113 @@
+"""The part of _core that says what shading networks mean (delegate/translate/look)."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TypedDict
+
+from ._core import Diagnostic
+
+class Asset:
+    """A file that an input names."""
+
+    def __init__(self, path: str, files: Sequence[str]) -> None:
+        """``path`` as authored; ``files`` resolved: one, a UDIM texture's tiles in order, or none."""
+    @property
+    def path(self) -> str: ...
+    @property
+    def files(self) -> list[str]: ...
+
+ShaderData = bool | float | Sequence[float] | str | Asset | None
+"""A vector has two to four numbers. None: of a type that is none of these."""
+
+class ShaderValue:
+    def __init__(self, data: ShaderData, text: str, type: str) -> None:
+        """``text`` and ``type``: the value and its type for messages."""
+    @property
+    def data(self) -> ShaderData: ...
+    @property
+    def text(self) -> str: ...
+    @property
+    def type(self) -> str: ...
+
+class ShaderConnection:
+    """To what another node computes."""
+
+    def __init__(self, node: str, output: str) -> None:
+        """The node's path and the output's name."""
+    @property
+    def node(self) -> str: ...
+    @property
+    def output(self) -> str: ...
+
+class Origin:
+    """Where something was authored, for messages."""
+
+    def __init__(self, path: str, attribute: str) -> None: ...
+    @property
+    def path(self) -> str: ...
+    @property
+    def attribute(self) -> str: ...
+
+class ShaderInput:
+    def __init__(
+        self,
+        name: str,
+        value: ShaderValue | None = None,
+        in_shutter: Sequence[ShaderValue | None] = (),
+        connections: Sequence[ShaderConnection] = (),
+        origin: Origin | None = None,
+    ) -> None:
+        """``value`` at the frame, None: the node's default. ``in_shutter``: the different values over the open shutter,
+        where they are not the frame's alone. The first of the connections counts, and more than a value does.
+        ``origin`` of the value, which may come from the material's interface; None: the node's own input."""
+    @property
+    def name(self) -> str: ...
+    @property
+    def value(self) -> ShaderValue | None: ...
+    @property
+    def in_shutter(self) -> list[ShaderValue | None]: ...
+    @property
+    def connections(self) -> list[ShaderConnection]: ...
+    @property
+    def origin(self) -> Origin | None: ...
+
+class ShaderNode:
+    def __init__(self, path: str, identifier: str, inputs: Sequence[ShaderInput]) -> None:
+        """``identifier`` such as UsdPreviewSurface; empty: none is known."""
+    @property
+    def path(self) -> str: ...
+    @property
+    def identifier(self) -> str: ...
+    @property
+    def inputs(self) -> list[ShaderInput]: ...
+
+class ShaderNetwork:
+    def __init__(self, path: str, nodes: Sequence[ShaderNode], terminals: Mapping[str, ShaderConnection]) -> None:
+        """``path`` of the material; each node once, in any order, cycles allowed; ``terminals`` by name: surface."""
+    @property
+    def path(self) -> str: ...
+    @property
+    def nodes(self) -> list[ShaderNode]: ...
+    @property
+    def terminals(self) -> dict[str, ShaderConnection]: ...
+
+class Material(TypedDict):
+    """The keywords of Translator.add_material."""
+
+    name: str
+    diffuse_color: tuple[float, float, float]
+    diffuse_from_display_color: bool
+    emissive_color: tuple[float, float, float]
+    emissive_from_display_color: bool
+    opacity: float
+    opacity_from_display_opacity: bool
+    opacity_threshold: float
+
+def evaluated_inputs(identifier: str) -> list[str]:
+    """The inputs of a node of that identifier that are evaluated: others need not be read."""
+
+def preview_surface(
+    network: ShaderNetwork, mean: Callable[[list[str], str], tuple[float, float, float, float] | None]
+) -> tuple[Material | None, list[Diagnostic]]:
+    """What the network means, None where its surface is no UsdPreviewSurface, and what is to be said about it.
+    ``mean``: linear red, green, blue, and alpha of the texture in some files, by UsdUVTexture's sourceColorSpace;
+    None where it cannot be read."""
