@@ -41,7 +41,7 @@ class Accel {
   std::uint32_t add_mesh(TriangleMesh mesh);
   // Shares a mesh that has passed validate(), guard included, and does not look at it again.
   std::uint32_t add_mesh(std::shared_ptr<const TriangleMesh> mesh);
-  // Grids of points, two triangles a quad, as displaced subdivision patches become (core/geometry/dice.h).
+  // Grids of points, two triangles a quad, as displaced subdivision patches become (core/geometry/subdivision/dice.h).
   // The tree refers to patches of them. Ids are counted apart; a hit's geometry says which kind it is of.
   std::uint32_t add_grids(GridMesh mesh);
   // Instances of another, committed Accel that holds no instances itself (two levels). `world_from_object`

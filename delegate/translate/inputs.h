@@ -90,12 +90,25 @@ struct PrimvarInput {
 
 enum class Normals : std::uint8_t { kFaceted, kSmooth };  // what to compute where none are authored
 
+// How a mesh is subdivided, in UsdGeomMesh's tokens.
+struct SubdivisionInput {
+  std::string scheme = "none";  // none: polygons
+  std::string interpolate_boundary = "edgeAndCorner";
+  std::string face_varying_linear = "cornersPlus1";
+  std::string triangle_rule = "catmullClark";
+  std::span<const int> crease_lengths, crease_indices;
+  std::span<const float> crease_sharpnesses;  // one a crease, or one an edge
+  std::span<const int> corner_indices;
+  std::span<const float> corner_sharpnesses;
+};
+
 struct MeshInput {
   std::string path;  // of the prim, for messages
   std::span<const int> face_vertex_counts;
   std::span<const int> face_vertex_indices;
   std::span<const int> hole_indices;
   bool left_handed = false;
+  SubdivisionInput subdivision{};
   ArraySamples points;
   RateInput rates;
   RateTimes time_remap;

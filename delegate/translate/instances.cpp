@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/base/parallel.h"
+#include "core/base/stretch.h"
 #include "delegate/translate/instance_chain.h"
 #include "delegate/translate/primvar_track.h"
 #include "delegate/translate/primvars.h"
@@ -220,9 +221,7 @@ double pixels_per_unit(const InstancesInput& input, const InstanceTarget& target
       for (std::size_t i = begin; i < end; ++i) {
         const Affine3d map = rebased(instant.map(i), target.prototype_origin, target.world_origin);
         if (!is_representable(map)) continue;
-        // The Frobenius norm bounds how much the map stretches.
-        const double stretch = std::sqrt(dot(map.x, map.x) + dot(map.y, map.y) + dot(map.z, map.z));
-        mine = std::max(mine, screen.in_box(stretch, bounds_of(corners, map)));
+        mine = std::max(mine, screen.in_box(largest_stretch(map), bounds_of(corners, map)));
       }
     });
   }

@@ -8,6 +8,7 @@
 #include "delegate/translate/normals.h"
 #include "delegate/translate/point_motion.h"
 #include "delegate/translate/primvars.h"
+#include "delegate/translate/tessellation.h"
 #include "delegate/translate/transform_fit.h"
 #include "delegate/translate/triangulate.h"
 
@@ -36,49 +37,82 @@ bool check_controls(const TriangleMesh& shape, PrimLog& log) {
   return check_range(box, log);
 }
 
-TriangleMesh shape_of(const MovingArray& points, const Candidate& track, const Triangulation& topology,
-                      const std::string& name) {
-  TriangleMesh shape;
-  shape.name = name;
-  shape.segments = track.form().segments;
-  shape.degree = track.form().degree;
-  shape.vertex_count = std::uint32_t(points.size());
-  shape.positions = point_controls(points, track);
-  shape.triangles = topology.triangles;
+// A mesh's shape and, of a refined one, its cage's points at the same controls.
+struct Shape {
+  TriangleMesh mesh;
+  std::vector<Vec3f> cage{};
+};
+
+std::vector<Vec3f> refined_controls(const RefinedMesh& refined, const std::vector<Vec3f>& cage,
+                                    std::uint32_t controls) {
+  std::vector<Vec3f> out(std::size_t(controls) * refined.point_count() + TriangleMesh::kGuard);
+  std::vector<const float*> from;
+  std::vector<float*> to;
+  for (std::size_t c = 0; c < controls; ++c) {
+    from.push_back(&cage[c * refined.cage().vertex_count].x);
+    to.push_back(&out[c * refined.point_count()].x);
+  }
+  refined.at_points({}, 3, from, to);
+  return out;
+}
+
+Shape shape_of(const MovingArray& points, const Candidate& track, const Tessellation& faces,
+               const std::string& name) {
+  Shape shape;
+  TriangleMesh& mesh = shape.mesh;
+  mesh.name = name;
+  mesh.segments = track.form().segments;
+  mesh.degree = track.form().degree;
+  mesh.vertex_count = std::uint32_t(points.size());
+  mesh.positions = point_controls(points, track);
+  mesh.triangles = faces.triangles();
+  if (const Refinement* refinement = faces.refinement()) {
+    shape.cage = std::move(mesh.positions);
+    mesh.vertex_count = refinement->mesh.point_count();
+    mesh.positions = refined_controls(refinement->mesh, shape.cage, mesh.form().controls());
+  }
   return shape;
 }
 
 // One material a triangle, or the mesh's own where all triangles have the same.
-void add_face_materials(const MeshInput& input, const Triangulation& topology, std::uint32_t material_count,
+void add_face_materials(const MeshInput& input, const Tessellation& topology, std::uint32_t material_count,
                         Mesh& mesh, PrimLog& optional) {
   const std::span<const int> given = input.face_materials;
   if (given.empty()) return;
   const auto largest = std::ranges::max_element(given);
-  if (given.size() != topology.face_count || *largest >= std::int64_t(material_count)) {
+  const std::size_t face_count = topology.polygons().face_count;
+  if (given.size() != face_count || *largest >= std::int64_t(material_count)) {
     optional.reject("material:binding",
                     message("found ", given.size(), " materials of faces, the largest ", *largest,
-                            "; expected ", topology.face_count, " and less than ", material_count));
+                            "; expected ", face_count, " and less than ", material_count));
     return;
   }
   const auto of_face = [&](std::uint32_t face) {
     return given[face] < 0 ? kNone : std::uint32_t(given[face]);
   };
-  mesh.material = of_face(topology.faces.front());
-  const bool alike =
-      std::ranges::all_of(topology.faces, [&](std::uint32_t face) { return of_face(face) == mesh.material; });
+  mesh.material = of_face(topology.faces().front());
+  const bool alike = std::ranges::all_of(topology.faces(),
+                                         [&](std::uint32_t face) { return of_face(face) == mesh.material; });
   if (alike) return;
-  mesh.triangle_materials.reserve(topology.faces.size());
-  for (const std::uint32_t face : topology.faces) mesh.triangle_materials.push_back(of_face(face));
+  mesh.triangle_materials.reserve(topology.faces().size());
+  for (const std::uint32_t face : topology.faces()) mesh.triangle_materials.push_back(of_face(face));
 }
 
-void add_primvars(const MeshInput& input, const Triangulation& topology, const NormalMotion& motion,
-                  const MeshTarget& target, Mesh& mesh, PrimLog& log) {
-  mesh.normals = authored_normals(input, topology, motion, target.settings.max_segments, log);
-  if (!mesh.normals.authored() && input.computed_normals == Normals::kSmooth) {
-    mesh.normals = smooth_normals(mesh.shape, target.settings.max_segments);
-  }
-  PrimLog optional = log.of_optional_part();
+Primvar<Vec3f> normals_of(const MeshInput& input, const Tessellation& topology, const NormalMotion& motion,
+                          const Shape& shape, std::uint32_t max_segments, PrimLog& log) {
+  if (const Refinement* refinement = topology.refinement())
+    return limit_normals(refinement->mesh, shape.cage, shape.mesh.form(), max_segments);
+  Primvar<Vec3f> authored = authored_normals(input, topology.polygons(), motion, max_segments, log);
+  if (authored.authored() || input.computed_normals != Normals::kSmooth) return authored;
+  return smooth_normals(shape.mesh, max_segments);
+}
+
+void add_shape(const MeshInput& input, const Tessellation& topology, const NormalMotion& motion,
+               const MeshTarget& target, Shape shape, Mesh& mesh, PrimLog& log) {
   const std::uint32_t most = target.settings.max_segments;
+  mesh.normals = normals_of(input, topology, motion, shape, most, log);
+  mesh.shape = std::move(shape.mesh);
+  PrimLog optional = log.of_optional_part();
   mesh.display_color = flattened(input.display_color, topology, "primvars:displayColor", optional, most);
   mesh.display_opacity =
       flattened(input.display_opacity, topology, "primvars:displayOpacity", optional, most);
@@ -89,6 +123,7 @@ void add_primvars(const MeshInput& input, const Triangulation& topology, const N
     mesh.material = kNone;
   }
   add_face_materials(input, topology, target.material_count, mesh, optional);
+  if (target.keep_faces) mesh.triangle_faces = topology.faces();
 }
 
 void set_time_remap(const MeshInput& input, const TimeRemap& time_remap, TranslatedMesh& result) {
@@ -104,12 +139,25 @@ struct MeshMotion {
   const MeshInput& input;
   const PointMotion& points;
   const TransformTrack& transform;
-  const Triangulation& topology;
+  const Triangulation& polygons;
 };
+
+ScreenMeasure measure_of(const MeshTarget& target, const Box3d& box) {
+  if (target.measure) return *target.measure;
+  if (target.pixels_per_unit > 0.0) return ScreenMeasure::constant(target.pixels_per_unit);
+  return ScreenMeasure::filled_by(box, target.width, target.height);
+}
+
+// `points` in the world, which will have a track of so many controls.
+Tessellation tessellated(const MeshMotion& motion, const MovingArray& points, const ScreenMeasure& measure,
+                         std::uint32_t controls, const MeshTarget& target, PrimLog& log) {
+  return tessellated(motion.input, motion.polygons, points, {target.edge_length_pixels, measure}, controls,
+                     log);
+}
 
 std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, MeshTarget& target,
                                                   PrimLog& log) {
-  const auto& [input, points, transform, topology] = motion;
+  const auto& [input, points, transform, polygons] = motion;
   const Vec3d shift = exact_origin(bounds({points.track, TransformTrack(Affine3d{})}));
   const MovingArray still{points.track, TransformTrack(rebased(Affine3d{}, {}, shift))};
   const Box3d box = bounds(still);
@@ -138,10 +186,12 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
   const TrackForm form = fitter.form(verdict.track);
   report_fit({form.segments, verdict.error}, target.settings, kTransform, "the motion", log);
 
+  const MovingArray moving{points.track, transform.rebased({}, *target.origin)};
+  const Tessellation topology = tessellated(motion, moving, *target.measure, 1, target, log);
   TranslatedMesh result;
-  result.mesh.shape = shape_of(still, {TimeLayout::even(0), 1}, topology, input.path);
   const TimeLayout unmoved = TimeLayout::even(0);
-  add_primvars(input, topology, {still.transform, unmoved, points.frame_only}, target, result.mesh, log);
+  add_shape(input, topology, {still.transform, unmoved, points.frame_only}, target,
+            shape_of(still, {unmoved, 1}, topology, input.path), result.mesh, log);
   result.track = {input.path, "transform", chain->rule()};
   result.track.set_form(form, fitter.time_remap(verdict.track));
   result.track.moving_transform = true;
@@ -153,12 +203,6 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
   return result;
 }
 
-ScreenMeasure measure_of(const MeshTarget& target, const Box3d& box) {
-  if (target.measure) return *target.measure;
-  if (target.pixels_per_unit > 0.0) return ScreenMeasure::constant(target.pixels_per_unit);
-  return ScreenMeasure::filled_by(box, target.width, target.height);
-}
-
 std::string rule_of(const PointMotion& points, const TransformTrack& transform) {
   const char* moved = "the transform by the stage's own evaluation";
   if (transform.is_still()) return points.rule;
@@ -166,20 +210,22 @@ std::string rule_of(const PointMotion& points, const TransformTrack& transform) 
 }
 
 std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target, PrimLog& log) {
-  const auto& [input, points, transform, topology] = motion;
+  const auto& [input, points, transform, polygons] = motion;
   if (!target.origin) target.origin = exact_origin(bounds({points.track, transform}));
   const MovingArray moving{points.track, transform.rebased({}, *target.origin)};
   const Box3d box = bounds(moving);
   if (!check_range(box, log)) return std::nullopt;
-  const PointFit fit = fit_points(moving, measure_of(target, box), target.settings);
+  const ScreenMeasure measure = measure_of(target, box);
+  const PointFit fit = fit_points(moving, measure, target.settings);
   const TrackForm form = fit.track.form();
   report_fit({form.segments, fit.error}, target.settings, kPoints, "the motion", log);
 
+  const Tessellation topology = tessellated(motion, moving, measure, form.controls(), target, log);
   TranslatedMesh result;
-  result.mesh.shape = shape_of(moving, fit.track, topology, input.path);
-  if (!check_controls(result.mesh.shape, log)) return std::nullopt;
-  add_primvars(input, topology, {moving.transform, fit.track.layout, points.frame_only}, target, result.mesh,
-               log);
+  Shape shape = shape_of(moving, fit.track, topology, input.path);
+  if (!check_controls(shape.mesh, log)) return std::nullopt;
+  add_shape(input, topology, {moving.transform, fit.track.layout, points.frame_only}, target,
+            std::move(shape), result.mesh, log);
   const bool by_transform = points.track.is_still() && !transform.is_still();
   result.track = {input.path, by_transform ? "transform" : points.source, rule_of(points, transform)};
   result.track.set_form(form, fit.track.layout.time_remap());
@@ -208,16 +254,13 @@ std::optional<TranslatedMesh> translate_mesh(const MeshInput& input, MeshTarget&
   const std::optional<PointMotion> points = point_motion(input, log);
   if (!points || !check_topology(input, points->track.size(), log)) return std::nullopt;
   const TransformTrack transform(input.world_from_object);
-  const Triangulation topology = triangulate(input, points->track.size(), log);
-  if (topology.triangles.empty()) return std::nullopt;
+  const Triangulation polygons = triangulate(input, points->track.size(), log);
+  if (polygons.triangles.empty()) return std::nullopt;
   const bool in_world = target.measure != nullptr;
-  const MeshMotion motion{input, *points, transform, topology};
+  const MeshMotion motion{input, *points, transform, polygons};
   const bool keeps_transform =
       in_world && points->track.is_still() && !transform.is_still() && !transform.is_singular_somewhere();
-  std::optional<TranslatedMesh> result =
-      keeps_transform ? in_moving_transform(motion, target, log) : baked(motion, target, log);
-  if (result && target.keep_faces) result->mesh.triangle_faces = topology.faces;
-  return result;
+  return keeps_transform ? in_moving_transform(motion, target, log) : baked(motion, target, log);
 }
 
 }  // namespace msbvh::translate

@@ -28,6 +28,7 @@ struct MeshTarget {
   FitSettings settings;
   std::uint32_t material_count = 0;
   bool keep_faces = false;
+  double edge_length_pixels = 0.0;  // of subdivided surfaces; 0: their cages are drawn as polygons
 };
 
 struct TranslatedMesh {

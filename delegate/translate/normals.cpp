@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/base/parallel.h"
+#include "core/motion/bezier.h"
 #include "delegate/translate/moving_array.h"
 #include "delegate/translate/primvars.h"
 #include "delegate/translate/rates.h"
@@ -26,29 +27,52 @@ std::vector<Vec3f> normals_at(const TriangleMesh& mesh, float time) {
   return normals;
 }
 
-// At the keys of `segments`, key-major.
-std::vector<Vec3f> smooth_keys(const TriangleMesh& mesh, std::uint32_t segments) {
-  std::vector<Vec3f> keys(std::size_t(key_count(segments)) * mesh.vertex_count);
-  parallel_for(key_count(segments), [&](std::size_t key) {
-    const std::vector<Vec3f> normals = normals_at(mesh, float(key_time(std::uint32_t(key), segments)));
-    std::ranges::copy(normals, keys.begin() + std::ptrdiff_t(key * mesh.vertex_count));
-  });
-  return keys;
-}
+// `normals_at(time)`: those of a surface that moves in one way, `count` of them.
+template <typename NormalsAt>
+class NormalTrack {
+ public:
+  NormalTrack(std::size_t count, const NormalsAt& normals_at) : count_(count), normals_at_(normals_at) {}
 
-// Of linear keys from the mesh's own normals, at the middles between them.
-double smooth_error(const TriangleMesh& mesh, const std::vector<Vec3f>& keys, std::uint32_t segments) {
-  std::vector<double> worst(segments, 0.0);
-  parallel_for(segments, [&](std::size_t s) {
-    const std::vector<Vec3f> truth = normals_at(mesh, float((double(s) + 0.5) / segments));
-    const Vec3f* a = keys.data() + s * mesh.vertex_count;
-    for (std::size_t v = 0; v < truth.size(); ++v) {
-      const Vec3d middle = Vec3d(a[v]) + Vec3d(a[v + mesh.vertex_count]);
-      worst[s] = std::max(worst[s], length(Vec3d(truth[v]) - normalize(middle)));
+  // A linear track takes its own keys, a curved one as many as follow to kNormalTolerance.
+  Primvar<Vec3f> fitted(const TrackForm& form, Interpolation interpolation,
+                        std::uint32_t max_segments) const {
+    Primvar<Vec3f> normals{interpolation, form.segments, keys(form.segments)};
+    while (form.degree > 1 && normals.segments < max_segments &&
+           error(normals.values, normals.segments) > kNormalTolerance) {
+      normals.segments *= 2;
+      normals.values = keys(normals.segments);
     }
-  });
-  return *std::ranges::max_element(worst);
-}
+    return normals;
+  }
+
+ private:
+  // At the keys of `segments`, key-major.
+  std::vector<Vec3f> keys(std::uint32_t segments) const {
+    std::vector<Vec3f> result(std::size_t(key_count(segments)) * count_);
+    parallel_for(key_count(segments), [&](std::size_t key) {
+      const std::vector<Vec3f> normals = normals_at_(float(key_time(std::uint32_t(key), segments)));
+      std::ranges::copy(normals, result.begin() + std::ptrdiff_t(key * count_));
+    });
+    return result;
+  }
+
+  // Of linear keys from the surface's own normals, at the middles between them.
+  double error(const std::vector<Vec3f>& keys, std::uint32_t segments) const {
+    std::vector<double> worst(segments, 0.0);
+    parallel_for(segments, [&](std::size_t s) {
+      const std::vector<Vec3f> truth = normals_at_(float((double(s) + 0.5) / segments));
+      const Vec3f* a = keys.data() + s * count_;
+      for (std::size_t v = 0; v < truth.size(); ++v) {
+        const Vec3d middle = Vec3d(a[v]) + Vec3d(a[v + count_]);
+        worst[s] = std::max(worst[s], length(Vec3d(truth[v]) - normalize(middle)));
+      }
+    });
+    return *std::ranges::max_element(worst);
+  }
+
+  std::size_t count_;
+  const NormalsAt& normals_at_;
+};
 
 // One of the authored values for each element of the triangle mesh, at every key.
 std::vector<Vec3f> gathered(const std::vector<Vec3f>& keys, std::size_t value_count,
@@ -64,16 +88,28 @@ std::vector<Vec3f> gathered(const std::vector<Vec3f>& keys, std::size_t value_co
 }  // namespace
 
 Primvar<Vec3f> smooth_normals(const TriangleMesh& mesh, std::uint32_t max_segments) {
-  Primvar<Vec3f> normals;
-  normals.interpolation = Interpolation::kVertex;
-  normals.segments = mesh.segments;
-  normals.values = smooth_keys(mesh, normals.segments);
-  while (mesh.degree > 1 && normals.segments < max_segments &&
-         smooth_error(mesh, normals.values, normals.segments) > kNormalTolerance) {
-    normals.segments *= 2;
-    normals.values = smooth_keys(mesh, normals.segments);
-  }
-  return normals;
+  const auto at = [&](float time) { return normals_at(mesh, time); };
+  return NormalTrack(mesh.vertex_count, at).fitted(mesh.form(), Interpolation::kVertex, max_segments);
+}
+
+Primvar<Vec3f> limit_normals(const RefinedMesh& refined, const std::vector<Vec3f>& cage,
+                             const TrackForm& form, std::uint32_t max_segments) {
+  const std::size_t size = refined.cage().vertex_count;
+  const auto at = [&](float time) {
+    const SegmentTime place = locate(time, form.segments);
+    const Vec3f* first = cage.data() + place.key * form.degree * size;
+    if (!form.moving()) return refined.normals(first);
+    std::vector<Vec3f> positions;
+    for (std::size_t v = 0; v < size; ++v) {
+      const auto control = [&](std::uint32_t c) { return Vec3d(first[c * size + v]); };
+      positions.push_back(Vec3f(bezier(control, form.degree, double(place.w))));
+    }
+    return refined.normals(positions.data());
+  };
+  const bool creased = refined.has_creases();
+  const std::size_t count = creased ? 3 * refined.triangles().size() : refined.point_count();
+  const Interpolation interpolation = creased ? Interpolation::kFaceVarying : Interpolation::kVertex;
+  return NormalTrack(count, at).fitted(form, interpolation, max_segments);
 }
 
 Primvar<Vec3f> authored_normals(const MeshInput& input, const Triangulation& mesh, const NormalMotion& motion,

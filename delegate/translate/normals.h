@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "core/geometry/subdivision/refined_mesh.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/scene/scene.h"
 #include "delegate/translate/diagnostics.h"
@@ -16,6 +17,11 @@ namespace msbvh::translate {
 // One a vertex at keys of the mesh's time: the sum of its triangles' normals, weighted by their areas. Zero
 // where they cancel. A linear mesh takes its own keys, a curved one as many as follow to kNormalTolerance.
 Primvar<Vec3f> smooth_normals(const TriangleMesh& mesh, std::uint32_t max_segments);
+
+// Of the limit surface, likewise: `cage` are its points' controls in the form of the refined mesh's track.
+// One a vertex, or one a corner where the surface has creases.
+Primvar<Vec3f> limit_normals(const RefinedMesh& refined, const std::vector<Vec3f>& cage,
+                             const TrackForm& form, std::uint32_t max_segments);
 
 // With the fewest segments that follow the stage to kNormalTolerance. Not authored, where there are none or
 // where they do not fit the mesh (with a warning).

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "delegate/translate/primvar_track.h"
 
@@ -82,8 +83,74 @@ std::optional<PrimvarMap> map_primvar(const std::string& token, std::size_t valu
   return map;
 }
 
+namespace {
+
+// One of the authored values for each element, at every key.
 template <typename T>
-Primvar<T> flattened(const PrimvarInput<T>& input, const Triangulation& mesh, const std::string& attribute,
+Primvar<T> gathered(Interpolation interpolation, const std::vector<std::uint32_t>& source,
+                    const PrimvarTrack<T>& track, std::size_t value_count) {
+  Primvar<T> result{interpolation, track.segments, {}};
+  result.values.reserve(source.size() * key_count(track.segments));
+  for (std::uint32_t key = 0; key < key_count(track.segments); ++key) {
+    const T* values = track.values.data() + key * value_count;
+    for (const std::uint32_t element : source) result.values.push_back(values[element]);
+  }
+  return result;
+}
+
+// Of the value of each face.
+std::vector<std::uint32_t> of_faces(const std::vector<std::uint32_t>& faces, std::span<const int> indices) {
+  std::vector<std::uint32_t> source = faces;
+  if (!indices.empty()) {
+    for (std::uint32_t& face : source) face = std::uint32_t(indices[face]);
+  }
+  return source;
+}
+
+// On the limit surface. `authored`: gathered on the cage's polygons, one a vertex (vertex, varying), or the
+// channel's own values (faceVarying).
+template <typename T>
+Primvar<T> refined(ValueKind kind, std::size_t value_count, const Primvar<T>& authored,
+                   const RefinedMesh& mesh) {
+  const bool at_corners = kind.kind == ValueKind::kFaceVarying;
+  const std::size_t count = at_corners ? 3 * mesh.triangles().size() : mesh.point_count();
+  Primvar<T> result{at_corners ? Interpolation::kFaceVarying : Interpolation::kVertex, authored.segments, {}};
+  result.values.resize(count * key_count(authored.segments));
+  std::vector<const float*> from;
+  std::vector<float*> to;
+  for (std::uint32_t key = 0; key < key_count(authored.segments); ++key) {
+    from.push_back(reinterpret_cast<const float*>(authored.values.data() + key * value_count));
+    to.push_back(reinterpret_cast<float*>(result.values.data() + key * count));
+  }
+  const auto width = std::uint32_t(sizeof(T) / sizeof(float));
+  at_corners ? mesh.at_corners(kind, width, from, to) : mesh.at_points(kind, width, from, to);
+  return result;
+}
+
+template <typename T>
+Primvar<T> refined(const PrimvarInput<T>& input, const PrimvarMap& map, PrimvarTrack<T> track,
+                   const Refinement& refinement, const std::string& attribute) {
+  const std::size_t count = input.values.size();
+  switch (map.interpolation) {
+    case Interpolation::kVertex: {
+      const bool varying = input.interpolation == "varying";
+      return refined({varying ? ValueKind::kVarying : ValueKind::kVertex, 0}, map.source.size(),
+                     gathered(map.interpolation, map.source, track, count), refinement.mesh);
+    }
+    case Interpolation::kFaceVarying: {
+      const std::uint32_t channel = refinement.channels.at(attribute);
+      const Primvar<T> values{map.interpolation, track.segments, std::move(track.values)};
+      return refined({ValueKind::kFaceVarying, channel}, count, values, refinement.mesh);
+    }
+    default:
+      return gathered(map.interpolation, map.source, track, count);
+  }
+}
+
+}  // namespace
+
+template <typename T>
+Primvar<T> flattened(const PrimvarInput<T>& input, const Tessellation& mesh, const std::string& attribute,
                      PrimLog& log, std::uint32_t max_segments) {
   if (input.values.empty()) return {};
   const auto bad = std::ranges::find_if(input.values, [](const T& value) { return !is_color(value); });
@@ -93,24 +160,20 @@ Primvar<T> flattened(const PrimvarInput<T>& input, const Triangulation& mesh, co
                        " is not finite or too large; expected finite numbers of at most 65504 in size"));
     return {};
   }
-  const std::optional<PrimvarMap> map =
-      map_primvar(input.interpolation, input.values.size(), input.indices, mesh, attribute, log);
+  std::optional<PrimvarMap> map =
+      map_primvar(input.interpolation, input.values.size(), input.indices, mesh.polygons(), attribute, log);
   if (!map) return {};
-  const PrimvarTrack<T> track = fit_primvar(input, max_segments, attribute, log);
-  Primvar<T> result;
-  result.interpolation = map->interpolation;
-  result.segments = track.segments;
-  result.values.reserve(map->source.size() * key_count(track.segments));
-  for (std::uint32_t key = 0; key < key_count(track.segments); ++key) {
-    const T* values = track.values.data() + key * input.values.size();
-    for (const std::uint32_t source : map->source) result.values.push_back(values[source]);
+  PrimvarTrack<T> track = fit_primvar(input, max_segments, attribute, log);
+  if (const Refinement* refinement = mesh.refinement()) {
+    if (map->interpolation == Interpolation::kTriangle) map->source = of_faces(mesh.faces(), input.indices);
+    return refined(input, *map, std::move(track), *refinement, attribute);
   }
-  return result;
+  return gathered(map->interpolation, map->source, track, input.values.size());
 }
 
-template Primvar<Vec3f> flattened(const PrimvarInput<Vec3f>&, const Triangulation&, const std::string&,
+template Primvar<Vec3f> flattened(const PrimvarInput<Vec3f>&, const Tessellation&, const std::string&,
                                   PrimLog&, std::uint32_t);
-template Primvar<float> flattened(const PrimvarInput<float>&, const Triangulation&, const std::string&,
+template Primvar<float> flattened(const PrimvarInput<float>&, const Tessellation&, const std::string&,
                                   PrimLog&, std::uint32_t);
 
 }  // namespace msbvh::translate

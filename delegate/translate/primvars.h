@@ -13,6 +13,7 @@
 #include "core/scene/scene.h"
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/inputs.h"
+#include "delegate/translate/tessellation.h"
 #include "delegate/translate/triangulate.h"
 
 namespace msbvh::translate {
@@ -39,15 +40,15 @@ std::optional<PrimvarMap> map_primvar(const std::string& token, std::size_t valu
                                       const std::string& attribute, PrimLog& log);
 
 // A primvar, ready for the scene: with one key, or with as many as it takes to follow its samples
-// (primvar_track.h). One that does not fit or has a value at the frame that is no colour is left out, with a
-// warning.
+// (primvar_track.h), refined as the mesh is. One that does not fit or has a value at the frame that is no
+// colour is left out, with a warning.
 template <typename T>
-Primvar<T> flattened(const PrimvarInput<T>& input, const Triangulation& mesh, const std::string& attribute,
+Primvar<T> flattened(const PrimvarInput<T>& input, const Tessellation& mesh, const std::string& attribute,
                      PrimLog& log, std::uint32_t max_segments);
 
-extern template Primvar<Vec3f> flattened(const PrimvarInput<Vec3f>&, const Triangulation&, const std::string&,
+extern template Primvar<Vec3f> flattened(const PrimvarInput<Vec3f>&, const Tessellation&, const std::string&,
                                          PrimLog&, std::uint32_t);
-extern template Primvar<float> flattened(const PrimvarInput<float>&, const Triangulation&, const std::string&,
+extern template Primvar<float> flattened(const PrimvarInput<float>&, const Tessellation&, const std::string&,
                                          PrimLog&, std::uint32_t);
 
 }  // namespace msbvh::translate

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/affine.h"
@@ -22,12 +23,22 @@
 
 namespace msbvh::translate {
 
+// Where the picture is. A little is left around it, since a filter reaches over its sides.
+struct View {
+  static constexpr double kMargin = 0.1;  // of its width and height
+
+  Affine3d camera_from_world;
+  double left, right, bottom, top;  // as of ScreenWindow, with the margin
+};
+
 // The measure at one time.
 struct ScreenInstant {
   Vec3d eye;                     // frame's world
   double pixels_per_unit = 1.0;  // at unit distance, in world units
   double nearest = 0.0;          // no distance counts for less
   bool perspective = false;
+  // What the picture shows; none of a measure that no camera has made.
+  std::optional<View> view{};
 
   double at_distance(double deviation, double distance) const {
     return deviation * pixels_per_unit / (perspective ? std::max(nearest, distance) : 1.0);
@@ -38,6 +49,9 @@ struct ScreenInstant {
   // An eye inside the box looks at the box from within: what surrounds the eye (a dome, a room) is mostly
   // hollow.
   double in_box(double deviation, const Box3d& box) const;
+  // A bit for each side of the picture beyond which the point lies, and one where it lies behind the camera.
+  // What lies between points that have a bit in common is not in the picture.
+  std::uint8_t sides_beyond(const Vec3d& point) const;
 };
 
 class ScreenMeasure {
@@ -51,6 +65,7 @@ class ScreenMeasure {
   static ScreenMeasure constant(double pixels_per_unit);
 
   ScreenInstant at(double time01) const;
+  bool is_still() const { return instants_.size() == 1; }
 
  private:
   ScreenMeasure() = default;

@@ -25,6 +25,10 @@ void check_settings(const TranslatorSettings& settings) {
     throw Error(message("motion tolerance: found ", settings.motion_tolerance_pixels,
                         " pixels; expected a finite number above 0"));
   }
+  if (!(settings.edge_length_pixels >= 0.0) || !std::isfinite(settings.edge_length_pixels)) {
+    throw Error(message("edge length: found ", settings.edge_length_pixels,
+                        " pixels; expected a finite number that is not negative"));
+  }
   if (!is_valid_segment_count(settings.max_segments)) {
     throw Error(message("max_segments: found ", settings.max_segments,
                         "; expected 0 or a power of two up to ", kMaxSegments));
@@ -89,8 +93,15 @@ struct Translator::Data {
 };
 
 MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
-  MeshTarget result{in_world, 0.0, std::nullopt,       settings.width, settings.height,
-                    fit,      0,   settings.keep_faces};
+  MeshTarget result{in_world,
+                    0.0,
+                    std::nullopt,
+                    settings.width,
+                    settings.height,
+                    fit,
+                    0,
+                    settings.keep_faces,
+                    settings.edge_length_pixels};
   if (in_world) result.origin = origin;
   return result;
 }

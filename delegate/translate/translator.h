@@ -26,6 +26,8 @@ struct TranslatorSettings {
   std::uint32_t max_segments = kMaxSegments;
   TrackChoice choice{};     // which tracks may be used
   bool keep_faces = false;  // for the AOV elementId: which face each triangle is of
+  // About how long the edges of a subdivided surface are in the picture; 0: cages are drawn as polygons.
+  double edge_length_pixels = 1.0;
 };
 
 // How a prim's motion was kept: the camera's, then one for each mesh, set of instances and light. For

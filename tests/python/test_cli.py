@@ -165,7 +165,7 @@ def test_version(msbvh: Run) -> None:
 
 def test_strict_is_about_what_was_degraded(msbvh: Run, tmp_path: Path, scene: Path) -> None:
     assert msbvh("record", scene, "a.exr", "--strict", *SMALL).returncode == 0
-    scene.write_text(MOVING_SQUARE.replace('subdivisionScheme = "none"', 'subdivisionScheme = "catmullClark"'))
+    scene.write_text(MOVING_SQUARE.replace('subdivisionScheme = "none"', 'subdivisionScheme = "doo"'))
     assert msbvh("record", scene, "b.exr", *SMALL).returncode == 0
     done = msbvh("record", scene, "c.exr", "--strict", *SMALL)
     assert done.returncode == 3
@@ -174,7 +174,7 @@ def test_strict_is_about_what_was_degraded(msbvh: Run, tmp_path: Path, scene: Pa
 
 
 def test_a_warning_is_said_once_for_all_frames(msbvh: Run, scene: Path) -> None:
-    scene.write_text(MOVING_SQUARE.replace('subdivisionScheme = "none"', 'subdivisionScheme = "catmullClark"'))
+    scene.write_text(MOVING_SQUARE.replace('subdivisionScheme = "none"', 'subdivisionScheme = "doo"'))
     done = msbvh("record", scene, "c.#.exr", "-f", "1:3", *SMALL)
     assert done.stderr.count("msbvh: warning: ") == 1
 

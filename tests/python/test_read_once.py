@@ -551,6 +551,34 @@ def _indices() -> None:
     assert_covers_as_the_stage(shot)
 
 
+SUBDIVISION: dict[str, tuple[Any, Any]] = {
+    "interpolateBoundary": ("edgeOnly", "none"),
+    "faceVaryingLinearInterpolation": ("all", "none"),
+    "triangleSubdivisionRule": ("catmullClark", "smooth"),
+    "creaseIndices": ([0, 1], [1, 2]),
+    "creaseLengths": ([], [2]),
+    "creaseSharpnesses": ([1.0], [2.0]),
+    "cornerIndices": ([0], [1]),
+    "cornerSharpnesses": ([1.0], [2.0]),
+}
+"""Values before and after the change."""
+
+
+def _rule_of_subdivision(name: str) -> Case:
+    def check() -> None:
+        shot = Shot(SHUTTER)
+        mesh = row_of_squares(shot)
+        mesh.CreateSubdivisionSchemeAttr("catmullClark")
+        set_in_turn(mesh.GetPrim().GetAttribute(name), SUBDIVISION[name], (9.0, 10.1))
+        named(shot, f"/Mesh.{name}", "changes within the shutter", "as the topology")
+
+    return check
+
+
+for _name in SUBDIVISION:
+    case(_name)(_rule_of_subdivision(_name))
+
+
 @case("PointInstancer.primvars:displayOpacity")
 def _opacities_of_instances() -> None:
     shot = Shot(SHUTTER)

@@ -82,15 +82,23 @@ def test_vt_arrays_are_not_copied():
     assert not shot.read().scene.meshes["/Mesh"]["points"][0][1].flags.owndata
 
 
-def test_subdivision_is_drawn_as_polygons_with_one_warning():
+def test_subdivision_is_handed_down_as_it_is_authored():
     shot = Shot()
-    for index in range(3):
-        shot.mesh(f"/Mesh_{index}").CreateSubdivisionSchemeAttr("catmullClark")
+    mesh = shot.mesh("/Mesh")
+    mesh.CreateSubdivisionSchemeAttr("catmullClark")
+    mesh.CreateInterpolateBoundaryAttr("edgeOnly")
+    mesh.CreateCreaseLengthsAttr([2])
+    mesh.CreateCreaseIndicesAttr([0, 1])
+    mesh.CreateCreaseSharpnessesAttr([3.5])
+    mesh.CreateNormalsAttr([(0, 0, 1)] * 4)
+    shot.mesh("/Polygons")
     result = shot.read()
-    assert {mesh["computed_normals"] for mesh in result.scene.meshes.values()} == {"smooth"}
-    (warning,) = messages(result, "warning")
-    assert warning.startswith("/Mesh_0.subdivisionScheme: 'catmullClark' is not supported yet")
-    assert warning.endswith("(and 2 more prims)")
+    assert messages(result, "warning") == []
+    found, polygons = result.scene.meshes["/Mesh"], result.scene.meshes["/Polygons"]
+    assert (found["subdivision_scheme"], polygons["subdivision_scheme"]) == ("catmullClark", "none")
+    assert (found["interpolate_boundary"], found["triangle_rule"]) == ("edgeOnly", None)
+    assert [found[f"crease_{name}"].tolist() for name in ("lengths", "indices", "sharpnesses")] == [[2], [0, 1], [3.5]]
+    assert found["normals"] is None  # The surface has its own.
 
 
 def test_authored_normals_and_the_primvar_before_them():

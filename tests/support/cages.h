@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "bench/procedural.h"
-#include "core/geometry/dice.h"
-#include "core/geometry/subdivision_mesh.h"
+#include "core/geometry/subdivision/dice.h"
+#include "core/geometry/subdivision/subdivision_mesh.h"
 
 namespace msbvh::procedural {
 

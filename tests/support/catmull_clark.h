@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/subdivision_mesh.h"
+#include "core/geometry/subdivision/subdivision_mesh.h"
 
 namespace msbvh::procedural {
 

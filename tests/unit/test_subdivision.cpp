@@ -11,7 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
-#include "core/geometry/dice.h"
+#include "core/geometry/subdivision/dice.h"
 #include "tests/support/cages.h"
 #include "tests/support/catmull_clark.h"
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/stretch.h"
 #include "delegate/translate/box_corners.h"
 #include "delegate/translate/sample/even_times.h"
 #include "delegate/translate/sample/sampler.h"
@@ -68,21 +69,6 @@ float strays(const Between& place, const Points& begin, const Points& end, const
   return most;
 }
 
-// Of the linear part: its largest singular value, the root of the largest eigenvalue of M M^T (Smith:
-// "Eigenvalues of a symmetric 3 x 3 matrix", CACM 1961).
-double largest_stretch(const Matrix4d& m) {
-  const Vec3d x{m[0], m[1], m[2]}, y{m[4], m[5], m[6]}, z{m[8], m[9], m[10]};
-  const double xx = dot(x, x), yy = dot(y, y), zz = dot(z, z);
-  const double xy = dot(x, y), xz = dot(x, z), yz = dot(y, z);
-  const double mean = (xx + yy + zz) / 3.0, a = xx - mean, b = yy - mean, c = zz - mean;
-  const double spread = std::sqrt((a * a + b * b + c * c + 2.0 * (xy * xy + xz * xz + yz * yz)) / 6.0);
-  if (spread == 0.0) return std::sqrt(mean);
-  const Vec3d p = Vec3d{a, xy, xz} * (1.0 / spread), q = Vec3d{xy, b, yz} * (1.0 / spread),
-              r = Vec3d{xz, yz, c} * (1.0 / spread);
-  const double cosine = std::clamp(0.5 * dot(p, cross(q, r)), -1.0, 1.0);
-  return std::sqrt(mean + 2.0 * spread * std::cos(std::acos(cosine) / 3.0));
-}
-
 // Those finite among the points.
 void grow(Box3d& box, const Points& points) {
   for (const Vec3f& point : points) {
@@ -105,7 +91,7 @@ double pose_tolerance(const Box3d& box, const MotionSource& placed, const PixelS
   double stretch = kSmallestStretch;
   for (const Matrix4d& place : places) {
     around.grow(bounds_of(corners, affine_from(place)));
-    raise_to(stretch, largest_stretch(place));
+    raise_to(stretch, largest_stretch(affine_from(place)));
   }
   return kSamplingShare * tolerance_pixels * pixel_size.at_box(around) / stretch;
 }

@@ -25,7 +25,7 @@ struct Silhouette {
   double pixels;
 };
 inline constexpr Silhouette kSilhouettes[] = {
-    {"low", 0.1}, {"medium", 0.05}, {"high", 0.025}, {"veryhigh", 0.0125}};
+    {"low", 0.4}, {"medium", 0.2}, {"high", 0.1}, {"veryhigh", 0.05}};
 
 // How far a shape of radius 1 with n sides may lie inside of the true one. A chord of a circle lies
 // 1 - cos(pi / n) inside; the middle of a sphere's face twice as far, since it is curved both ways.

@@ -94,6 +94,7 @@ std::span<const double> Borrowed::doubles(nb::handle values, std::string_view na
 }
 
 std::span<const float> Borrowed::scalars(nb::handle values, std::string_view name) {
+  if (values.is_none()) return {};
   return elements<float>(keep(checked_array<float>(values, name, {kAnySize})));
 }
 

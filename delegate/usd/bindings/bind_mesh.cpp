@@ -20,6 +20,15 @@ constexpr Attribute<MeshObject> kAttributes[] = {
     {"face_vertex_indices", &MeshObject::face_vertex_indices},
     {"hole_indices", &MeshObject::hole_indices},
     {"left_handed", &MeshObject::left_handed},
+    {"subdivision_scheme", &MeshObject::subdivision_scheme},
+    {"interpolate_boundary", &MeshObject::interpolate_boundary},
+    {"face_varying_linear", &MeshObject::face_varying_linear},
+    {"triangle_rule", &MeshObject::triangle_rule},
+    {"crease_lengths", &MeshObject::crease_lengths},
+    {"crease_indices", &MeshObject::crease_indices},
+    {"crease_sharpnesses", &MeshObject::crease_sharpnesses},
+    {"corner_indices", &MeshObject::corner_indices},
+    {"corner_sharpnesses", &MeshObject::corner_sharpnesses},
     {"points", &MeshObject::points},
     {"points_held", &MeshObject::points_held},
     {"velocities", &MeshObject::velocities},
@@ -45,6 +54,20 @@ const nb::object& needed(const nb::object& given, const char* name) {
   return required(given, "MeshInput", name);
 }
 
+SubdivisionInput subdivision_from(const MeshObject& mesh, Borrowed& borrowed) {
+  SubdivisionInput result;
+  take(result.scheme, mesh.subdivision_scheme, "subdivision_scheme", "a str");
+  take(result.interpolate_boundary, mesh.interpolate_boundary, "interpolate_boundary", "a str");
+  take(result.face_varying_linear, mesh.face_varying_linear, "face_varying_linear", "a str");
+  take(result.triangle_rule, mesh.triangle_rule, "triangle_rule", "a str");
+  result.crease_lengths = borrowed.ints(mesh.crease_lengths, "crease_lengths");
+  result.crease_indices = borrowed.ints(mesh.crease_indices, "crease_indices");
+  result.crease_sharpnesses = borrowed.scalars(mesh.crease_sharpnesses, "crease_sharpnesses");
+  result.corner_indices = borrowed.ints(mesh.corner_indices, "corner_indices");
+  result.corner_sharpnesses = borrowed.scalars(mesh.corner_sharpnesses, "corner_sharpnesses");
+  return result;
+}
+
 }  // namespace
 
 MeshObject::MeshObject() { set_to_none(*this, kAttributes); }
@@ -58,6 +81,7 @@ MeshInput MeshObject::input(Borrowed& borrowed) const {
       borrowed.ints(needed(face_vertex_indices, "face_vertex_indices"), "face_vertex_indices");
   mesh.hole_indices = borrowed.ints(hole_indices, "hole_indices");
   take(mesh.left_handed, left_handed, "left_handed", "a bool");
+  mesh.subdivision = subdivision_from(*this, borrowed);
   bool held = false;
   take(held, points_held, "points_held", "a bool");
   mesh.points = borrowed.samples(needed(points, "points"), "points", held);

@@ -13,6 +13,7 @@
 #include "delegate/translate/shape/implicit_shape.h"
 #include "delegate/translate/shape/sides.h"
 #include "delegate/translate/shape/subsets.h"
+#include "delegate/translate/tessellation.h"
 #include "delegate/usd/bindings/arguments.h"
 #include "delegate/usd/bindings/arrays.h"
 #include "delegate/usd/bindings/bindings.h"
@@ -144,6 +145,10 @@ void bind_sides(nb::module_& m) {
     silhouettes[nb::cast(std::string(silhouette.complexity))] = silhouette.pixels;
   }
   m.attr("SILHOUETTES") = silhouettes;
+  nb::dict edges;
+  for (const ComplexityEdge& edge : kComplexityEdges)
+    edges[nb::cast(std::string(edge.complexity))] = edge.pixels;
+  m.attr("EDGE_LENGTHS") = edges;
   m.def("sides_for", &sides_of_radii, "radii_pixels"_a, "silhouette_pixels"_a, "side_counts"_a);
   m.def("radii_in_pixels", &radii, "kind"_a, "radius"_a, "box"_a, "matrices"_a, "pixel_size"_a);
 }

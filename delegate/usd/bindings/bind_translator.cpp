@@ -103,6 +103,8 @@ TranslatorSettings settings_from(Arguments& arguments) {
   settings.choice = choice_from(arguments, settings.max_segments);
   if (!arguments.optional("keep_faces").is_none())
     settings.keep_faces = arguments.value<bool>("keep_faces", "a bool");
+  if (!arguments.optional("edge_length").is_none())
+    settings.edge_length_pixels = arguments.value<double>("edge_length", "a float");
   return settings;
 }
 

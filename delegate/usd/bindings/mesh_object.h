@@ -12,6 +12,8 @@ namespace msbvh::python {
 // when the mesh is handed down.
 struct MeshObject {
   nanobind::object path, face_vertex_counts, face_vertex_indices, hole_indices, left_handed;
+  nanobind::object subdivision_scheme, interpolate_boundary, face_varying_linear, triangle_rule;
+  nanobind::object crease_lengths, crease_indices, crease_sharpnesses, corner_indices, corner_sharpnesses;
   nanobind::object points, points_held, velocities, accelerations;
   nanobind::object frame01, seconds_per_shutter, velocity_scale;
   nanobind::object topology_varies, computed_points, visible, transform;

@@ -63,6 +63,7 @@ from ._core_sample import sample_motion as sample_motion
 from ._core_sample import uniform_turns as uniform_turns
 from ._core_sample import usable_periods01 as usable_periods01
 from ._core_sample import value_times as value_times
+from ._core_shape import EDGE_LENGTHS as EDGE_LENGTHS
 from ._core_shape import MOST_PLACES as MOST_PLACES
 from ._core_shape import SHARED_FROM as SHARED_FROM
 from ._core_shape import SIDE_COUNTS as SIDE_COUNTS
@@ -185,13 +186,15 @@ class Translator:
         interpolation: Literal["auto", "linear", "quadratic", "cubic"] = "auto",
         segments: int = 0,
         keep_faces: bool = False,
+        edge_length: float = 1.0,
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
         bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one),
         ``bends01``: where its motion may change its course; None: at every time. ``periods01``: shares of the
         shutter after which it may repeat.
         ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
-        ``keep_faces``: for the AOV elementId.
+        ``keep_faces``: for the AOV elementId. ``edge_length``: about how long edges of a subdivided surface are in pixels;
+        0: cages are drawn as polygons.
 
         Raises Error for a camera or settings that cannot be used.
         """

@@ -24,6 +24,17 @@ class MeshInput:
     face_vertex_indices: I32
     hole_indices: I32 | None
     left_handed: bool | None
+    subdivision_scheme: str | None
+    """None: none, polygons. The other tokens are UsdGeomMesh's, too."""
+    interpolate_boundary: str | None
+    face_varying_linear: str | None
+    triangle_rule: str | None
+    crease_lengths: I32 | None
+    crease_indices: I32 | None
+    crease_sharpnesses: F32 | None
+    """One a crease, or one an edge."""
+    corner_indices: I32 | None
+    corner_sharpnesses: F32 | None
     points: Samples
     points_held: bool
     """Samples (of normals and rates too) hold until the next instead of being interpolated."""

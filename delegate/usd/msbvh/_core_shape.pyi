@@ -18,6 +18,8 @@ SIDES: int
 """Where nobody knows how large a shape is seen."""
 SILHOUETTES: dict[str, float]
 """Pixels by which a shape may lie inside of the true one, by usdrecord's --complexity."""
+EDGE_LENGTHS: dict[str, float]
+"""About how long edges of a subdivided surface are in pixels, by the same; 0: its cage is drawn as polygons."""
 SHARED_FROM: int
 """Shapes that are alike; fewer are meshes of their own."""
 MOST_PLACES: int

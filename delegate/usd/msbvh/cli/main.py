@@ -135,7 +135,7 @@ def record_command(
         stats=stats,
     )
     reporter = Reporter()
-    _warn_of_options(options, reporter)
+    _note_threads([options["threads"]], reporter)
     record(scene, jobs, settings, reporter)
     return DEGRADED if strict and reporter.degraded else DONE
 
@@ -329,6 +329,7 @@ def _read_settings(options: dict[str, Any]) -> ReadSettings:
         max_instances=options["max_instances"],
         disable_camera_light=options["disable_camera_light"],
         complexity=options["complexity"],
+        edge_length=options["edge_length"],
         keep_faces="elementId" in options.get("aovs", ()),
     )
 
@@ -358,15 +359,6 @@ def _check_text(scene: str, options: dict[str, Any]) -> None:
         except UnicodeEncodeError:
             shown = text.encode("utf-8", "backslashreplace").decode()
             raise click.UsageError(f"found '{shown}', expected a name in UTF-8") from None
-
-
-def _warn_of_options(options: dict[str, Any], reporter: Reporter) -> None:
-    if options["complexity"] != "low":
-        reporter.warning(
-            f"--complexity {options['complexity']}: only spheres and the like are finer; subdivision surfaces are"
-            " polygons"
-        )
-    _note_threads([options["threads"]], reporter)
 
 
 def _note_threads(counts: Sequence[int], reporter: Reporter) -> None:

@@ -160,10 +160,17 @@ SCENE: Sequence[Decorator] = (
         "--complexity",
         "-c",
         type=click.Choice(("low", "medium", "high", "veryhigh")),
-        default="low",
+        default="high",
         show_default=True,
-        help="How closely spheres, cones and the like are tessellated: to within 0.1, 0.05, 0.025 or 0.0125 pixels. Each"
-        " step doubles the triangles. Subdivision surfaces are drawn as their cages at any value.",
+        help="How finely surfaces are cut. Subdivision surfaces: low draws their cages, medium, high and veryhigh the limit"
+        " surface with edges of 4, 1 or 0.5 pixels. Spheres, cones and the like: to within 0.4, 0.2, 0.1 or 0.05 pixels.",
+    ),
+    click.option(
+        "--edge-length",
+        type=click.FloatRange(0.0),
+        metavar="PIXELS",
+        help="About how long edges of a subdivided surface are, in place of --complexity's; half of it takes four times the"
+        " triangles. 0: cages are drawn as polygons.",
     ),
     click.option(
         "--sessionLayer",

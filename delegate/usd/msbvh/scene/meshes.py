@@ -17,6 +17,7 @@ from ..stage.values import might_vary, required, value
 from .implicit import IMPLICIT_TYPES, ImplicitShape, read_implicit
 from .part import Part
 from .primvars import MovingPrimvar, find_primvar, held_by, sample_primvar
+from .subdivision import add_subdivision
 
 PRIMVARS = (("display_color", "displayColor", 3), ("display_opacity", "displayOpacity", None))
 """The translator's name of each primvar, USD's, and how many columns it has."""
@@ -66,16 +67,10 @@ def _read_mesh(target: MeshInput, mesh: UsdGeom.Mesh, context: FrameContext, par
     if "orientation" in authored:
         target.left_handed = value(mesh.GetOrientationAttr(), code, TOKEN) == UsdGeom.Tokens.leftHanded
     target.topology_varies = changes(counts, context) or changes(indices, context)
-    scheme = UsdGeom.Tokens.catmullClark
-    if "subdivisionScheme" in authored:
-        scheme = value(mesh.GetSubdivisionSchemeAttr(), code, TOKEN) or scheme
-    is_polygonal = scheme == UsdGeom.Tokens.none
-    target.computed_normals = "faceted" if is_polygonal else "smooth"
+    subdivided = add_subdivision(target, mesh, context, authored)
+    target.computed_normals = "smooth" if subdivided else "faceted"
     found: dict[str, Any] = {**carried_by, **rate_times(context, part.scales.velocity)}
-    if not is_polygonal:
-        message = f"'{scheme}' is not supported yet; the control cage is drawn as polygons with smooth normals"
-        context.diagnostics.group(str(mesh.GetPath()), "subdivisionScheme", message)
-    elif not authored.isdisjoint(("normals", "primvars:normals")):
+    if not subdivided and not authored.isdisjoint(("normals", "primvars:normals")):
         found |= _normals(mesh, context)
     for name, given in found.items():
         setattr(target, name, given)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from pxr import Tf, Usd, UsdGeom
 
-from .._core import MOST_PLACES, SILHOUETTES, InstanceLevel, MeshInput, PixelSize
+from .._core import EDGE_LENGTHS, MOST_PLACES, SILHOUETTES, InstanceLevel, MeshInput, PixelSize
 from ..base.crash_line import crash_line
 from ..base.errors import Diagnostics, SceneError
 from ..camera.render_camera import RenderCamera, optics, read_camera
@@ -58,8 +58,10 @@ class ReadSettings:
     shutter: tuple[float, float] | None = None
     """Opening and closing in frames relative to the frame, in place of the camera's; None: the camera's."""
     disable_camera_light: bool = False
-    complexity: str = "low"
-    """How fine implicit shapes are; a key of SILHOUETTES."""
+    complexity: str = "high"
+    """How fine implicit shapes and subdivided surfaces are; a key of SILHOUETTES and EDGE_LENGTHS."""
+    edge_length: float | None = None
+    """About how long edges of a subdivided surface are in pixels, 0 for its cage; None: by the complexity."""
     motion_tolerance: float = 0.1
     """Pixels by which a moving point may stray from the stage's own evaluation. Less: more keys, more memory.
     """
@@ -241,6 +243,7 @@ class _FrameReader:
             "interpolation": settings.interpolation,
             "segments": settings.segments,
             "keep_faces": settings.keep_faces,
+            "edge_length": EDGE_LENGTHS[settings.complexity] if settings.edge_length is None else settings.edge_length,
         }
 
     def _add_world_meshes(self) -> None:

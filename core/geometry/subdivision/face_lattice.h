@@ -3,16 +3,16 @@
 // them.
 //
 // Each edge has a rate of its own, 2^level segments. A face is as fine as its finest edge in either
-// direction; at a coarser edge its outermost points are drawn to the edge's own points, which leaves
-// triangles without area there and a border of exactly the edge's segments (the stitching of M. Fisher et
-// al., "DiagSplit: Parallel, Crack-free, Adaptive Tessellation for Micropolygon Rendering", SIGGRAPH Asia
-// 2009, for powers of two).
+// direction, one that is not a quad at least as 2 segments; at a coarser edge its outermost points are drawn
+// to the edge's own points, which leaves triangles without area there and a border of exactly the edge's
+// segments (the stitching of M. Fisher et al., "DiagSplit: Parallel, Crack-free, Adaptive Tessellation for
+// Micropolygon Rendering", SIGGRAPH Asia 2009, for powers of two).
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/limit_surface.h"
+#include "core/geometry/subdivision/limit_surface.h"
 
 namespace msbvh {
 
@@ -32,10 +32,13 @@ struct SquareLattice {
 
 class FaceLattices {
  public:
-  // `edge_levels`: one an edge, 1 to kMaxEdgeLevel. Borrows `surface`. Throws Error beyond 2^32 points.
+  // `edge_levels`: one an edge, 0 to kMaxEdgeLevel. Borrows `surface`. Throws Error beyond 2^32 points.
   FaceLattices(const LimitSurface& surface, std::vector<std::uint32_t> edge_levels);
 
   std::uint32_t point_count() const { return point_count_; }
+  // Points below this are the cage's vertices, by their number, and points on edges; the others are a face's
+  // own.
+  std::uint32_t border_count() const { return border_count_; }
   // One square for a quad, else one a vertex.
   std::vector<SquareLattice> squares(std::uint32_t face) const;
   // The points of a face, each once, by id.
@@ -60,7 +63,7 @@ class FaceLattices {
 
   const LimitSurface& surface_;
   std::vector<std::uint32_t> edge_levels_, edge_first_, face_first_;
-  std::uint32_t point_count_ = 0;
+  std::uint32_t point_count_ = 0, border_count_ = 0;
 };
 
 }  // namespace msbvh

@@ -1,4 +1,4 @@
-#include "core/geometry/subdivision_mesh.h"
+#include "core/geometry/subdivision/subdivision_mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,18 +10,18 @@
 namespace msbvh {
 namespace {
 
-[[noreturn]] void fail(const SubdivisionMesh& mesh, const std::string& what) {
+[[noreturn]] void fail(const Cage& mesh, const std::string& what) {
   throw Error((mesh.name.empty() ? std::string("mesh") : mesh.name) + ": " + what);
 }
 
 std::string text(std::uint64_t n) { return std::to_string(n); }
 
-void require_size(const SubdivisionMesh& mesh, const char* array, std::size_t found, std::size_t expected) {
+void require_size(const Cage& mesh, const char* array, std::size_t found, std::size_t expected) {
   if (found != expected)
     fail(mesh, std::string(array) + ": found " + text(found) + "; expected " + text(expected));
 }
 
-void require_below(const SubdivisionMesh& mesh, const char* array, const std::vector<std::uint32_t>& indices,
+void require_below(const Cage& mesh, const char* array, const std::vector<std::uint32_t>& indices,
                    std::size_t limit) {
   for (std::size_t i = 0; i < indices.size(); ++i) {
     if (indices[i] < limit) continue;
@@ -50,7 +50,7 @@ void check_positions(const SubdivisionMesh& mesh) {
   }
 }
 
-void check_faces(const SubdivisionMesh& mesh) {
+void check_faces(const Cage& mesh) {
   for (std::size_t f = 0; f < mesh.face_vertex_counts.size(); ++f) {
     const std::uint32_t n = mesh.face_vertex_counts[f];
     const bool wrong = n < 3 || (n != 3 && mesh.scheme == SubdivisionScheme::kLoop);
@@ -63,7 +63,7 @@ void check_faces(const SubdivisionMesh& mesh) {
   require_below(mesh, "holeIndices", mesh.holes, mesh.face_vertex_counts.size());
 }
 
-void check_features(const SubdivisionMesh& mesh) {
+void check_features(const Cage& mesh) {
   for (const std::uint32_t n : mesh.crease_lengths) {
     if (n < 2) fail(mesh, "creaseLengths: found a crease of " + text(n) + " vertices; expected 2 or more");
   }
@@ -80,12 +80,24 @@ void check_features(const SubdivisionMesh& mesh) {
     fail(mesh, "creaseSharpnesses, cornerSharpnesses: found a negative one; expected 0 or more");
 }
 
+void check_face_varying(const Cage& mesh) {
+  for (const FaceVaryingTopology& t : mesh.face_varying) {
+    require_size(mesh, "face-varying indices", t.indices.size(), mesh.face_vertex_indices.size());
+    require_below(mesh, "face-varying indices", t.indices, t.value_count);
+  }
+}
+
 }  // namespace
+
+void validate(const Cage& cage) {
+  check_faces(cage);
+  check_features(cage);
+  check_face_varying(cage);
+}
 
 void validate(const SubdivisionMesh& mesh) {
   check_positions(mesh);
-  check_faces(mesh);
-  check_features(mesh);
+  validate(static_cast<const Cage&>(mesh));
 }
 
 }  // namespace msbvh

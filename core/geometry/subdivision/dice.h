@@ -6,7 +6,7 @@
 
 #include "core/base/vec.h"
 #include "core/geometry/grid_mesh.h"
-#include "core/geometry/subdivision_mesh.h"
+#include "core/geometry/subdivision/subdivision_mesh.h"
 
 namespace msbvh {
 

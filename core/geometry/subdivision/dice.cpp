@@ -1,12 +1,12 @@
-#include "core/geometry/dice.h"
+#include "core/geometry/subdivision/dice.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
-#include "core/geometry/face_lattice.h"
-#include "core/geometry/limit_surface.h"
+#include "core/geometry/subdivision/face_lattice.h"
+#include "core/geometry/subdivision/limit_surface.h"
 #include "core/geometry/triangle_mesh.h"
 
 namespace msbvh {
@@ -84,7 +84,7 @@ class Dicer {
   void evaluate(std::size_t i) {
     FaceSurface face(surface_, faces_[i]);
     for (std::uint32_t c = 0; c < controls_; ++c) {
-      face.set_control(c);
+      face.set_values(&mesh_.control_positions(c)->x, 3);
       for (const FacePoint& p : points_[i]) {
         if (!settings_.displacement && owner_[p.id] != i) continue;
         const LimitPoint limit = face.evaluate(p.square, p.s, p.t);

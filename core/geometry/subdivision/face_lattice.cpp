@@ -1,4 +1,4 @@
-#include "core/geometry/face_lattice.h"
+#include "core/geometry/subdivision/face_lattice.h"
 
 #include <algorithm>
 #include <utility>
@@ -9,28 +9,31 @@ namespace msbvh {
 
 FaceLattices::FaceLattices(const LimitSurface& surface, std::vector<std::uint32_t> edge_levels)
     : surface_(surface), edge_levels_(std::move(edge_levels)) {
-  std::uint64_t next = surface.mesh().vertex_count;
+  std::uint64_t next = surface.cage().vertex_count;
   for (const std::uint32_t level : edge_levels_) {
-    if (level < 1 || level > kMaxEdgeLevel)
-      throw Error("dicing: an edge of level " + std::to_string(level) + "; expected 1 to " +
+    if (level > kMaxEdgeLevel)
+      throw Error("dicing: an edge of level " + std::to_string(level) + "; expected 0 to " +
                   std::to_string(kMaxEdgeLevel));
     edge_first_.push_back(static_cast<std::uint32_t>(next));
     next += (std::uint64_t(1) << level) - 1;
   }
+  const std::uint64_t border = next;
   for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
     face_first_.push_back(static_cast<std::uint32_t>(next));
     if (surface.has_limit(f)) next += inner_points(f);
   }
   if (next >> 32) throw Error("dicing: found " + std::to_string(next) + " points; expected fewer than 2^32");
   point_count_ = static_cast<std::uint32_t>(next);
+  border_count_ = static_cast<std::uint32_t>(border);
 }
 
 std::uint32_t FaceLattices::rate(std::uint32_t face, std::uint32_t i) const {
   return 1u << edge_levels_[static_cast<std::size_t>(surface_.face_edges(face)[i])];
 }
 
+// Of a face that is cut into quarters.
 std::uint32_t FaceLattices::finest(std::uint32_t face) const {
-  std::uint32_t n = 1;
+  std::uint32_t n = 2;
   for (std::uint32_t i = 0; i < surface_.face_edges(face).size(); ++i) n = std::max(n, rate(face, i));
   return n;
 }
@@ -95,6 +98,8 @@ FacePoint FaceLattices::quarter_point(std::uint32_t face, std::uint32_t square, 
   const std::uint32_t before = (square + corners - 1) % corners, first = face_first_[face];
   if (r == 0) {
     const EdgePoint e = on_edge(face, square, c, 2 * n);
+    // Drawn along an edge of one segment to its end, which the next square has.
+    if (e.along > 0.5) return {e.id, (square + 1) % corners, 0.0, 0.0};
     return {e.id, square, 2.0 * e.along, 0.0};
   }
   if (c == 0) {

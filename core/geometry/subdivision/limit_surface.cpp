@@ -1,4 +1,4 @@
-#include "core/geometry/limit_surface.h"
+#include "core/geometry/subdivision/limit_surface.h"
 
 #include <algorithm>
 #include <mutex>
@@ -6,6 +6,7 @@
 #include <opensubdiv/bfr/surface.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefinerFactory.h>
+#include <optional>
 #include <set>
 #include <shared_mutex>
 #include <utility>
@@ -31,7 +32,7 @@ using Factory = Bfr::RefinerSurfaceFactory<Cache>;
 std::vector<int> ints(const std::vector<std::uint32_t>& v) { return {v.begin(), v.end()}; }
 
 // The pairs of vertices that are edges.
-std::set<std::pair<std::uint32_t, std::uint32_t>> edges_of(const SubdivisionMesh& mesh) {
+std::set<std::pair<std::uint32_t, std::uint32_t>> edges_of(const Cage& mesh) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> out;
   std::size_t at = 0;
   for (const std::uint32_t n : mesh.face_vertex_counts) {
@@ -51,7 +52,7 @@ struct Creases {
   std::vector<int> pairs;
   std::vector<float> weights;
 
-  explicit Creases(const SubdivisionMesh& mesh) {
+  explicit Creases(const Cage& mesh) {
     if (mesh.crease_lengths.empty()) return;
     const auto edges = edges_of(mesh);
     const bool by_chain = mesh.crease_sharpnesses.size() == mesh.crease_lengths.size();
@@ -68,7 +69,7 @@ struct Creases {
   }
 };
 
-Sdc::SchemeType scheme_of(const SubdivisionMesh& mesh) {
+Sdc::SchemeType scheme_of(const Cage& mesh) {
   switch (mesh.scheme) {
     case SubdivisionScheme::kLoop:
       return Sdc::SCHEME_LOOP;
@@ -79,18 +80,36 @@ Sdc::SchemeType scheme_of(const SubdivisionMesh& mesh) {
   }
 }
 
-Sdc::Options options_of(const SubdivisionMesh& mesh) {
+Sdc::Options::FVarLinearInterpolation linear_of(FaceVaryingRule rule) {
+  switch (rule) {
+    case FaceVaryingRule::kNone:
+      return Sdc::Options::FVAR_LINEAR_NONE;
+    case FaceVaryingRule::kCornersOnly:
+      return Sdc::Options::FVAR_LINEAR_CORNERS_ONLY;
+    case FaceVaryingRule::kCornersPlus2:
+      return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS2;
+    case FaceVaryingRule::kBoundaries:
+      return Sdc::Options::FVAR_LINEAR_BOUNDARIES;
+    case FaceVaryingRule::kAll:
+      return Sdc::Options::FVAR_LINEAR_ALL;
+    default:
+      return Sdc::Options::FVAR_LINEAR_CORNERS_PLUS1;
+  }
+}
+
+Sdc::Options options_of(const Cage& mesh) {
   Sdc::Options options;
   options.SetVtxBoundaryInterpolation(mesh.boundary == BoundaryRule::kNone ? Sdc::Options::VTX_BOUNDARY_NONE
                                       : mesh.boundary == BoundaryRule::kEdgeOnly
                                           ? Sdc::Options::VTX_BOUNDARY_EDGE_ONLY
                                           : Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
+  options.SetFVarLinearInterpolation(linear_of(mesh.face_varying_rule));
   options.SetTriangleSubdivision(mesh.triangle_rule == TriangleRule::kSmooth ? Sdc::Options::TRI_SUB_SMOOTH
                                                                              : Sdc::Options::TRI_SUB_CATMARK);
   return options;
 }
 
-std::unique_ptr<Far::TopologyRefiner> make_refiner(const SubdivisionMesh& mesh) {
+std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& mesh) {
   const std::vector<int> counts = ints(mesh.face_vertex_counts), indices = ints(mesh.face_vertex_indices);
   const std::vector<int> corners = ints(mesh.corner_indices), holes = ints(mesh.holes);
   const Creases creases(mesh);
@@ -108,6 +127,15 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const SubdivisionMesh& mesh) 
   d.numHoles = static_cast<int>(holes.size());
   d.holeIndices = holes.data();
   d.isLeftHanded = mesh.left_handed;
+  std::vector<std::vector<int>> indices_of(mesh.face_varying.size());
+  std::vector<Far::TopologyDescriptor::FVarChannel> channels(mesh.face_varying.size());
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    indices_of[c] = ints(mesh.face_varying[c].indices);
+    channels[c].numValues = static_cast<int>(mesh.face_varying[c].value_count);
+    channels[c].valueIndices = indices_of[c].data();
+  }
+  d.numFVarChannels = static_cast<int>(channels.size());
+  d.fvarChannels = channels.data();
   using RefinerFactory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
   std::unique_ptr<Far::TopologyRefiner> refiner(
       RefinerFactory::Create(d, RefinerFactory::Options(scheme_of(mesh), options_of(mesh))));
@@ -127,24 +155,22 @@ Factory::Options factory_options(std::uint32_t level) {
 }  // namespace
 
 struct LimitSurface::Data {
-  const SubdivisionMesh& mesh;
+  const Cage& cage;
   std::unique_ptr<Far::TopologyRefiner> refiner;
-  Factory factory;
-  std::vector<double> positions;  // of the mesh, as OpenSubdiv takes them
+  std::optional<Factory> factory{};
 
-  Data(const SubdivisionMesh& m, std::uint32_t level)
-      : mesh(m), refiner(make_refiner(m)), factory(*refiner, factory_options(level)) {
-    positions.reserve(3 * mesh.positions.size());
-    for (const Vec3f& p : mesh.positions) positions.insert(positions.end(), {p.x, p.y, p.z});
-  }
+  explicit Data(const Cage& c) : cage(c), refiner(make_refiner(c)) {}
   const Far::TopologyLevel& level() const { return refiner->GetLevel(0); }
 };
 
-LimitSurface::LimitSurface(const SubdivisionMesh& mesh, std::uint32_t level)
-    : data_(std::make_unique<Data>(mesh, level)) {}
+LimitSurface::LimitSurface(const Cage& cage) : data_(std::make_unique<Data>(cage)) {}
 LimitSurface::~LimitSurface() = default;
 
-const SubdivisionMesh& LimitSurface::mesh() const { return data_->mesh; }
+void LimitSurface::prepare(std::uint32_t level) {
+  data_->factory.emplace(*data_->refiner, factory_options(level));
+}
+
+const Cage& LimitSurface::cage() const { return data_->cage; }
 std::uint32_t LimitSurface::face_count() const {
   return static_cast<std::uint32_t>(data_->level().GetNumFaces());
 }
@@ -152,7 +178,20 @@ std::uint32_t LimitSurface::edge_count() const {
   return static_cast<std::uint32_t>(data_->level().GetNumEdges());
 }
 bool LimitSurface::has_limit(std::uint32_t face) const {
-  return data_->factory.FaceHasLimitSurface(static_cast<int>(face));
+  return data_->factory->FaceHasLimitSurface(static_cast<int>(face));
+}
+bool LimitSurface::has_creases() const {
+  if (data_->cage.scheme == SubdivisionScheme::kBilinear) return true;
+  const Far::TopologyLevel& level = data_->level();
+  for (int e = 0; e < level.GetNumEdges(); ++e) {
+    if (level.IsEdgeNonManifold(e)) return true;
+    if (!level.IsEdgeBoundary(e) && Sdc::Crease::IsInfinite(level.GetEdgeSharpness(e))) return true;
+  }
+  for (int v = 0; v < level.GetNumVertices(); ++v) {
+    if (level.IsVertexNonManifold(v)) return true;
+    if (!level.IsVertexBoundary(v) && Sdc::Crease::IsInfinite(level.GetVertexSharpness(v))) return true;
+  }
+  return false;
 }
 std::span<const int> LimitSurface::face_vertices(std::uint32_t face) const {
   const Far::ConstIndexArray v = data_->level().GetFaceVertices(static_cast<int>(face));
@@ -170,9 +209,10 @@ bool LimitSurface::is_quad(std::uint32_t face) const {
 }
 
 struct FaceSurface::Data {
-  const LimitSurface::Data& limit;
   Bfr::Surface<double> surface;
   Bfr::Parameterization parameters;
+  std::uint32_t width = 0;
+  std::vector<int> indices;  // of the cage's values that the face takes
   std::vector<double> points;
 
   Vec3d corner(int i) const {
@@ -197,20 +237,41 @@ struct FaceSurface::Data {
   }
 };
 
-FaceSurface::FaceSurface(const LimitSurface& surface, std::uint32_t face)
-    : data_(std::make_unique<Data>(Data{*surface.data_, {}, {}, {}})) {
-  if (!surface.data_->factory.InitVertexSurface(static_cast<int>(face), &data_->surface))
-    throw Error("limit surface: face " + std::to_string(face) + " has none");
+FaceSurface::FaceSurface(const LimitSurface& surface, std::uint32_t face, ValueKind kind)
+    : data_(std::make_unique<Data>()) {
+  const Factory& factory = *surface.data_->factory;
+  const auto index = static_cast<int>(face);
+  const auto made = [&](auto* out) {
+    switch (kind.kind) {
+      case ValueKind::kVarying:
+        return factory.InitVaryingSurface(index, out);
+      case ValueKind::kFaceVarying:
+        return factory.InitFaceVaryingSurface(index, out, Bfr::SurfaceFactory::FVarID(kind.channel));
+      default:
+        return factory.InitVertexSurface(index, out);
+    }
+  };
+  if (!made(&data_->surface)) throw Error("limit surface: face " + std::to_string(face) + " has none");
   data_->parameters = data_->surface.GetParameterization();
-  data_->points.resize(3 * static_cast<std::size_t>(data_->surface.GetNumPatchPoints()));
-  set_control(0);
+  data_->indices.resize(static_cast<std::size_t>(data_->surface.GetNumControlPoints()));
+  data_->surface.GetControlPointIndices(data_->indices.data());
 }
 FaceSurface::~FaceSurface() = default;
 
-void FaceSurface::set_control(std::uint32_t control) {
-  const double* first =
-      data_->limit.positions.data() + 3 * std::size_t(control) * data_->limit.mesh.vertex_count;
-  data_->surface.PreparePatchPoints(first, 3, data_->points.data(), 3);
+void FaceSurface::set_values(const float* values, std::uint32_t width) {
+  Data& d = *data_;
+  d.width = width;
+  d.points.resize(std::size_t(width) * static_cast<std::size_t>(d.surface.GetNumPatchPoints()));
+  double* to = d.points.data();
+  for (const int index : d.indices) to = std::copy_n(values + std::size_t(index) * width, width, to);
+  d.surface.ComputePatchPoints(d.points.data(), Bfr::Surface<double>::PointDescriptor(int(width)));
+}
+
+void FaceSurface::evaluate(std::uint32_t square, double s, double t, double* out) const {
+  const Data& d = *data_;
+  const Vec3d p = d.parameters_at(square, s, t);
+  const double uv[2] = {p.x, p.y};
+  d.surface.Evaluate(uv, d.points.data(), Bfr::Surface<double>::PointDescriptor(int(d.width)), out);
 }
 
 LimitPoint FaceSurface::evaluate(std::uint32_t square, double s, double t) const {

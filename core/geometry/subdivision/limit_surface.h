@@ -8,25 +8,30 @@
 #include <span>
 
 #include "core/base/vec.h"
-#include "core/geometry/subdivision_mesh.h"
+#include "core/geometry/subdivision/subdivision_mesh.h"
 
 namespace msbvh {
 
 class LimitSurface {
  public:
-  // Borrows `mesh`, which must be validated. Throws Error where OpenSubdiv refuses the topology.
-  //
+  // Borrows `cage`, which must be validated. Throws Error where OpenSubdiv refuses the topology. Until
+  // prepare() it knows faces and edges alone.
+  explicit LimitSurface(const Cage& cage);
+  LimitSurface(const Cage& cage, std::uint32_t level) : LimitSurface(cage) { prepare(level); }
   // `level`: that of the finest points that will be asked for. Around extraordinary vertices OpenSubdiv
   // refines so many times and ends in an approximation (Gregory patches) that is exact at its corners. So
   // points i / 2^level along a face are exact; with OpenSubdiv's default of 2 they are off by 1 % of a face
   // (docs/design/subdivision.md).
-  LimitSurface(const SubdivisionMesh& mesh, std::uint32_t level);
+  void prepare(std::uint32_t level);
   ~LimitSurface();
 
   std::uint32_t face_count() const;
   std::uint32_t edge_count() const;
   // False for holes and for faces that the boundary rule leaves without a surface.
   bool has_limit(std::uint32_t face) const;
+  // Whether the surface has normals that differ across an edge or around a vertex: infinitely sharp ones
+  // inside, a topology that is no manifold, or the bilinear scheme.
+  bool has_creases() const;
   // Vertices wind so that the normal points out of the front, whatever the cage's handedness; edge i leads
   // from vertex i to the next.
   std::span<const int> face_vertices(std::uint32_t face) const;
@@ -35,7 +40,7 @@ class LimitSurface {
   // Whether the face's parameters are those of a single square; else it is cut into one square a vertex.
   bool is_quad(std::uint32_t face) const;
 
-  const SubdivisionMesh& mesh() const;
+  const Cage& cage() const;
 
   struct Data;
 
@@ -48,18 +53,27 @@ struct LimitPoint {
   Vec3d position, du, dv;
 };
 
-// One face's surface at one control of the cage's track at a time. Not thread-safe; one each thread.
+// How values of a cage are spread over its faces: as its points are, linearly between vertices, or by one of
+// Cage::face_varying.
+struct ValueKind {
+  enum Kind : std::uint8_t { kVertex, kVarying, kFaceVarying } kind = kVertex;
+  std::uint32_t channel = 0;  // of kFaceVarying
+};
+
+// One face's surface, of one kind of values. Not thread-safe; one each thread.
 class FaceSurface {
  public:
   // The face must have a limit.
-  FaceSurface(const LimitSurface& surface, std::uint32_t face);
+  FaceSurface(const LimitSurface& surface, std::uint32_t face, ValueKind kind = {});
   ~FaceSurface();
 
-  void set_control(std::uint32_t control);
+  // What is evaluated from now on: `width` numbers for each of the cage's values; positions have 3.
+  void set_values(const float* values, std::uint32_t width);
   // (s, t) in the unit square `square` of the face: the whole face of a quad, else the quarter at that
   // vertex, with s along the edge that leaves the vertex (s = 1 is its middle) and t along the one that comes
-  // in.
-  LimitPoint evaluate(std::uint32_t square, double s, double t) const;
+  // in. `out` takes `width` numbers.
+  void evaluate(std::uint32_t square, double s, double t, double* out) const;
+  LimitPoint evaluate(std::uint32_t square, double s, double t) const;  // of positions
 
  private:
   struct Data;

@@ -1,0 +1,276 @@
+#include "core/geometry/subdivision/refined_mesh.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/base/parallel.h"
+
+namespace msbvh {
+namespace {
+
+constexpr std::size_t kFacesPerTask = 16;
+constexpr std::uint32_t kNobody = 0xffffffffu;
+
+Cage validated(Cage cage) {
+  validate(cage);
+  return cage;
+}
+
+// The first face with a limit that has each edge, and its place there; kNobody for edges of no surface.
+struct EdgeOwner {
+  std::uint32_t face = kNobody, place = 0;
+};
+std::vector<EdgeOwner> edge_owners(const LimitSurface& surface) {
+  std::vector<EdgeOwner> owners(surface.edge_count());
+  for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+    if (!surface.has_limit(f)) continue;
+    const auto edges = surface.face_edges(f);
+    for (std::uint32_t i = 0; i < edges.size(); ++i) {
+      EdgeOwner& owner = owners[static_cast<std::size_t>(edges[i])];
+      if (owner.face == kNobody) owner = {f, i};
+    }
+  }
+  return owners;
+}
+
+// A face's i-th edge, from vertex i to the next.
+std::array<Vec3d, 3> edge_curve(const LimitSurface& surface, const FaceSurface& face, std::uint32_t f,
+                                std::uint32_t i) {
+  const auto at = [&](std::uint32_t square, double s, double t) {
+    return face.evaluate(square, s, t).position;
+  };
+  if (!surface.is_quad(f)) {
+    const auto next = (i + 1) % static_cast<std::uint32_t>(surface.face_edges(f).size());
+    return {at(i, 0.0, 0.0), at(i, 1.0, 0.0), at(next, 0.0, 0.0)};
+  }
+  constexpr double kCorners[5][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
+  const double *p = kCorners[i], *q = kCorners[i + 1];
+  return {at(0, p[0], p[1]), at(0, 0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])), at(0, q[0], q[1])};
+}
+
+std::vector<std::uint32_t> edge_levels(LimitSurface& surface, std::span<const Vec3f* const> poses,
+                                       const EdgeLevel& level) {
+  constexpr std::uint32_t kEnoughForLengths = 2;
+  surface.prepare(kEnoughForLengths);
+  const std::vector<EdgeOwner> owners = edge_owners(surface);
+  std::vector<std::uint32_t> levels(surface.edge_count(), 0);
+  parallel_for_ranges(surface.face_count(), kFacesPerTask, [&](std::size_t begin, std::size_t end) {
+    for (auto f = static_cast<std::uint32_t>(begin); f < end; ++f) {
+      if (!surface.has_limit(f)) continue;
+      const auto edges = surface.face_edges(f), vertices = surface.face_vertices(f);
+      std::vector<std::vector<std::array<Vec3d, 3>>> curves(edges.size());
+      FaceSurface face(surface, f);
+      for (const Vec3f* pose : poses) {
+        face.set_values(&pose->x, 3);
+        for (std::uint32_t i = 0; i < edges.size(); ++i) {
+          if (owners[static_cast<std::size_t>(edges[i])].face == f)
+            curves[i].push_back(edge_curve(surface, face, f, i));
+        }
+      }
+      for (std::uint32_t i = 0; i < edges.size(); ++i) {
+        const auto edge = static_cast<std::size_t>(edges[i]);
+        if (owners[edge].face != f || owners[edge].place != i) continue;
+        const auto a = static_cast<std::uint32_t>(vertices[i]);
+        const auto b = static_cast<std::uint32_t>(vertices[(i + 1) % vertices.size()]);
+        levels[edge] = std::min(kMaxEdgeLevel, level({a, b, curves[i]}));
+      }
+    }
+  });
+  return levels;
+}
+
+// About how many points there are at such levels: no fewer than inside the faces.
+std::uint64_t points_at(const LimitSurface& surface, const std::vector<std::uint32_t>& levels,
+                        std::uint32_t lowered) {
+  std::uint64_t points = surface.cage().vertex_count;
+  for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+    const auto edges = surface.face_edges(f);
+    const auto rate = [&](std::size_t i) {
+      const std::uint32_t level = levels[static_cast<std::size_t>(edges[i])];
+      return std::uint64_t(1) << (level - std::min(level, lowered));
+    };
+    if (surface.is_quad(f)) {
+      points += std::max(rate(0), rate(2)) * std::max(rate(1), rate(3));
+      continue;
+    }
+    std::uint64_t finest = 2;
+    for (std::size_t i = 0; i < edges.size(); ++i) finest = std::max(finest, rate(i));
+    points += edges.size() * (finest / 2) * (finest / 2);
+  }
+  return points;
+}
+
+}  // namespace
+
+RefinedMesh::RefinedMesh(Cage cage, std::span<const Vec3f* const> poses, const EdgeLevel& level,
+                         std::uint64_t most_points)
+    : cage_(std::make_unique<Cage>(validated(std::move(cage)))),
+      surface_(std::make_unique<LimitSurface>(*cage_)) {
+  std::vector<std::uint32_t> levels = edge_levels(*surface_, poses, level);
+  const std::uint32_t finest = levels.empty() ? 0 : *std::ranges::max_element(levels);
+  while (lowered_ < finest && points_at(*surface_, levels, lowered_) > most_points) ++lowered_;
+  for (std::uint32_t& l : levels) l -= std::min(l, lowered_);
+  surface_->prepare(finest - lowered_);
+  lattices_ = std::make_unique<FaceLattices>(*surface_, std::move(levels));
+  creased_ = surface_->has_creases();
+  for (std::uint32_t f = 0; f < surface_->face_count(); ++f) {
+    if (surface_->has_limit(f)) drawn_.push_back(f);
+  }
+  own_borders();
+  make_triangles();
+}
+
+// Points on edges and at vertices belong to the first face that has them.
+void RefinedMesh::own_borders() {
+  border_owner_.assign(lattices_->border_count(), kNobody);
+  for (std::uint32_t i = 0; i < drawn_.size(); ++i) {
+    for (const SquareLattice& square : lattices_->squares(drawn_[i])) {
+      for (const FacePoint& p : square.points) {
+        if (p.id < border_owner_.size()) border_owner_[p.id] = std::min(border_owner_[p.id], i);
+      }
+    }
+  }
+  border_point_.assign(border_owner_.size(), kNobody);
+  for (std::size_t id = 0; id < border_owner_.size(); ++id) {
+    if (border_owner_[id] != kNobody) border_point_[id] = border_points_++;
+  }
+  point_count_ = border_points_ + lattices_->point_count() - lattices_->border_count();
+}
+
+void RefinedMesh::make_triangles() {
+  std::vector<std::uint32_t> count(drawn_.size());
+  for_faces([&](std::size_t i, const std::vector<SquareLattice>& squares) {
+    for_triangles(squares, [&](const auto&...) { ++count[i]; });
+  });
+  std::uint64_t total = 0;
+  for (const std::uint32_t n : count) {
+    first_triangle_.push_back(static_cast<std::uint32_t>(total));
+    total += n;
+  }
+  if (total >> 31)
+    throw Error(cage_->name + ": subdivided into " + std::to_string(total) +
+                " triangles; expected fewer than 2^31");
+  triangles_.resize(total);
+  faces_.resize(total);
+  for_faces([&](std::size_t i, const std::vector<SquareLattice>& squares) {
+    std::size_t at = first_triangle_[i];
+    for_triangles(squares, [&](const auto&... corners) {
+      triangles_[at] = {point(squares[corners.square].points[corners.point].id)...};
+      faces_[at++] = drawn_[i];
+    });
+  });
+}
+
+// `visit(i, squares)`: the i-th of drawn_; from several threads.
+template <typename Visit>
+void RefinedMesh::for_faces(const Visit& visit) const {
+  parallel_for_ranges(drawn_.size(), kFacesPerTask, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) visit(i, lattices_->squares(drawn_[i]));
+  });
+}
+
+// Two a quad, but for those that stitching leaves without area. `visit(a, b, c)`.
+template <typename Visit>
+void RefinedMesh::for_triangles(const std::vector<SquareLattice>& squares, const Visit& visit) const {
+  for (std::uint32_t s = 0; s < squares.size(); ++s) {
+    const SquareLattice& square = squares[s];
+    const auto triangle = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+      const std::uint32_t i = square.points[a].id, j = square.points[b].id, k = square.points[c].id;
+      if (i != j && j != k && k != i) visit(Corner{s, a}, Corner{s, b}, Corner{s, c});
+    };
+    const std::uint32_t stride = square.columns + 1;
+    for (std::uint32_t r = 0; r < square.rows; ++r) {
+      for (std::uint32_t c = 0; c < square.columns; ++c) {
+        const std::uint32_t a = r * stride + c;
+        triangle(a, a + 1, a + stride + 1);
+        triangle(a, a + stride + 1, a + stride);
+      }
+    }
+  }
+}
+
+// `evaluate(surface, place, point)` for each point, by the face that owns it.
+template <typename Evaluate>
+void RefinedMesh::evaluate_points(ValueKind kind, const Evaluate& evaluate) const {
+  for_faces([&](std::size_t i, const std::vector<SquareLattice>& squares) {
+    FaceSurface surface(*surface_, drawn_[i], kind);
+    std::vector<FacePoint> points = FaceLattices::distinct(squares);
+    std::erase_if(
+        points, [&](const FacePoint& p) { return p.id < border_owner_.size() && border_owner_[p.id] != i; });
+    evaluate(surface, points);
+  });
+}
+
+void RefinedMesh::at_points(ValueKind kind, std::uint32_t width, std::span<const float* const> controls,
+                            std::span<float* const> out) const {
+  evaluate_points(kind, [&](FaceSurface& surface, const std::vector<FacePoint>& points) {
+    std::vector<double> value(width);
+    for (std::size_t c = 0; c < controls.size(); ++c) {
+      surface.set_values(controls[c], width);
+      for (const FacePoint& p : points) {
+        surface.evaluate(p.square, p.s, p.t, value.data());
+        float* to = out[c] + std::size_t(width) * point(p.id);
+        for (const double v : value) *to++ = static_cast<float>(v);
+      }
+    }
+  });
+}
+
+// `at_place(place)` for each place of a face once, then where triangles meet it.
+template <typename Place, typename Out>
+void RefinedMesh::write_corners(const std::vector<SquareLattice>& squares, std::size_t width,
+                                const Place& at_place, Out* to) const {
+  std::vector<std::vector<Out>> values(squares.size());
+  for (std::size_t s = 0; s < squares.size(); ++s) {
+    values[s].resize(width * squares[s].points.size());
+    for (std::size_t p = 0; p < squares[s].points.size(); ++p)
+      at_place(squares[s].points[p], values[s].data() + width * p);
+  }
+  const auto write = [&](const Corner& corner) {
+    to = std::copy_n(values[corner.square].data() + width * corner.point, width, to);
+  };
+  for_triangles(squares, [&](const auto&... corners) { (write(corners), ...); });
+}
+
+void RefinedMesh::at_corners(ValueKind kind, std::uint32_t width, std::span<const float* const> controls,
+                             std::span<float* const> out) const {
+  for_faces([&](std::size_t i, const std::vector<SquareLattice>& squares) {
+    FaceSurface surface(*surface_, drawn_[i], kind);
+    std::vector<double> value(width);
+    const auto evaluate = [&](const FacePoint& p, float* to) {
+      surface.evaluate(p.square, p.s, p.t, value.data());
+      for (const double v : value) *to++ = static_cast<float>(v);
+    };
+    for (std::size_t c = 0; c < controls.size(); ++c) {
+      surface.set_values(controls[c], width);
+      write_corners(squares, width, evaluate, out[c] + 3 * std::size_t(width) * first_triangle_[i]);
+    }
+  });
+}
+
+std::vector<Vec3f> RefinedMesh::normals(const Vec3f* positions) const {
+  std::vector<Vec3f> out(creased_ ? 3 * triangles_.size() : point_count_);
+  const auto normal = [](const FaceSurface& surface, const FacePoint& p) {
+    const LimitPoint limit = surface.evaluate(p.square, p.s, p.t);
+    return Vec3f(normalize(cross(limit.du, limit.dv)));
+  };
+  if (!creased_) {
+    evaluate_points({}, [&](FaceSurface& surface, const std::vector<FacePoint>& points) {
+      surface.set_values(&positions->x, 3);
+      for (const FacePoint& p : points) out[point(p.id)] = normal(surface, p);
+    });
+    return out;
+  }
+  for_faces([&](std::size_t i, const std::vector<SquareLattice>& squares) {
+    FaceSurface surface(*surface_, drawn_[i]);
+    surface.set_values(&positions->x, 3);
+    write_corners(
+        squares, 1, [&](const FacePoint& p, Vec3f* to) { *to = normal(surface, p); },
+        out.data() + 3 * std::size_t(first_triangle_[i]));
+  });
+  return out;
+}
+
+}  // namespace msbvh

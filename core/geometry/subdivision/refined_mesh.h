@@ -1,0 +1,90 @@
+// From a cage to triangles between points of its limit surface. Which points is a matter of the cage's
+// topology and the rates of its edges alone; where they are is linear in the cage's values, so that tracks of
+// any degree are refined control by control and move exactly as the surface does.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/geometry/subdivision/face_lattice.h"
+#include "core/geometry/subdivision/limit_surface.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace msbvh {
+
+// An edge of the cage, and where the limit surface has it.
+struct CageEdge {
+  std::uint32_t a, b;  // vertices
+  // Its ends and its middle at each of the poses that are looked at.
+  std::span<const std::array<Vec3d, 3>> curves;
+};
+// Into how many segments an edge is cut, as a power of two: 0 to kMaxEdgeLevel.
+using EdgeLevel = std::function<std::uint32_t(const CageEdge&)>;
+
+class RefinedMesh {
+ public:
+  // `poses`: of the cage's vertices, for `level` to look at; each edge is asked for once, from several
+  // threads. Where there would be more than `most_points`, all levels are lowered until there are not, or are
+  // 0. Throws Error for a cage that is not valid or that OpenSubdiv refuses.
+  RefinedMesh(Cage cage, std::span<const Vec3f* const> poses, const EdgeLevel& level,
+              std::uint64_t most_points);
+
+  const Cage& cage() const { return *cage_; }
+  std::uint32_t point_count() const { return point_count_; }
+  // Vertices are points; counter-clockwise from outside whatever the cage's orientation is.
+  const std::vector<Triangle>& triangles() const { return triangles_; }
+  const std::vector<std::uint32_t>& faces() const { return faces_; }  // the cage's face of each triangle
+  std::uint32_t lowered() const { return lowered_; }                  // by how many levels
+  // Whether normals differ across an edge or around a vertex: one a corner then, else one a point.
+  bool has_creases() const { return creased_; }
+
+  // Values of kVertex or kVarying at the points. `controls`: of the cage, [vertex_count][width] each; `out`,
+  // one for each of them, takes [point_count()][width].
+  void at_points(ValueKind kind, std::uint32_t width, std::span<const float* const> controls,
+                 std::span<float* const> out) const;
+  // Of any kind at the triangles' corners: [triangles().size()][3][width]. Of kFaceVarying `controls` have
+  // the channel's [value_count][width].
+  void at_corners(ValueKind kind, std::uint32_t width, std::span<const float* const> controls,
+                  std::span<float* const> out) const;
+  // Unit normals of the limit surface, for a cage at `positions`: one a point, or one a corner where
+  // has_creases(). Zero where the surface has none.
+  std::vector<Vec3f> normals(const Vec3f* positions) const;
+
+ private:
+  struct Corner {
+    std::uint32_t square, point;  // of SquareLattice::points
+  };
+  void own_borders();
+  void make_triangles();
+  template <typename Visit>
+  void for_faces(const Visit& visit) const;
+  template <typename Visit>
+  void for_triangles(const std::vector<SquareLattice>& squares, const Visit& visit) const;
+  template <typename Place, typename Out>
+  void write_corners(const std::vector<SquareLattice>& squares, std::size_t width, const Place& at_place,
+                     Out* to) const;
+  template <typename Evaluate>
+  void evaluate_points(ValueKind kind, const Evaluate& evaluate) const;
+  std::uint32_t point(std::uint32_t id) const {
+    return id < lattices_->border_count() ? border_point_[id]
+                                          : id - lattices_->border_count() + border_points_;
+  }
+
+  std::unique_ptr<const Cage> cage_;  // in one place: the surface refers to it
+  std::unique_ptr<LimitSurface> surface_;
+  std::unique_ptr<const FaceLattices> lattices_;
+  std::vector<std::uint32_t> drawn_;           // the faces that have a limit
+  std::vector<std::uint32_t> first_triangle_;  // of each of them
+  std::vector<std::uint32_t> border_owner_;    // of each border id, the first of drawn_ that sees it
+  std::vector<std::uint32_t> border_point_;
+  std::uint32_t border_points_ = 0, point_count_ = 0, lowered_ = 0;
+  bool creased_ = false;
+  std::vector<Triangle> triangles_;
+  std::vector<std::uint32_t> faces_;
+};
+
+}  // namespace msbvh

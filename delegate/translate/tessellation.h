@@ -1,0 +1,73 @@
+// What a mesh is drawn as: its polygons, cut into triangles, or triangles of its limit surface.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/subdivision/refined_mesh.h"
+#include "delegate/translate/diagnostics.h"
+#include "delegate/translate/inputs.h"
+#include "delegate/translate/moving_array.h"
+#include "delegate/translate/screen_measure.h"
+#include "delegate/translate/triangulate.h"
+
+namespace msbvh::translate {
+
+// A cage refined.
+struct Refinement {
+  RefinedMesh mesh;
+  std::vector<std::uint32_t> faces;  // of each triangle, the input's face
+  std::map<std::string, std::uint32_t>
+      channels;  // of face-varying primvars, by attribute: ValueKind::channel
+};
+
+class Tessellation {
+ public:
+  explicit Tessellation(Triangulation polygons) : polygons_(std::move(polygons)) {}
+  Tessellation(Triangulation polygons, Refinement refinement)
+      : polygons_(std::move(polygons)), refinement_(std::move(refinement)) {}
+
+  // Of the input, whose sizes primvars have.
+  const Triangulation& polygons() const { return polygons_; }
+  const Refinement* refinement() const { return refinement_ ? &*refinement_ : nullptr; }
+  const std::vector<Triangle>& triangles() const {
+    return refinement_ ? refinement_->mesh.triangles() : polygons_.triangles;
+  }
+  const std::vector<std::uint32_t>& faces() const {
+    return refinement_ ? refinement_->faces : polygons_.faces;
+  }
+
+ private:
+  Triangulation polygons_;
+  std::optional<Refinement> refinement_;
+};
+
+// How finely surfaces are cut.
+struct EdgeLength {
+  double pixels =
+      0.0;  // of about what length edges are where they are seen largest; 0: cages are drawn as polygons
+  const ScreenMeasure& measure;
+};
+
+// The length in pixels by the name that usdrecord's --complexity gives it.
+struct ComplexityEdge {
+  std::string_view complexity;
+  double pixels;
+};
+inline constexpr ComplexityEdge kComplexityEdges[] = {
+    {"low", 0.0}, {"medium", 4.0}, {"high", 1.0}, {"veryhigh", 0.5}};
+
+// More points than this, at all controls of a track together, are not made.
+inline constexpr std::uint64_t kMostRefinedPoints = std::uint64_t(1) << 25;
+
+// `points`: the cage's, in the world. Polygons, with a warning, for a cage that cannot be subdivided.
+// `controls`: of the track that the points will have.
+Tessellation tessellated(const MeshInput& input, Triangulation polygons, const MovingArray& points,
+                         const EdgeLength& edges, std::uint32_t controls, PrimLog& log);
+
+}  // namespace msbvh::translate

@@ -1,0 +1,54 @@
+"""How meshes are subdivided: UsdGeomMesh's rules, creases and corners."""
+
+from __future__ import annotations
+
+import numpy as np
+from pxr import Usd, UsdGeom
+
+from .._core import MeshInput
+from ..motion.context import FrameContext, array
+from ..motion.held_values import warn_of_change
+from ..stage.value_types import FLOATS, INTS, TOKEN, Kind
+from ..stage.values import value
+
+_RULES = (
+    ("interpolate_boundary", "interpolateBoundary"),
+    ("face_varying_linear", "faceVaryingLinearInterpolation"),
+    ("triangle_rule", "triangleSubdivisionRule"),
+)
+"""The translator's names and USD's."""
+_FEATURES: tuple[tuple[str, str, Kind, type], ...] = (
+    ("crease_lengths", "creaseLengths", INTS, np.int32),
+    ("crease_indices", "creaseIndices", INTS, np.int32),
+    ("crease_sharpnesses", "creaseSharpnesses", FLOATS, np.float32),
+    ("corner_indices", "cornerIndices", INTS, np.int32),
+    ("corner_sharpnesses", "cornerSharpnesses", FLOATS, np.float32),
+)
+
+
+def add_subdivision(target: MeshInput, mesh: UsdGeom.Mesh, context: FrameContext, authored: frozenset[str]) -> bool:
+    """Sets the scheme and, where it is one, its rules, creases and corners, as they are at the frame. Returns whether the
+    mesh is subdivided."""
+    scheme = None
+    if "subdivisionScheme" in authored:
+        scheme = value(mesh.GetSubdivisionSchemeAttr(), context.code, TOKEN)
+    target.subdivision_scheme = str(scheme or UsdGeom.Tokens.catmullClark)
+    if scheme == UsdGeom.Tokens.none:
+        return False
+    prim = mesh.GetPrim()
+    for keyword, name in _RULES:
+        if name in authored:
+            rule = value(_at_frame(prim, name, context), context.code, TOKEN)
+            if rule:
+                setattr(target, keyword, str(rule))
+    for keyword, name, kind, dtype in _FEATURES:
+        if name in authored:
+            setattr(target, keyword, array(value(_at_frame(prim, name, context), context.code, kind), dtype))
+    return True
+
+
+def _at_frame(prim: Usd.Prim, name: str, context: FrameContext) -> Usd.Attribute:
+    """An attribute that counts as it is at the frame."""
+    attribute = prim.GetAttribute(name)
+    warn_of_change(attribute, ", as the topology", context.shutter, context.diagnostics)
+    return attribute
