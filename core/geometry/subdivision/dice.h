@@ -19,7 +19,7 @@ struct SurfacePoint {
 };
 
 struct DiceSettings {
-  // Segments of each edge: 2^level, 1 to kMaxEdgeLevel. Four times the quads, bytes and time for each.
+  // Segments of each edge: 2^level, 0 to kMaxEdgeLevel. Four times the quads, bytes and time for each.
   std::uint32_t level = 3;
   // Overrides `level` for the edge between two vertices of the cage; must not depend on their order.
   std::function<std::uint32_t(std::uint32_t, std::uint32_t)> edge_level{};
