@@ -49,7 +49,8 @@ def read(shared: SharedScene, tolerance: float) -> Frame:
     camera.AddTranslateOp().Set(eye)
     camera.CreateShutterOpenAttr(SHUTTER[0])
     camera.CreateShutterCloseAttr(SHUTTER[1])
-    settings = ReadSettings(camera="/TestCamera", motion_tolerance=tolerance)
+    # Cages: a surface is linear in its cage, and the stage knows no other points.
+    settings = ReadSettings(camera="/TestCamera", motion_tolerance=tolerance, edge_length=0.0)
     result = read_frame(stage, frame, settings, Diagnostics())
     return Frame(StageTruth(with_single_orientations(stage), frame, SHUTTER), result)
 
