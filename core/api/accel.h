@@ -41,8 +41,9 @@ class Accel {
   std::uint32_t add_mesh(TriangleMesh mesh);
   // Shares a mesh that has passed validate(), guard included, and does not look at it again.
   std::uint32_t add_mesh(std::shared_ptr<const TriangleMesh> mesh);
-  // Grids of points, two triangles a quad, as displaced subdivision patches become (core/geometry/subdivision/dice.h).
-  // The tree refers to patches of them. Ids are counted apart; a hit's geometry says which kind it is of.
+  // Grids of points, two triangles a quad, as displaced subdivision patches become
+  // (core/geometry/subdivision/dice.h). The tree refers to patches of them. Ids are counted apart; a hit's
+  // geometry says which kind it is of.
   std::uint32_t add_grids(GridMesh mesh);
   // Instances of another, committed Accel that holds no instances itself (two levels). `world_from_object`
   // holds form.controls() maps for each instance, instance-major; `time_remap` says when they are there and

@@ -106,7 +106,7 @@ ScreenInstant ScreenMeasure::at(double time01) const {
   const ScreenInstant &a = instants_[at.first], &b = instants_[at.second];
   if (at.first == at.second) return a;
   ScreenInstant result{lerp(a.eye, b.eye, at.w), lerp(a.pixels_per_unit, b.pixels_per_unit, at.w),
-                        lerp(a.nearest, b.nearest, at.w), a.perspective};
+                       lerp(a.nearest, b.nearest, at.w), a.perspective};
   if (a.view && b.view) result.view = between(*a.view, *b.view, at.w);
   return result;
 }
