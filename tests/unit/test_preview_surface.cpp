@@ -196,3 +196,122 @@ TEST_CASE("what a diffuse surface does not show is told unless it has no effect"
   CHECK(look.warnings("inputs:normal: not supported yet") == 1);
   CHECK(look.warnings("inputs:displacement: not supported yet") == 1);
 }
+
+TEST_CASE("a value that changes within the shutter is held, which is said where it was authored") {
+  Network look;
+  ShaderInput opacity = constant("opacity", 0.5);
+  opacity.in_shutter = {ShaderValue{0.5}};
+  look.surface().inputs = {opacity};
+  look.read();
+  CHECK(look.warnings() == 0);
+  opacity.in_shutter.push_back(std::nullopt);  // blocked from then on
+  opacity.origin = {"/Look", "inputs:clear"};
+  look.surface().inputs = {opacity};
+  CHECK(look.read()->opacity == 0.5f);
+  REQUIRE(look.warnings() == 1);
+  CHECK(look.warnings("inputs:clear: changes within the shutter; held the frame's value, as Hydra does") ==
+        1);
+  CHECK(look.said.back().path == "/Look");
+  CHECK(look.said.back().in_common);
+}
+
+TEST_CASE("no value, and what the frame alone has, is no displacement; other kinds than numbers are one") {
+  Network look;
+  const auto warnings_of = [&](const ShaderInput& displacement) {
+    look.surface().inputs = {displacement};
+    look.read();
+    return look.warnings("inputs:displacement: not supported yet; drawn without it");
+  };
+  CHECK(warnings_of({"displacement"}) == 0);
+  ShaderInput moving = constant("displacement", 1.0);
+  moving.in_shutter = {ShaderValue{0.0}, std::nullopt};
+  CHECK(warnings_of(moving) == 0);
+  CHECK(warnings_of(constant("displacement", std::numeric_limits<double>::quiet_NaN())) == 1);
+  CHECK(warnings_of(constant("displacement", false)) == 1);
+  CHECK(warnings_of(connected("displacement", "/Nowhere", "out")) == 1);
+}
+
+TEST_CASE("a primvar's name of another type is ignored, and so the reader falls back") {
+  Network look;
+  look.network.nodes.push_back({"/Look/Reader", "UsdPrimvarReader_float", {constant("varname", 1.0)}});
+  look.surface().inputs = {connected("opacity", "/Look/Reader", "result")};
+  CHECK_FALSE(look.read()->opacity_from_display_opacity);
+  CHECK(look.warnings("inputs:varname: found type, expected token; ignored") == 1);
+  CHECK(look.warnings(
+            "connected to a UsdPrimvarReader_float of '', which is not evaluated yet; drawn as 1") == 1);
+}
+
+TEST_CASE("a fallback of another kind is named at the node, and the input's default is drawn") {
+  Network look;
+  look.network.nodes.push_back(
+      {"/Look/Wood", "UsdUVTexture", {constant("fallback", std::string("brown"), "'brown'")}});
+  look.surface().inputs = {connected("opacity", "/Look/Wood", "a")};
+  CHECK(look.read()->opacity == 1.0f);
+  REQUIRE(look.warnings("inputs:fallback: found 'brown', expected a number; drawn as 1") == 1);
+  CHECK(std::ranges::count(look.said, "/Look/Wood", &Diagnostic::path) == 1);
+}
+
+TEST_CASE("a texture whose inputs are all connected to itself has no file") {
+  Network look;
+  ShaderNode wood{"/Look/Wood", "UsdUVTexture"};
+  for (const std::string_view name : evaluated_inputs(wood.identifier)) {
+    wood.inputs.push_back(connected(std::string(name), wood.path, "rgb"));
+  }
+  look.network.nodes.push_back(wood);
+  look.surface().inputs = {connected("opacity", "/Look/Wood", "a")};
+  CHECK(look.read(OneTexture())->opacity == 1.0f);
+  CHECK(look.warnings("it names no file, and it has no fallback: drawn as 1") == 1);
+}
+
+TEST_CASE("the first connection counts, and more than a value does") {
+  Network look;
+  look.network.nodes.push_back({"/Look/A", "Mix", {constant("fallback", 0.5)}});
+  look.network.nodes.push_back({"/Look/B", "Mix", {constant("fallback", 0.75)}});
+  ShaderInput opacity = constant("opacity", 0.25);
+  opacity.connections = {{"/Look/B", "out"}, {"/Look/A", "out"}};
+  look.surface().inputs = {opacity};
+  CHECK(look.read()->opacity == 0.75f);
+  CHECK(look.warnings("connected to a Mix, which is not evaluated yet; drawn as 0.75") == 1);
+}
+
+// A front-end that reads the listed inputs alone must get what one that reads all gets.
+TEST_CASE("of a node's inputs, those that are listed make a difference and others do not") {
+  const auto outcome = [](const ShaderNode& node) {
+    Network look;
+    look.surface().inputs = {connected("emissiveColor", "/Look/Node", "rgb")};
+    if (node.identifier == "UsdPreviewSurface") look.network.terminals["surface"].node = node.path;
+    look.network.nodes.push_back(node);
+    struct : TextureSource {
+      std::optional<Rgba> mean(const Asset&, std::string_view space) const override {
+        return space == "raw" ? Rgba{0.1, 0.2, 0.3, 0.4} : Rgba{0.5, 0.6, 0.7, 0.8};
+      }
+    } textures;
+    const Material material = *look.read(textures);
+    std::string all = message(material.emissive_color.x, " ", material.diffuse_color.x);
+    for (const Diagnostic& d : look.said) all += "; " + d.attribute + ": " + d.message;
+    return all;
+  };
+  const auto differs = [&](const std::string& identifier, const std::string& name) {
+    ShaderNode node{"/Look/Node", identifier};
+    if (identifier == "UsdUVTexture" && name != "file" && name != "fallback") {
+      node.inputs = {constant("file", Asset{"wood.png"})};
+    }
+    const std::string bare = outcome(node);
+    const bool text = name == "varname" || name == "sourceColorSpace";
+    const ShaderData data = text             ? ShaderData(std::string("raw"))
+                            : name == "file" ? ShaderData(Asset{"wood.png"})
+                                             : ShaderData(numbers({0.5, 0.5, 0.5, 0.5}));
+    node.inputs.push_back(constant(name, data));
+    return outcome(node) != bare;
+  };
+  for (const std::string identifier :
+       {"UsdPreviewSurface", "UsdUVTexture", "UsdPrimvarReader_float3", "Mix"}) {
+    CAPTURE(identifier);
+    for (const std::string_view name : evaluated_inputs(identifier)) {
+      CAPTURE(std::string(name));
+      const bool of_the_surface_itself = identifier == "UsdPreviewSurface" && name == "fallback";
+      CHECK(differs(identifier, std::string(name)) != of_the_surface_itself);
+    }
+    for (const char* other : {"roughness", "st", "wrapS", "in"}) CHECK_FALSE(differs(identifier, other));
+  }
+}
