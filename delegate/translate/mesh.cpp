@@ -188,6 +188,7 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
 
   const MovingArray moving{points.track, transform.rebased({}, *target.origin)};
   const Tessellation topology = tessellated(motion, moving, *target.measure, 1, target, log);
+  if (topology.triangles().empty()) return std::nullopt;
   TranslatedMesh result;
   const TimeLayout unmoved = TimeLayout::even(0);
   add_shape(input, topology, {still.transform, unmoved, points.frame_only}, target,
@@ -221,6 +222,7 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
   report_fit({form.segments, fit.error}, target.settings, kPoints, "the motion", log);
 
   const Tessellation topology = tessellated(motion, moving, measure, form.controls(), target, log);
+  if (topology.triangles().empty()) return std::nullopt;  // a boundary rule may leave no face a surface
   TranslatedMesh result;
   Shape shape = shape_of(moving, fit.track, topology, input.path);
   if (!check_controls(shape.mesh, log)) return std::nullopt;

@@ -185,7 +185,7 @@ TEST_CASE("cycles, nodes that are not there and surfaces of another kind end in 
   CHECK(look.warnings("found no surface shader that can be read") == 1);
 }
 
-TEST_CASE("what a diffuse surface does not show is told unless it has no effect") {
+TEST_CASE("inputs that a diffuse surface does not show are reported unless they have no effect") {
   Network look;
   look.surface().inputs = {constant("normal", numbers({0, 0, 1})), constant("displacement", 0.0)};
   look.read();

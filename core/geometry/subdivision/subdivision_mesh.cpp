@@ -50,17 +50,28 @@ void check_positions(const SubdivisionMesh& mesh) {
   }
 }
 
+void check_valences(const Cage& mesh) {
+  std::vector<std::uint32_t> faces(mesh.vertex_count, 0);
+  for (const std::uint32_t v : mesh.face_vertex_indices) ++faces[v];
+  for (std::uint32_t v = 0; v < mesh.vertex_count; ++v) {
+    if (faces[v] > kMaxValence)
+      fail(mesh, "faceVertexIndices: " + text(faces[v]) + " faces share vertex " + text(v) +
+                     "; expected at most " + text(kMaxValence));
+  }
+}
+
 void check_faces(const Cage& mesh) {
   for (std::size_t f = 0; f < mesh.face_vertex_counts.size(); ++f) {
     const std::uint32_t n = mesh.face_vertex_counts[f];
-    const bool wrong = n < 3 || (n != 3 && mesh.scheme == SubdivisionScheme::kLoop);
-    if (wrong)
-      fail(mesh, "faceVertexCounts: face " + text(f) + " has " + text(n) + " vertices; expected " +
-                     (mesh.scheme == SubdivisionScheme::kLoop ? "3 (loop)" : "3 or more"));
+    const bool loop = mesh.scheme == SubdivisionScheme::kLoop;
+    if (n < 3 || n > (loop ? 3 : kMaxValence))
+      fail(mesh, "faceVertexCounts: face " + text(f) + " has " + text(n) + " vertices; expected 3" +
+                     (loop ? " (loop)" : " to " + text(kMaxValence)));
   }
   require_size(mesh, "faceVertexIndices", mesh.face_vertex_indices.size(), sum(mesh.face_vertex_counts));
   require_below(mesh, "faceVertexIndices", mesh.face_vertex_indices, mesh.vertex_count);
   require_below(mesh, "holeIndices", mesh.holes, mesh.face_vertex_counts.size());
+  check_valences(mesh);
 }
 
 void check_features(const Cage& mesh) {

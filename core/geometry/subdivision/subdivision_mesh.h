@@ -33,6 +33,11 @@ struct FaceVaryingTopology {
   std::vector<std::uint32_t> indices;  // one a corner, as face_vertex_indices
 };
 
+// Edges of a face, and faces around a vertex, at most. What OpenSubdiv takes to prepare a face that has, or
+// touches, more grows with the third power of them, and all faces around may be prepared apart: a fan of 512
+// uneven triangles took a minute.
+inline constexpr std::uint32_t kMaxValence = 256;
+
 // What does not move of a cage.
 struct Cage {
   std::string name;  // in messages: the prim's path
@@ -66,8 +71,8 @@ struct SubdivisionMesh : Cage {
   }
 };
 
-// Checks the sizes and indices of all arrays. Throws Error naming the mesh, the array, what was found and
-// what is expected.
+// Checks the sizes and indices of all arrays, and kMaxValence. Throws Error naming the mesh, the array, what
+// was found and what is expected.
 void validate(const Cage& cage);
 // The form and the positions, too: every coordinate is finite and at most kMaxCoordinate in size.
 void validate(const SubdivisionMesh& mesh);

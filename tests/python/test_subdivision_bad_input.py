@@ -1,0 +1,163 @@
+"""Subdivision surfaces whose rules, features or cages are wrong, or too large."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from msbvh.scene.reader import ReadSettings, read_frame
+from pxr import UsdGeom, UsdLux, Vt
+from recording import Shot, messages
+from subdivision_stages import BLUE, FACES, GREEN, RED, WHITE, colour, cube, picture, sheet
+
+BAD: list[tuple[Callable[[UsdGeom.Mesh], object], str, int]] = [
+    (
+        lambda m: m.CreateSubdivisionSchemeAttr("doo"),
+        'subdivisionScheme: found "doo"; expected catmullClark, loop or bilinear, or none; the cage is drawn as polygons',
+        12,
+    ),
+    (
+        lambda m: m.CreateSubdivisionSchemeAttr("loop"),
+        "faceVertexCounts: face 0 has 4 vertices; expected 3, for the scheme loop; the cage is drawn as polygons",
+        12,
+    ),
+    (
+        lambda m: m.CreateInterpolateBoundaryAttr("edges"),
+        'interpolateBoundary: found "edges"; expected edgeAndCorner, edgeOnly or none; took edgeAndCorner',
+        0,
+    ),
+    (
+        lambda m: (m.CreateCornerIndicesAttr([8]), m.CreateCornerSharpnessesAttr([1.0])),
+        "cornerIndices: index 0 is 8; expected 0 to 7; it is left out",
+        0,
+    ),
+    (
+        lambda m: (m.CreateCornerIndicesAttr([1]), m.CreateCornerSharpnessesAttr([float("nan")])),
+        "cornerSharpnesses: value 0 is nan; expected 0 (smooth) to 10 (sharp); it is left out",
+        0,
+    ),
+    (
+        lambda m: (
+            m.CreateCreaseLengthsAttr([3]),
+            m.CreateCreaseIndicesAttr([0, 1]),
+            m.CreateCreaseSharpnessesAttr([1]),
+        ),
+        "creaseLengths: the lengths add up to 3; expected 2, the number of creaseIndices; it is left out",
+        0,
+    ),
+    (
+        lambda m: (
+            m.CreateCreaseLengthsAttr([3]),
+            m.CreateCreaseIndicesAttr([0, 1, 3]),
+            m.CreateCreaseSharpnessesAttr([1, 2, 3]),
+        ),
+        "creaseSharpnesses: found 3 values; expected 1 (one a crease) or 2 (one an edge); it is left out",
+        0,
+    ),
+]
+
+
+@pytest.mark.parametrize(("spoil", "said", "count"), BAD, ids=range(len(BAD)))
+def test_bad_input_is_one_warning_and_the_rest_is_drawn(
+    spoil: Callable[[UsdGeom.Mesh], object], said: str, count: int
+) -> None:
+    """`count`: the triangles of a cage that is drawn as polygons; 0: it is subdivided all the same."""
+    shot = Shot((0.0, 0.0))
+    spoil(cube(shot))
+    result = read_frame(shot.stage, 10.0, ReadSettings())
+    (found,) = messages(result, "warning")
+    assert found.startswith(f"/Cube.{said}")
+    size = result.scene.statistics()["triangles"]
+    assert size == count if count else size > 1000
+
+
+@pytest.mark.parametrize(
+    "faces",
+    [
+        [(0, 1, 1, 1), *FACES[1:]],
+        [(0, 1, 0, 1), *FACES[1:]],
+        [*FACES, FACES[0]],
+        [*FACES, (0, 1, 6, 7), (0, 1, 5, 6)],
+    ],
+    ids=["a vertex repeated", "an edge back and forth", "a face twice", "four faces at an edge"],
+)
+def test_cages_that_are_no_manifold_are_drawn(faces: list[tuple[int, ...]]) -> None:
+    shot = Shot((0.0, 0.0))
+    mesh = cube(shot)
+    mesh.GetFaceVertexCountsAttr().Set([4] * len(faces))
+    mesh.GetFaceVertexIndicesAttr().Set(np.ravel(faces).tolist())
+    result = read_frame(shot.stage, 10.0, ReadSettings())
+    assert messages(result, "warning") == []
+    assert result.scene.statistics()["triangles"] > 1000
+
+
+def test_faces_without_an_area_are_left_out_and_the_others_keep_their_numbers() -> None:
+    shot = Shot((0.0, 0.0))
+    mesh = sheet(shot, 2)
+    mesh.GetFaceVertexCountsAttr().Set([2, 4, 4, 4, 4])
+    mesh.GetFaceVertexIndicesAttr().Set([0, 1, *mesh.GetFaceVertexIndicesAttr().Get()])
+    colour(mesh, [WHITE, RED, GREEN, BLUE, WHITE], "uniform")
+    shot.camera.CreateFocalLengthAttr(150.0)
+    UsdLux.DomeLight.Define(shot.stage, "/Dome")
+    image = picture(shot)
+    height, width = image.shape[:2]
+    assert image[height * 5 // 8, width * 7 // 16, :3] == pytest.approx(RED, abs=0.02)
+    assert image[height * 5 // 8, width * 9 // 16, :3] == pytest.approx(GREEN, abs=0.02)
+
+
+def disc(shot: Shot, sides: int) -> UsdGeom.Mesh:
+    """One face."""
+    angle = np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False)
+    mesh = UsdGeom.Mesh.Define(shot.stage, "/Disc")
+    rim = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1).astype(np.float32)
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(rim))
+    mesh.CreateFaceVertexCountsAttr([sides])
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(np.arange(sides, dtype=np.int32)))
+    return mesh
+
+
+@pytest.mark.parametrize("sides", [257, 10**6])
+def test_faces_of_too_many_sides_are_polygons(sides: int, capfd: pytest.CaptureFixture[str]) -> None:
+    shot = Shot((0.0, 0.0))
+    disc(shot, sides)
+    result = read_frame(shot.stage, 10.0, ReadSettings())
+    (warning,) = messages(result, "warning")
+    assert warning.endswith(f"face 0 has {sides} vertices; expected 3 to 256; the cage is drawn as polygons")
+    assert result.scene.statistics()["triangles"] == sides - 2
+    assert capfd.readouterr() == ("", "")  # OpenSubdiv has nothing to say of its own
+
+
+def test_vertices_of_too_many_faces_are_polygons() -> None:
+    shot = Shot((0.0, 0.0))
+    mesh, sides = disc(shot, 257), np.arange(257)
+    mesh.GetFaceVertexCountsAttr().Set([3] * 256)
+    fan = np.stack([np.zeros(255, int), sides[1:-1], sides[2:]], axis=1).ravel().tolist()
+    mesh.GetFaceVertexIndicesAttr().Set([*fan, 0, 1, 256])
+    assert messages(read_frame(shot.stage, 10.0, ReadSettings(width=100)), "warning") == []
+    mesh.GetFaceVertexCountsAttr().Set([3] * 257)
+    mesh.GetFaceVertexIndicesAttr().Set([*fan, 0, 1, 256, 0, 2, 200])
+    (warning,) = messages(read_frame(shot.stage, 10.0, ReadSettings(width=100)), "warning")
+    assert warning.endswith("257 faces share vertex 0; expected at most 256; the cage is drawn as polygons")
+
+
+def test_more_points_than_fit_are_a_warning_and_coarser() -> None:
+    shot = Shot((0.0, 0.0))
+    sheet(shot, 64)
+    shot.camera.CreateFocalLengthAttr(5000.0)
+    result = read_frame(shot.stage, 10.0, ReadSettings(width=4096, edge_length=0.01))
+    (warning,) = messages(result, "warning")
+    assert "edges of 0.01 pixels take more than" in warning
+    assert result.scene.statistics()["triangles"] < 2**26
+
+
+def test_a_changing_topology_or_scheme_holds_the_frame() -> None:
+    shot = Shot((-0.5, 0.5))
+    mesh = cube(shot)
+    mesh.CreateCreaseLengthsAttr([2])
+    mesh.CreateCreaseIndicesAttr([0, 1])
+    mesh.CreateCreaseSharpnessesAttr().Set([1.0], 9.5)
+    mesh.GetCreaseSharpnessesAttr().Set([5.0], 10.5)
+    found = messages(shot.read(), "warning")
+    assert len(found) == 1
+    assert found[0].startswith("/Cube.creaseSharpnesses: ")
