@@ -9,7 +9,9 @@ namespace msbvh {
 // Each kind is counted apart.
 enum class GeometryKind : std::uint8_t {
   kTriangleMesh,  // core/geometry/triangle_mesh.h
-  kGridMesh       // core/geometry/grid_mesh.h
+  kGridMesh,      // core/geometry/grid_mesh.h
+  kCurves,        // core/geometry/curve_set.h
+  kPoints         // core/geometry/point_set.h
 };
 
 // 4 bytes: the kind in the upper 3 bits.
@@ -31,5 +33,7 @@ class GeometryId {
 };
 
 constexpr GeometryId mesh_id(std::uint32_t index) { return {GeometryKind::kTriangleMesh, index}; }
+constexpr GeometryId curves_id(std::uint32_t index) { return {GeometryKind::kCurves, index}; }
+constexpr GeometryId points_id(std::uint32_t index) { return {GeometryKind::kPoints, index}; }
 
 }  // namespace msbvh

@@ -11,17 +11,20 @@
 
 #include "core/geometry/geometry_id.h"
 #include "core/scene/camera.h"
+#include "core/scene/curves.h"
 #include "core/scene/instances.h"
 #include "core/scene/light.h"
 #include "core/scene/material.h"
 #include "core/scene/mesh.h"
+#include "core/scene/points.h"
 
 namespace msbvh {
 
 struct Scene {
   std::vector<Mesh> meshes;
-  std::vector<GeometryId>
-      world;  // what stands in the world directly; kTriangleMesh alone so far: in `meshes`
+  std::vector<Curves> curves;
+  std::vector<Points> points;
+  std::vector<GeometryId> world;  // what stands in the world directly: in `meshes`, `curves` or `points`
   std::vector<Prototype> prototypes;
   std::vector<InstanceSet> instances;
   std::vector<Material> materials;

@@ -1,0 +1,49 @@
+#include "core/geometry/curve_set.h"
+
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/geometry/round_check.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace msbvh {
+namespace {
+
+void check_normals(const CurveSet& curves, const std::string& part) {
+  const std::size_t expected = curves.shape == CurveShape::kOriented ? curves.vertices.size() : 0;
+  if (curves.normals.size() != expected) {
+    throw Error(part + ": normals: found " + std::to_string(curves.normals.size()) + "; expected " +
+                std::to_string(expected));
+  }
+  for (std::size_t i = 0; i < curves.normals.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const float x = curves.normals[i][axis];
+      if (std::abs(x) <= kMaxCoordinate) continue;  // false for NaN too
+      throw Error(part + ": normals: found " + std::to_string(x) + " in element " + std::to_string(i) +
+                  "; expected finite numbers of at most 2^60 in size");
+    }
+  }
+}
+
+void check_spans(const CurveSet& curves, const std::string& part) {
+  for (std::uint32_t i = 0; i < curves.span_count(); ++i) {
+    const std::uint32_t first = curves.spans[i];
+    const bool ascends = i == 0 || first >= curves.spans[i - 1] + std::uint64_t(kSpanVertices - 1);
+    if (ascends && std::uint64_t(first) + kSpanVertices <= curves.vertex_count) continue;
+    throw Error(part + ": spans: span " + std::to_string(i) + " begins at vertex " + std::to_string(first) +
+                "; expected one at least 3 behind the span before it, with 4 vertices of " +
+                std::to_string(curves.vertex_count));
+  }
+}
+
+}  // namespace
+
+void validate(const CurveSet& curves) {
+  const std::string part = curves.name.empty() ? "curves" : curves.name;
+  check_form(curves.form(), part);
+  check_vertices(curves.vertices, curves.form(), curves.vertex_count, part);
+  check_normals(curves, part);
+  check_spans(curves, part);
+}
+
+}  // namespace msbvh

@@ -1,0 +1,33 @@
+// Points drawn as spheres: centres and radii that move along tracks.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/geometry/round_vertex.h"
+#include "core/motion/track.h"
+
+namespace msbvh {
+
+struct PointSet {
+  std::string name;            // in messages: the prim's path
+  std::uint32_t segments = 0;  // of the motion; see core/motion/track.h
+  std::uint32_t degree = 1;
+  std::uint32_t point_count = 0;
+  // [form().controls()][point_count], control-major. A radius of 0 at all keys: nothing to hit.
+  std::vector<RoundVertex> vertices;
+
+  TrackForm form() const { return {segments, degree}; }
+  const RoundVertex* control_vertices(std::uint32_t control) const {
+    return vertices.data() + std::size_t(control) * point_count;
+  }
+};
+
+// The gate: checks the form, the size, that every coordinate is finite and at most kMaxCoordinate
+// (core/geometry/triangle_mesh.h) in size, radii at least 0. Throws Error naming the set, the array, what was
+// found and what is expected.
+void validate(const PointSet& points);
+
+}  // namespace msbvh
