@@ -24,6 +24,8 @@ struct Mesh {
   // Empty, or one a triangle in place of `material`: parts with materials of their own stay one mesh, with
   // one tree and no edges that could leak.
   std::vector<std::uint32_t> triangle_materials{};
+  // How far vertices lie off the surface that displacement has moved them from, at most; 0: none has.
+  float displaced_by = 0.0f;
   // For AOVs: the prim's id, kNone for the mesh's index, and the face that each triangle is of; empty: each
   // is one.
   std::uint32_t prim_id = kNone;

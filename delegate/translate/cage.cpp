@@ -185,6 +185,8 @@ std::optional<InputCage> cage_of(const MeshInput& input, std::size_t point_count
   const std::size_t corners = input.face_vertex_indices.size();
   add_channel(input.display_color, "primvars:displayColor", corners, result);
   add_channel(input.display_opacity, "primvars:displayOpacity", corners, result);
+  for (const NamedPrimvar& named : input.named_primvars)
+    add_channel(named.primvar, full_name(named).c_str(), corners, result);
   return result;
 }
 

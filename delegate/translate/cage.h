@@ -13,6 +13,8 @@
 
 namespace msbvh::translate {
 
+inline std::string full_name(const NamedPrimvar& named) { return "primvars:" + named.name; }
+
 struct InputCage {
   Cage cage;
   // Of face-varying primvars, by attribute: their place in Cage::face_varying.

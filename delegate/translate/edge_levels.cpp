@@ -39,18 +39,35 @@ double pixels_between(const Vec3d& a, const Vec3d& b, const ScreenInstant& scree
   return screen.at_point(std::sqrt(length2), a + along * w);
 }
 
+// Common to all of a cube of `reach` to either side.
+std::uint8_t sides_beyond(const ScreenInstant& screen, const Vec3d& point, double reach) {
+  if (reach == 0.0) return screen.sides_beyond(point);
+  std::uint8_t common = 0xff;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto side = [&](int bit) { return (corner & bit) != 0 ? reach : -reach; };
+    common &= screen.sides_beyond(point + Vec3d{side(1), side(2), side(4)});
+  }
+  return common;
+}
+
+// By which lengths grow at most.
+double largest_scale(const Affine3d& map) {
+  return std::sqrt(dot(map.x, map.x) + dot(map.y, map.y) + dot(map.z, map.z));
+}
+
 }  // namespace
 
 EdgeRule::Instant EdgeRule::instant_at(const MeshInput& faces, const MovingArray& points,
-                                       const ScreenMeasure& measure, double time01) {
+                                       const EdgeLength& edges, double time01) {
   const Affine3d map = points.transform.at(time01, time01);
   const ArrayInstant values = points.values.at(time01, time01);
-  Instant instant{{}, measure.at(time01), {}};
+  const double reach = edges.reach == 0.0 ? 0.0 : edges.reach * largest_scale(map);
+  Instant instant{{}, edges.measure.at(time01), {}};
   std::vector<std::uint8_t> beyond;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec3d p = map.point(values[i]);
     instant.pose.push_back(Vec3f(p));
-    beyond.push_back(instant.screen.sides_beyond(p));
+    beyond.push_back(sides_beyond(instant.screen, p, reach));
   }
   if (std::ranges::any_of(beyond, [](std::uint8_t sides) { return sides != 0; }))
     instant.beyond =
@@ -58,11 +75,10 @@ EdgeRule::Instant EdgeRule::instant_at(const MeshInput& faces, const MovingArray
   return instant;
 }
 
-EdgeRule::EdgeRule(const MeshInput& faces, const MovingArray& points, const ScreenMeasure& measure,
-                   double pixels)
-    : pixels_(pixels) {
-  for (const double time01 : times_to_look(points, measure))
-    instants_.push_back(instant_at(faces, points, measure, time01));
+EdgeRule::EdgeRule(const MeshInput& faces, const MovingArray& points, const EdgeLength& edges)
+    : pixels_(edges.pixels) {
+  for (const double time01 : times_to_look(points, edges.measure))
+    instants_.push_back(instant_at(faces, points, edges, time01));
 }
 
 std::vector<const Vec3f*> EdgeRule::poses() const {

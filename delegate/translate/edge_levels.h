@@ -8,6 +8,7 @@
 #include "delegate/translate/inputs.h"
 #include "delegate/translate/moving_array.h"
 #include "delegate/translate/screen_measure.h"
+#include "delegate/translate/tessellation.h"
 
 namespace msbvh::translate {
 
@@ -21,7 +22,7 @@ class EdgeRule {
  public:
   // `faces`: of the mesh that `points`, in the world, are of. An edge is outside of the picture where all is
   // that the faces around it depend on.
-  EdgeRule(const MeshInput& faces, const MovingArray& points, const ScreenMeasure& measure, double pixels);
+  EdgeRule(const MeshInput& faces, const MovingArray& points, const EdgeLength& edges);
 
   // Of the points at the times that count.
   std::vector<const Vec3f*> poses() const;
@@ -36,7 +37,7 @@ class EdgeRule {
     // empty: nothing is outside.
     std::vector<std::uint8_t> beyond;
   };
-  static Instant instant_at(const MeshInput& faces, const MovingArray& points, const ScreenMeasure& measure,
+  static Instant instant_at(const MeshInput& faces, const MovingArray& points, const EdgeLength& edges,
                             double time01);
 
   std::vector<Instant> instants_;

@@ -88,6 +88,12 @@ struct PrimvarInput {
   std::vector<PrimvarSample<T>> samples{};
 };
 
+// A primvar that a material reads by its name: one to three numbers, the rest 0.
+struct NamedPrimvar {
+  std::string name;  // without primvars:
+  PrimvarInput<Vec3f> primvar;
+};
+
 enum class Normals : std::uint8_t { kFaceted, kSmooth };  // what to compute where none are authored
 
 // How a mesh is subdivided, in UsdGeomMesh's tokens.
@@ -122,6 +128,8 @@ struct MeshInput {
   Normals computed_normals = Normals::kFaceted;
   PrimvarInput<Vec3f> display_color;
   PrimvarInput<float> display_opacity;
+  std::vector<NamedPrimvar> named_primvars{};  // that displacement needs
+  bool displaced = true;                       // by its materials, where they say so
   std::uint32_t material = kNone;
   // Empty, or one a face in place of `material`; negative: none.
   std::span<const int> face_materials;

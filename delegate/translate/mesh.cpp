@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "delegate/translate/displace/displaced_surface.h"
 #include "delegate/translate/instance_chain.h"
 #include "delegate/translate/moving_array.h"
 #include "delegate/translate/normals.h"
@@ -37,10 +38,16 @@ bool check_controls(const TriangleMesh& shape, PrimLog& log) {
   return check_range(box, log);
 }
 
-// A mesh's shape and, of a refined one, its cage's points at the same controls.
+Box3d grown(const Box3d& box, double by) {
+  const Vec3d margin{by, by, by};
+  return {box.lo - margin, box.hi + margin};
+}
+
+// A mesh's shape and, of a refined one that is not displaced, its cage's points at the same controls.
 struct Shape {
   TriangleMesh mesh;
   std::vector<Vec3f> cage{};
+  double displaced_by = 0.0;
 };
 
 std::vector<Vec3f> refined_controls(const RefinedMesh& refined, const std::vector<Vec3f>& cage,
@@ -56,16 +63,22 @@ std::vector<Vec3f> refined_controls(const RefinedMesh& refined, const std::vecto
   return out;
 }
 
+// All but the positions.
+Shape empty_shape(const Candidate& track, const Tessellation& faces, const std::string& name) {
+  Shape shape;
+  shape.mesh.name = name;
+  shape.mesh.segments = track.form().segments;
+  shape.mesh.degree = track.form().degree;
+  shape.mesh.triangles = faces.triangles();
+  return shape;
+}
+
 Shape shape_of(const MovingArray& points, const Candidate& track, const Tessellation& faces,
                const std::string& name) {
-  Shape shape;
+  Shape shape = empty_shape(track, faces, name);
   TriangleMesh& mesh = shape.mesh;
-  mesh.name = name;
-  mesh.segments = track.form().segments;
-  mesh.degree = track.form().degree;
   mesh.vertex_count = std::uint32_t(points.size());
   mesh.positions = point_controls(points, track);
-  mesh.triangles = faces.triangles();
   if (const Refinement* refinement = faces.refinement()) {
     shape.cage = std::move(mesh.positions);
     mesh.vertex_count = refinement->mesh.point_count();
@@ -98,8 +111,17 @@ void add_face_materials(const MeshInput& input, const Tessellation& topology, st
   for (const std::uint32_t face : topology.faces()) mesh.triangle_materials.push_back(of_face(face));
 }
 
+// Smooth, but where polygons are to be flat. Authored ones are not those of the displaced surface.
+Primvar<Vec3f> displaced_normals(const MeshInput& input, const Tessellation& topology, const Shape& shape,
+                                 std::uint32_t max_segments) {
+  const bool flat = !topology.refinement() && input.computed_normals != Normals::kSmooth &&
+                    input.normals.samples.empty();
+  return flat ? Primvar<Vec3f>{} : smooth_normals(shape.mesh, max_segments);
+}
+
 Primvar<Vec3f> normals_of(const MeshInput& input, const Tessellation& topology, const NormalMotion& motion,
                           const Shape& shape, std::uint32_t max_segments, PrimLog& log) {
+  if (shape.displaced_by > 0.0) return displaced_normals(input, topology, shape, max_segments);
   if (const Refinement* refinement = topology.refinement())
     return limit_normals(refinement->mesh, shape.cage, shape.mesh.form(), max_segments);
   Primvar<Vec3f> authored = authored_normals(input, topology.polygons(), motion, max_segments, log);
@@ -111,6 +133,7 @@ void add_shape(const MeshInput& input, const Tessellation& topology, const Norma
                const MeshTarget& target, Shape shape, Mesh& mesh, PrimLog& log) {
   const std::uint32_t most = target.settings.max_segments;
   mesh.normals = normals_of(input, topology, motion, shape, most, log);
+  mesh.displaced_by = float(shape.displaced_by);
   mesh.shape = std::move(shape.mesh);
   PrimLog optional = log.of_optional_part();
   mesh.display_color = flattened(input.display_color, topology, "primvars:displayColor", optional, most);
@@ -140,6 +163,7 @@ struct MeshMotion {
   const PointMotion& points;
   const TransformTrack& transform;
   const Triangulation& polygons;
+  const FaceDisplacements& displacements;
 };
 
 ScreenMeasure measure_of(const MeshTarget& target, const Box3d& box) {
@@ -151,19 +175,62 @@ ScreenMeasure measure_of(const MeshTarget& target, const Box3d& box) {
 // `points` in the world, which will have a track of so many controls.
 Tessellation tessellated(const MeshMotion& motion, const MovingArray& points, const ScreenMeasure& measure,
                          std::uint32_t controls, const MeshTarget& target, PrimLog& log) {
-  return tessellated(motion.input, motion.polygons, points, {target.edge_length_pixels, measure}, controls,
-                     log);
+  const EdgeLength edges{target.edge_length_pixels, measure, motion.displacements.reach()};
+  return tessellated(motion.input, motion.polygons, points, edges, controls, log);
+}
+
+struct DisplacedShape {
+  Shape shape;
+  PointFit fit;
+};
+
+bool check_displaced(const TriangleMesh& mesh, PrimLog& log) {
+  const auto in_range = [](const Vec3f& p) {
+    const Vec3f size = abs(p);
+    return size.x <= kMaxCoordinate && size.y <= kMaxCoordinate && size.z <= kMaxCoordinate;
+  };
+  const auto bad = std::ranges::find_if_not(mesh.positions, in_range);
+  if (bad == mesh.positions.end()) return true;
+  log.warn("material:binding",
+           message("displaced to (", bad->x, ", ", bad->y, ", ", bad->z,
+                   "); expected coordinates of at most 2^60 in size; drawn without displacement"));
+  return false;
+}
+
+// Of `points`, in the space that is wanted; nothing where there is no displacement, or none that can be
+// drawn.
+std::optional<DisplacedShape> displaced_shape(const MeshMotion& motion, const MovingArray& points,
+                                              const Tessellation& faces, const ScreenMeasure& measure,
+                                              const FitSettings& settings, PrimLog& log) {
+  if (!motion.displacements.any()) return std::nullopt;
+  PointDistances distances = point_distances(motion.input, faces, motion.displacements, log);
+  const double largest = distances.largest();
+  if (largest == 0.0) return std::nullopt;
+  if (!faces.refinement()) {
+    log.warn_in_common("subdivisionScheme",
+                       "displacement moves the vertices of polygons alone; a subdivided mesh shows all of it");
+  }
+  const DisplacedSurface surface(points, faces, std::move(distances));
+  const std::uint64_t most = kMostRefinedPoints / std::max<std::size_t>(1, surface.size());
+  DisplacedShape result{{}, fit_displaced(surface, measure, settings, most)};
+  result.shape = empty_shape(result.fit.track, faces, motion.input.path);
+  result.shape.mesh.vertex_count = std::uint32_t(surface.size());
+  result.shape.mesh.positions = displaced_controls(surface, result.fit.track);
+  result.shape.displaced_by = largest;
+  if (!check_displaced(result.shape.mesh, log)) return std::nullopt;
+  return result;
 }
 
 std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, MeshTarget& target,
                                                   PrimLog& log) {
-  const auto& [input, points, transform, polygons] = motion;
+  const auto& [input, points, transform, polygons, displacements] = motion;
   const Vec3d shift = exact_origin(bounds({points.track, TransformTrack(Affine3d{})}));
   const MovingArray still{points.track, TransformTrack(rebased(Affine3d{}, {}, shift))};
-  const Box3d box = bounds(still);
-  if (!check_range(box, log) || !check_range(bounds(box, transform.rebased(shift, *target.origin)), log)) {
+  const Box3d own = bounds(still);
+  if (!check_range(own, log) || !check_range(bounds(own, transform.rebased(shift, *target.origin)), log)) {
     return std::nullopt;
   }
+  const Box3d box = grown(own, displacements.reach());
   const TransformSamples& samples = input.world_from_object;
   const std::vector<InstanceLevel> levels{{samples.times01,
                                            samples.matrices,
@@ -191,8 +258,10 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
   if (topology.triangles().empty()) return std::nullopt;
   TranslatedMesh result;
   const TimeLayout unmoved = TimeLayout::even(0);
-  add_shape(input, topology, {still.transform, unmoved, points.frame_only}, target,
-            shape_of(still, {unmoved, 1}, topology, input.path), result.mesh, log);
+  auto displaced = displaced_shape(motion, still, topology, *target.measure, target.settings, log);
+  Shape shape = displaced ? std::move(displaced->shape) : shape_of(still, {unmoved, 1}, topology, input.path);
+  add_shape(input, topology, {still.transform, unmoved, points.frame_only}, target, std::move(shape),
+            result.mesh, log);
   result.track = {input.path, "transform", chain->rule()};
   result.track.set_form(form, fitter.time_remap(verdict.track));
   result.track.moving_transform = true;
@@ -211,20 +280,24 @@ std::string rule_of(const PointMotion& points, const TransformTrack& transform) 
 }
 
 std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target, PrimLog& log) {
-  const auto& [input, points, transform, polygons] = motion;
+  const auto& [input, points, transform, polygons, displacements] = motion;
   if (!target.origin) target.origin = exact_origin(bounds({points.track, transform}));
   const MovingArray moving{points.track, transform.rebased({}, *target.origin)};
   const Box3d box = bounds(moving);
   if (!check_range(box, log)) return std::nullopt;
   const ScreenMeasure measure = measure_of(target, box);
-  const PointFit fit = fit_points(moving, measure, target.settings);
+  PointFit fit = fit_points(moving, measure, target.settings);
+  const Tessellation topology =
+      tessellated(motion, moving, measure, fit.track.form().controls(), target, log);
+  if (topology.triangles().empty()) return std::nullopt;  // a boundary rule may leave no face a surface
+  auto displaced = displaced_shape(motion, moving, topology, measure, target.settings, log);
+  if (displaced) fit = std::move(displaced->fit);
   const TrackForm form = fit.track.form();
   report_fit({form.segments, fit.error}, target.settings, kPoints, "the motion", log);
 
-  const Tessellation topology = tessellated(motion, moving, measure, form.controls(), target, log);
-  if (topology.triangles().empty()) return std::nullopt;  // a boundary rule may leave no face a surface
   TranslatedMesh result;
-  Shape shape = shape_of(moving, fit.track, topology, input.path);
+  Shape shape =
+      displaced ? std::move(displaced->shape) : shape_of(moving, fit.track, topology, input.path);
   if (!check_controls(shape.mesh, log)) return std::nullopt;
   add_shape(input, topology, {moving.transform, fit.track.layout, points.frame_only}, target,
             std::move(shape), result.mesh, log);
@@ -259,9 +332,11 @@ std::optional<TranslatedMesh> translate_mesh(const MeshInput& input, MeshTarget&
   const Triangulation polygons = triangulate(input, points->track.size(), log);
   if (polygons.triangles.empty()) return std::nullopt;
   const bool in_world = target.measure != nullptr;
-  const MeshMotion motion{input, *points, transform, polygons};
+  const FaceDisplacements displacements(input, target.displacements, log);
+  const MeshMotion motion{input, *points, transform, polygons, displacements};
+  const bool still = points->track.is_still() && displacements.is_still();
   const bool keeps_transform =
-      in_world && points->track.is_still() && !transform.is_still() && !transform.is_singular_somewhere();
+      in_world && still && !transform.is_still() && !transform.is_singular_somewhere();
   return keeps_transform ? in_moving_transform(motion, target, log) : baked(motion, target, log);
 }
 

@@ -9,6 +9,7 @@
 #include "core/base/vec.h"
 #include "core/scene/scene.h"
 #include "delegate/translate/diagnostics.h"
+#include "delegate/translate/displace/face_displacements.h"
 #include "delegate/translate/fit.h"
 #include "delegate/translate/inputs.h"
 #include "delegate/translate/screen_measure.h"
@@ -29,6 +30,7 @@ struct MeshTarget {
   std::uint32_t material_count = 0;
   bool keep_faces = false;
   double edge_length_pixels = 0.0;  // of subdivided surfaces; 0: their cages are drawn as polygons
+  Displacements displacements{};    // by material; none: nothing is displaced
 };
 
 struct TranslatedMesh {

@@ -31,7 +31,7 @@ Tessellation tessellated(const MeshInput& input, Triangulation polygons, const M
   std::optional<InputCage> cage = cage_of(input, points.size(), log);
   if (!cage) return Tessellation(std::move(polygons));
   try {
-    const EdgeRule rule(input, points, edges.measure, edges.pixels);
+    const EdgeRule rule(input, points, edges);
     RefinedMesh mesh(
         std::move(cage->cage), rule.poses(), [&](const CageEdge& edge) { return rule.level(edge); },
         kMostRefinedPoints / controls);
@@ -42,7 +42,8 @@ Tessellation tessellated(const MeshInput& input, Triangulation polygons, const M
                        " times as long; a larger --edge-length says so without this warning"));
     }
     std::vector<std::uint32_t> faces = input_faces(mesh, cage->faces);
-    return {std::move(polygons), {std::move(mesh), std::move(faces), std::move(cage->channels)}};
+    return {std::move(polygons),
+            {std::move(mesh), std::move(faces), std::move(cage->faces), std::move(cage->channels)}};
   } catch (const Error& error) {
     const std::string what = without_name(error.what(), input.path);
     log.warn("subdivisionScheme", message(what, "; the cage is drawn as polygons"));

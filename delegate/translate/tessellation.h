@@ -22,6 +22,7 @@ namespace msbvh::translate {
 struct Refinement {
   RefinedMesh mesh;
   std::vector<std::uint32_t> faces;  // of each triangle, the input's face
+  std::vector<std::uint32_t> cage_faces;  // of each of the cage's faces, likewise; empty: the same
   std::map<std::string, std::uint32_t>
       channels;  // of face-varying primvars, by attribute: ValueKind::channel
 };
@@ -52,6 +53,7 @@ struct EdgeLength {
   double pixels =
       0.0;  // of about what length edges are where they are seen largest; 0: cages are drawn as polygons
   const ScreenMeasure& measure;
+  double reach = 0.0;  // how far off the limit surface something may be drawn, in the object's units
 };
 
 // The length in pixels by the name that usdrecord's --complexity gives it.

@@ -86,6 +86,7 @@ struct Translator::Data {
   Vec3d origin;
   ScreenMeasure measure;
   Scene scene;
+  std::vector<std::optional<Displacement>> displacements;  // by material
   std::vector<PrototypeState> prototypes;
   std::vector<Diagnostic> diagnostics;
   std::vector<TrackReport> tracks;
@@ -101,7 +102,8 @@ MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
                     fit,
                     0,
                     settings.keep_faces,
-                    settings.edge_length_pixels};
+                    settings.edge_length_pixels,
+                    {}};
   if (in_world) result.origin = origin;
   return result;
 }
@@ -109,6 +111,7 @@ MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
 std::optional<TranslatedMesh> Translator::Data::translated(const MeshInput& input, MeshTarget& target) {
   PrimLog log(diagnostics, input.path);
   target.material_count = std::uint32_t(scene.materials.size());
+  target.displacements = displacements;
   std::optional<TranslatedMesh> result = translate_mesh(input, target, log);
   if (result) {
     tracks.push_back(result->track);
@@ -226,8 +229,10 @@ void Translator::add_instances(const InstancesInput& input) {
   data_->tracks.insert(data_->tracks.end(), result.tracks.begin(), result.tracks.end());
 }
 
-std::uint32_t Translator::add_material(const Material& material) {
+std::uint32_t Translator::add_material(const Material& material, std::optional<Displacement> displacement) {
   PrimLog log(data_->diagnostics, material.name);
+  if (!data_->settings.displace) displacement.reset();
+  data_->displacements.push_back(std::move(displacement));
   data_->scene.materials.push_back(checked_material(material, log));
   return std::uint32_t(data_->scene.materials.size() - 1);
 }

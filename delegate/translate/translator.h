@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/fit.h"
 #include "delegate/translate/inputs.h"
+#include "delegate/translate/look/displacement.h"
 
 namespace msbvh::translate {
 
@@ -28,6 +30,7 @@ struct TranslatorSettings {
   bool keep_faces = false;  // for the AOV elementId: which face each triangle is of
   // About how long the edges of a subdivided surface are in the picture; 0: cages are drawn as polygons.
   double edge_length_pixels = 1.0;
+  bool displace = true;  // surfaces whose materials say so
 };
 
 // How a prim's motion was kept: the camera's, then one for each mesh, set of instances and light. For
@@ -73,7 +76,8 @@ class Translator {
   double pixels_per_unit(const InstancesInput& input, const Box3d& box) const;
   // After the prototype's meshes, whose extent the tolerance is measured on.
   void add_instances(const InstancesInput& input);
-  std::uint32_t add_material(const Material& material);
+  // Before the meshes that are bound to it.
+  std::uint32_t add_material(const Material& material, std::optional<Displacement> displacement = {});
   void add_light(const LightInput& input);
 
   // Whether the scene has geometry that can be seen.

@@ -239,9 +239,21 @@ def _unsupported_inputs() -> None:
     shot = Shot(SHUTTER)
     bind(row_of_squares(shot), glowing(shot, "/Look", RED))
     shader = UsdShade.Shader.Get(shot.stage, "/Look/Surface")
+    normal = shader.CreateInput("normal", Sdf.ValueTypeNames.Normal3f).GetAttr()
+    set_in_turn(normal, ((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)), (9.0, 10.1, 10.4))
+    named(shot, "/Look/Surface.inputs:normal", "not supported")
+
+
+@case("inputs:displacement")
+def _displacement() -> None:
+    shot = Shot(SHUTTER)
+    bind(row_of_squares(shot), glowing(shot, "/Look", RED))
+    shader = UsdShade.Shader.Get(shot.stage, "/Look/Surface")
+    material = UsdShade.Material.Get(shot.stage, "/Look")
+    material.CreateDisplacementOutput().ConnectToSource(shader.ConnectableAPI(), "displacement")
     displacement = shader.CreateInput("displacement", Sdf.ValueTypeNames.Float).GetAttr()
     set_in_turn(displacement, (0.0, 0.0, 1.0), (9.0, 10.1, 10.4))
-    named(shot, "/Look/Surface.inputs:displacement", "not supported")
+    named(shot, "/Look/Surface.inputs:displacement", "changes within the shutter", "held")
 
 
 @case("inputs:shaping:cone:angle")

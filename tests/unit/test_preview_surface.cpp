@@ -187,14 +187,16 @@ TEST_CASE("cycles, nodes that are not there and surfaces of another kind end in 
 
 TEST_CASE("inputs that a diffuse surface does not show are reported unless they have no effect") {
   Network look;
-  look.surface().inputs = {constant("normal", numbers({0, 0, 1})), constant("displacement", 0.0)};
+  look.surface().inputs = {constant("normal", numbers({0, 0, 1}))};
   look.read();
   CHECK(look.warnings() == 0);
-  look.surface().inputs = {constant("normal", numbers({0, 1, 0})), constant("displacement", 0.0)};
-  look.surface().inputs[1].in_shutter = {ShaderValue{0.0, "0", "float"}, ShaderValue{1.0, "1", "float"}};
+  look.surface().inputs = {constant("normal", numbers({0, 1, 0}))};
   look.read();
   CHECK(look.warnings("inputs:normal: not supported yet") == 1);
-  CHECK(look.warnings("inputs:displacement: not supported yet") == 1);
+  look.surface().inputs = {constant("normal", numbers({0, 0, 1}))};
+  look.surface().inputs[0].in_shutter = {ShaderValue{numbers({0, 0, 1})}, ShaderValue{numbers({1, 0, 0})}};
+  look.read();
+  CHECK(look.warnings("inputs:normal: not supported yet") == 1);
 }
 
 TEST_CASE("a value that changes within the shutter is held, which is said where it was authored") {
@@ -215,20 +217,19 @@ TEST_CASE("a value that changes within the shutter is held, which is said where 
   CHECK(look.said.back().in_common);
 }
 
-TEST_CASE("no value, and what the frame alone has, is no displacement; other kinds than numbers are one") {
+TEST_CASE("no value, and what the frame alone has, is no normal map; other kinds than vectors are one") {
   Network look;
-  const auto warnings_of = [&](const ShaderInput& displacement) {
-    look.surface().inputs = {displacement};
+  const auto warnings_of = [&](const ShaderInput& normal) {
+    look.surface().inputs = {normal};
     look.read();
-    return look.warnings("inputs:displacement: not supported yet; drawn without it");
+    return look.warnings("inputs:normal: not supported yet; drawn without it");
   };
-  CHECK(warnings_of({"displacement"}) == 0);
-  ShaderInput moving = constant("displacement", 1.0);
-  moving.in_shutter = {ShaderValue{0.0}, std::nullopt};
+  CHECK(warnings_of({"normal"}) == 0);
+  ShaderInput moving = constant("normal", numbers({1, 0, 0}));
+  moving.in_shutter = {ShaderValue{numbers({0, 0, 1})}, std::nullopt};
   CHECK(warnings_of(moving) == 0);
-  CHECK(warnings_of(constant("displacement", std::numeric_limits<double>::quiet_NaN())) == 1);
-  CHECK(warnings_of(constant("displacement", false)) == 1);
-  CHECK(warnings_of(connected("displacement", "/Nowhere", "out")) == 1);
+  CHECK(warnings_of(constant("normal", false)) == 1);
+  CHECK(warnings_of(connected("normal", "/Nowhere", "out")) == 1);
 }
 
 TEST_CASE("a primvar's name of another type is ignored, and so the reader falls back") {

@@ -273,4 +273,87 @@ std::vector<Vec3f> RefinedMesh::normals(const Vec3f* positions) const {
   return out;
 }
 
+std::vector<FacePoint> RefinedMesh::points_of(std::uint32_t face) const {
+  std::vector<FacePoint> points = FaceLattices::distinct(lattices_->squares(face));
+  for (FacePoint& p : points) p.id = point(p.id);
+  return points;
+}
+
+// What a face says at each of its points, once.
+template <typename Value>
+struct RefinedMesh::Said {
+  std::vector<std::uint32_t> points;
+  std::vector<Value> values;
+};
+
+// `at_face(i, squares, out)`, likewise of the i-th of drawn_.
+template <typename Value, typename AtFace>
+std::vector<RefinedMesh::Said<Value>> RefinedMesh::said_by_faces(const AtFace& at_face) const {
+  std::vector<Said<Value>> result(drawn_.size());
+  for_faces([&](std::size_t i, const std::vector<SquareLattice>& squares) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> seen;  // point, and its place in the squares
+    for (const SquareLattice& square : squares) {
+      for (const FacePoint& p : square.points)
+        seen.emplace_back(point(p.id), static_cast<std::uint32_t>(seen.size()));
+    }
+    std::vector<Value> values(seen.size());
+    at_face(i, squares, values.data());
+    std::ranges::sort(seen);
+    for (const auto& [p, place] : seen) {
+      if (!result[i].points.empty() && result[i].points.back() == p) continue;
+      result[i].points.push_back(p);
+      result[i].values.push_back(values[place]);
+    }
+  });
+  return result;
+}
+
+std::vector<double> RefinedMesh::means(const FaceValues& at_face) const {
+  const auto said = said_by_faces<double>(
+      [&](std::size_t i, std::span<const SquareLattice> squares, double* out) {
+        at_face(drawn_[i], squares, out);
+      });
+  std::vector<double> sums(point_count_, 0.0);
+  std::vector<std::uint32_t> faces(point_count_, 0);
+  for (const Said<double>& face : said) {
+    for (std::size_t k = 0; k < face.points.size(); ++k) {
+      sums[face.points[k]] += face.values[k];
+      ++faces[face.points[k]];
+    }
+  }
+  for (std::size_t p = 0; p < sums.size(); ++p) {
+    if (faces[p] > 1) sums[p] /= faces[p];
+  }
+  return sums;
+}
+
+RefinedMesh::LimitPoints RefinedMesh::limit(const Vec3f* positions) const {
+  struct Here {
+    Vec3d position, normal;
+  };
+  const auto said =
+      said_by_faces<Here>([&](std::size_t i, std::span<const SquareLattice> squares, Here* here) {
+        FaceSurface surface(*surface_, drawn_[i]);
+        surface.set_values(&positions->x, 3);
+        for (const SquareLattice& square : squares) {
+          for (const FacePoint& p : square.points) {
+            const LimitPoint limit = surface.evaluate(p.square, p.s, p.t);
+            *here++ = {limit.position, normalize(cross(limit.du, limit.dv))};
+          }
+        }
+      });
+  LimitPoints out{std::vector<Vec3d>(point_count_), std::vector<Vec3d>(point_count_)};
+  std::vector<bool> placed(point_count_, false);
+  for (const Said<Here>& face : said) {
+    for (std::size_t k = 0; k < face.points.size(); ++k) {
+      const std::uint32_t p = face.points[k];
+      if (!placed[p]) out.positions[p] = face.values[k].position;  // as at_points(): the first face's
+      placed[p] = true;
+      out.normals[p] += face.values[k].normal;
+    }
+  }
+  for (Vec3d& normal : out.normals) normal = normalize(normal);
+  return out;
+}
+
 }  // namespace msbvh

@@ -54,6 +54,23 @@ class RefinedMesh {
   // has_creases(). Zero where the surface has none.
   std::vector<Vec3f> normals(const Vec3f* positions) const;
 
+  // To evaluate faces with (FaceSurface).
+  const LimitSurface& surface() const { return *surface_; }
+  const std::vector<std::uint32_t>& drawn_faces() const { return drawn_; }  // of the cage
+  // Those that a drawn face sees, each once; their ids are points.
+  std::vector<FacePoint> points_of(std::uint32_t face) const;
+  // One value a point, whatever the faces around it disagree on: the mean of what each says, in the order of
+  // the faces. `at_face(face, squares, out)`, called from several threads, writes a value for each point of
+  // the squares, one square after the other.
+  using FaceValues = std::function<void(std::uint32_t, std::span<const SquareLattice>, double*)>;
+  std::vector<double> means(const FaceValues& at_face) const;
+  // The limit surface of a cage at `positions`. Normals are unit means of the faces' own, which differ at
+  // creases; zero where there is none.
+  struct LimitPoints {
+    std::vector<Vec3d> positions, normals;
+  };
+  LimitPoints limit(const Vec3f* positions) const;
+
  private:
   struct Corner {
     std::uint32_t square, point;  // of SquareLattice::points
@@ -67,6 +84,10 @@ class RefinedMesh {
   template <typename Place, typename Out>
   void write_corners(const std::vector<SquareLattice>& squares, std::size_t width, const Place& at_place,
                      Out* to) const;
+  template <typename Value>
+  struct Said;
+  template <typename Value, typename AtFace>
+  std::vector<Said<Value>> said_by_faces(const AtFace& at_face) const;
   template <typename Evaluate>
   void evaluate_points(ValueKind kind, const Evaluate& evaluate) const;
   std::uint32_t point(std::uint32_t id) const {

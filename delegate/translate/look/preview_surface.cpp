@@ -2,21 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
+
+#include "delegate/translate/look/shader_values.h"
 
 namespace msbvh::translate {
 namespace {
 
-constexpr std::string_view kPreviewSurface = "UsdPreviewSurface";
-constexpr std::string_view kTexture = "UsdUVTexture";
-constexpr std::string_view kPrimvarReader = "UsdPrimvarReader";  // and _ and the type that it reads
-
 // UsdPreviewSurface's defaults, and UsdUVTexture's.
 constexpr Vec3d kDiffuseColor{0.18, 0.18, 0.18}, kEmissiveColor{}, kNormal{0.0, 0.0, 1.0};
-constexpr double kOpacity = 1.0, kOpacityThreshold = 0.0, kDisplacement = 0.0;
+constexpr double kOpacity = 1.0, kOpacityThreshold = 0.0;
 constexpr Rgba kScale{1.0, 1.0, 1.0, 1.0}, kBias{};
 
 // What an input of the surface is drawn as. Kind: double for a number, Vec3d for a colour.
@@ -27,39 +23,8 @@ struct Constant {
   bool is_mean = false;       // of the texture that it stands for
 };
 
-// As printf's %g.
-std::string text(double value) {
-  if (std::isnan(value)) return "nan";  // without a sign
-  std::array<char, 32> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), "%g", value);
-  return buffer.data();
-}
-std::string text(const Vec3d& value) {
-  return "(" + text(value.x) + ", " + text(value.y) + ", " + text(value.z) + ")";
-}
-
 const char* expected(double) { return "a number"; }
 const char* expected(const Vec3d&) { return "three numbers"; }
-
-// The numbers of a vector that has kSize of them.
-template <std::size_t kSize>
-std::optional<std::array<double, kSize>> numbers(const ShaderValue& value) {
-  const auto* found = std::get_if<std::vector<double>>(&value.data);
-  if (!found || found->size() != kSize) return std::nullopt;
-  std::array<double, kSize> result{};
-  std::ranges::copy(*found, result.begin());
-  return result;
-}
-
-// A value as the kind of the second argument; none: it is of another kind.
-std::optional<double> as_kind_of(const ShaderValue& value, double) {
-  const auto* number = std::get_if<double>(&value.data);
-  return number ? std::optional(*number) : std::nullopt;
-}
-std::optional<Vec3d> as_kind_of(const ShaderValue& value, const Vec3d&) {
-  const auto found = numbers<3>(value);
-  return found ? std::optional(Vec3d{(*found)[0], (*found)[1], (*found)[2]}) : std::nullopt;
-}
 
 // What an output of a texture gives an input of a kind. Null: all channels, not one.
 const double* one_channel(const Rgba& texture, std::string_view output) {
@@ -76,35 +41,6 @@ double output_of(const Rgba& texture, std::string_view output, double) {
 Vec3d output_of(const Rgba& texture, std::string_view output, const Vec3d&) {
   const double* grey = one_channel(texture, output);
   return grey ? Vec3d{*grey, *grey, *grey} : Vec3d{texture[0], texture[1], texture[2]};
-}
-
-// Null where the input is not authored, holds none, or is connected.
-const ShaderValue* constant_of(const ShaderNode& node, std::string_view name) {
-  const ShaderInput* input = node.input(name);
-  return input && input->connections.empty() && input->value ? &*input->value : nullptr;
-}
-
-// scale or bias. What is not four finite numbers leaves the texture as it is.
-Rgba finite_or(const Rgba& standard, const ShaderValue* value) {
-  const std::optional<Rgba> found = value ? numbers<4>(*value) : std::nullopt;
-  const bool finite =
-      found && std::ranges::all_of(*found, [](double number) { return std::isfinite(number); });
-  return finite ? *found : standard;
-}
-
-template <typename Kind>
-bool has_effect(const ShaderInput& input, const Kind& neutral) {
-  if (!input.connections.empty()) return true;
-  const auto differs = [&](const std::optional<ShaderValue>& value) {
-    return value && as_kind_of(*value, neutral) != neutral;
-  };
-  return input.in_shutter.empty() ? differs(input.value) : std::ranges::any_of(input.in_shutter, differs);
-}
-
-std::string full_name(std::string_view input) { return "inputs:" + std::string(input); }
-
-Origin origin_of(const ShaderNode& node, const ShaderInput& input) {
-  return input.origin.value_or(Origin{node.path, full_name(input.name)});
 }
 
 class SurfaceReader {
@@ -171,7 +107,6 @@ void SurfaceReader::tell_of_the_rest() {
     }
   };
   tell_unless_neutral("normal", kNormal);
-  tell_unless_neutral("displacement", kDisplacement);
 }
 
 template <typename Kind>
@@ -278,11 +213,14 @@ Kind SurfaceReader::number_or(const Kind& standard, const ShaderValue& value, co
 std::span<const std::string_view> evaluated_inputs(std::string_view identifier) {
   static constexpr std::string_view kOfSurface[] = {
       "diffuseColor", "emissiveColor", "opacity", "opacityThreshold", "normal", "displacement", "fallback"};
-  static constexpr std::string_view kOfTexture[] = {"file", "sourceColorSpace", "scale", "bias", "fallback"};
+  static constexpr std::string_view kOfTexture[] = {"file",  "sourceColorSpace", "st",   "wrapS",
+                                                    "wrapT", "scale",            "bias", "fallback"};
+  static constexpr std::string_view kOfTransform[] = {"in", "rotation", "scale", "translation", "fallback"};
   static constexpr std::string_view kOfReader[] = {"varname", "fallback"};
   static constexpr std::string_view kOfOthers[] = {"fallback"};
   if (identifier == kPreviewSurface) return kOfSurface;
   if (identifier == kTexture) return kOfTexture;
+  if (identifier == kTransform2d) return kOfTransform;
   return identifier.starts_with(kPrimvarReader) ? std::span<const std::string_view>(kOfReader) : kOfOthers;
 }
 

@@ -4,13 +4,16 @@
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "delegate/translate/look/displacement.h"
 #include "delegate/translate/look/preview_surface.h"
 #include "delegate/usd/bindings/arguments.h"
 #include "delegate/usd/bindings/bindings.h"
@@ -36,6 +39,44 @@ class PythonTextures : public TextureSource {
  private:
   nb::handle mean_;
 };
+
+// A function of the files, the colour space and the channel that gives (float32[H, W], wrap modes of the file in
+// s and t, which may be empty) or None.
+class PythonTexels : public TextureSource {
+ public:
+  explicit PythonTexels(nb::handle channel) : channel_(channel) {}
+
+  std::optional<Rgba> mean(const Asset&, std::string_view) const override { return std::nullopt; }
+  std::optional<ScalarImage> channel(const Asset& texture, std::string_view colour_space,
+                                     std::size_t channel) const override {
+    const nb::object found = channel_(texture.files, std::string(colour_space), channel);
+    if (found.is_none()) return std::nullopt;
+    const char* expected = "(float32[H, W], str, str) or None";
+    const auto [texels, wrap_s, wrap_t] =
+        value_from<std::tuple<nb::object, std::string, std::string>>(found, "channel()", expected);
+    const AnyArray array = checked_array<float>(texels, "channel()", {kAnySize, kAnySize});
+    if (array.size() == 0) return std::nullopt;
+    const std::span<const float> values = elements<float>(array);
+    return ScalarImage{std::uint32_t(array.shape(1)), std::uint32_t(array.shape(0)),
+                       {values.begin(), values.end()}, wrap_s, wrap_t};
+  }
+
+ private:
+  nb::handle channel_;
+};
+
+nb::tuple displacement_of_network(const ShaderNetwork& network, nb::handle channel) {
+  std::vector<Diagnostic> diagnostics;
+  std::optional<Displacement> found = displacement_of(network, PythonTexels(channel), diagnostics);
+  return nb::make_tuple(found ? nb::cast(std::move(*found)) : nb::none(), diagnostics);
+}
+
+void bind_displacement(nb::module_& m) {
+  nb::class_<Displacement>(m, "Displacement")
+      .def_prop_ro("primvar", [](const Displacement& d) { return d.needed_primvar(); })
+      .def_prop_ro("primvar_width", [](const Displacement& d) { return d.texture ? 2 : 1; });
+  m.def("displacement", &displacement_of_network, "network"_a, "channel"_a);
+}
 
 // The keywords of Translator.add_material.
 nb::dict keywords_of(const Material& material) {
@@ -87,6 +128,7 @@ void bind_values(nb::module_& m) {
 
 void bind_materials(nb::module_& m) {
   bind_values(m);
+  bind_displacement(m);
   nb::class_<ShaderInput>(m, "ShaderInput")
       .def(nb::init<std::string, std::optional<ShaderValue>, std::vector<std::optional<ShaderValue>>,
                     std::vector<ShaderConnection>, std::optional<Origin>>(),

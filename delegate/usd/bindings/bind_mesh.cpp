@@ -46,6 +46,8 @@ constexpr Attribute<MeshObject> kAttributes[] = {
     {"computed_normals", &MeshObject::computed_normals},
     {"display_color", &MeshObject::display_color},
     {"display_opacity", &MeshObject::display_opacity},
+    {"named_primvars", &MeshObject::named_primvars},
+    {"displaced", &MeshObject::displaced},
     {"material", &MeshObject::material},
     {"face_materials", &MeshObject::face_materials},
 };
@@ -65,6 +67,18 @@ SubdivisionInput subdivision_from(const MeshObject& mesh, Borrowed& borrowed) {
   result.crease_sharpnesses = borrowed.scalars(mesh.crease_sharpnesses, "crease_sharpnesses");
   result.corner_indices = borrowed.ints(mesh.corner_indices, "corner_indices");
   result.corner_sharpnesses = borrowed.scalars(mesh.corner_sharpnesses, "corner_sharpnesses");
+  return result;
+}
+
+// A dictionary from a primvar's name to what display_color is.
+std::vector<NamedPrimvar> named_from(const nb::object& given, Borrowed& borrowed) {
+  std::vector<NamedPrimvar> result;
+  if (given.is_none()) return result;
+  const auto primvars = value_from<nb::dict>(given, "named_primvars", "a dict");
+  for (const auto& [key, value] : primvars) {
+    const auto name = value_from<std::string>(key, "named_primvars", "names as str");
+    result.push_back({name, borrowed.primvar<Vec3f>(value, name)});
+  }
   return result;
 }
 
@@ -103,6 +117,8 @@ MeshInput MeshObject::input(Borrowed& borrowed) const {
   mesh.computed_normals = computed_normals_from(computed);
   mesh.display_color = borrowed.primvar<Vec3f>(display_color, "display_color");
   mesh.display_opacity = borrowed.primvar<float>(display_opacity, "display_opacity");
+  mesh.named_primvars = named_from(named_primvars, borrowed);
+  take(mesh.displaced, displaced, "displaced", "a bool");
   take(mesh.material, material, "material", "an int or None");
   mesh.face_materials = borrowed.ints(face_materials, "face_materials");
   return mesh;

@@ -105,6 +105,7 @@ TranslatorSettings settings_from(Arguments& arguments) {
     settings.keep_faces = arguments.value<bool>("keep_faces", "a bool");
   if (!arguments.optional("edge_length").is_none())
     settings.edge_length_pixels = arguments.value<double>("edge_length", "a float");
+  settings.displace = arguments.value_or("displace", settings.displace, "a bool");
   return settings;
 }
 
@@ -182,8 +183,14 @@ std::uint32_t add_material(Translator& translator, const nb::kwargs& keywords) {
   material.opacity = arguments.value<float>("opacity", "a float");
   material.opacity_from_display_opacity = arguments.value<bool>("opacity_from_display_opacity", "a bool");
   material.opacity_threshold = arguments.value<float>("opacity_threshold", "a float");
+  std::optional<Displacement> displacement;
+  const nb::object given = arguments.optional("displacement");
+  if (!given.is_none()) {
+    if (!nb::isinstance<Displacement>(given)) arguments.fail("displacement", given, "a Displacement");
+    displacement = *nb::inst_ptr<Displacement>(given);
+  }
   arguments.expect_no_more();
-  return translator.add_material(material);
+  return translator.add_material(material, std::move(displacement));
 }
 
 // Radiance and sizes (angle in degrees, radius, width, height) at times; none: still.

@@ -18,7 +18,7 @@ struct MeshObject {
   nanobind::object frame01, seconds_per_shutter, velocity_scale;
   nanobind::object topology_varies, computed_points, visible, transform;
   nanobind::object normals, normals_interpolation, normals_indices, computed_normals;
-  nanobind::object display_color, display_opacity, material, face_materials;
+  nanobind::object display_color, display_opacity, named_primvars, displaced, material, face_materials;
 
   MeshObject();
 

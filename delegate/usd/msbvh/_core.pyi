@@ -30,6 +30,7 @@ from ._core_look import light_times01 as light_times01
 from ._core_look import placed_light as placed_light
 from ._core_look import switch_times01 as switch_times01
 from ._core_materials import Asset as Asset
+from ._core_materials import Displacement as Displacement
 from ._core_materials import Material as Material
 from ._core_materials import Origin as Origin
 from ._core_materials import ShaderConnection as ShaderConnection
@@ -38,6 +39,7 @@ from ._core_materials import ShaderInput as ShaderInput
 from ._core_materials import ShaderNetwork as ShaderNetwork
 from ._core_materials import ShaderNode as ShaderNode
 from ._core_materials import ShaderValue as ShaderValue
+from ._core_materials import displacement as displacement
 from ._core_materials import evaluated_inputs as evaluated_inputs
 from ._core_materials import preview_surface as preview_surface
 from ._core_sample import BEFORE_JUMP01 as BEFORE_JUMP01
@@ -187,6 +189,7 @@ class Translator:
         segments: int = 0,
         keep_faces: bool = False,
         edge_length: float = 1.0,
+        displace: bool = True,
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
         bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one),
@@ -194,7 +197,7 @@ class Translator:
         shutter after which it may repeat.
         ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
         ``keep_faces``: for the AOV elementId. ``edge_length``: about how long edges of a subdivided surface are in pixels;
-        0: cages are drawn as polygons.
+        0: cages are drawn as polygons. ``displace``: surfaces whose materials say so.
 
         Raises Error for a camera or settings that cannot be used.
         """
@@ -222,7 +225,8 @@ class Translator:
         ``display_color`` [N, 3], ``materials`` [N] (negative: none) override the prototype's own. ``paths``: of
         the prims that the innermost level places, for a track report each; ``report_whole``: and one of all. After
         the prototype's meshes."""
-    def add_material(self, **material: Unpack[Material]) -> int: ...
+    def add_material(self, *, displacement: Displacement | None = None, **material: Unpack[Material]) -> int:
+        """Before the meshes that are bound to it."""
     def add_light(
         self,
         *,

@@ -62,6 +62,10 @@ class MeshInput:
     shutter. Two samples within 2e-6 make a jump."""
     display_opacity: tuple[str, F32 | list[tuple[float, F32]], I32 | None] | None
     """(interpolation, float32[K] or such samples, indices)."""
+    named_primvars: dict[str, tuple[str, F32 | list[tuple[float, F32]], I32 | None]] | None
+    """That displacement reads, as display_color: numbers of one to three parts, the rest 0."""
+    displaced: bool | None
+    """False: its materials do not displace it."""
     material: int | None
     """From Translator.add_material."""
     face_materials: I32 | None

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TypedDict
 
 from ._core import Diagnostic
+from ._core_inputs import F32
 
 class Asset:
     """A file that an input names."""
@@ -111,3 +112,20 @@ def preview_surface(
     """What the network means, None where its surface is no UsdPreviewSurface, and what is to be said about it.
     ``mean``: linear red, green, blue, and alpha of the texture in some files, by UsdUVTexture's sourceColorSpace;
     None where it cannot be read."""
+
+class Displacement:
+    """How a material displaces what is bound to it."""
+
+    @property
+    def primvar(self) -> str:
+        """The name of the one that a mesh must bring along; empty: none."""
+    @property
+    def primvar_width(self) -> int:
+        """Numbers that make up a value of it: 1, or 2 for texture coordinates."""
+
+def displacement(
+    network: ShaderNetwork, channel: Callable[[list[str], str, int], tuple[F32, str, str] | None]
+) -> tuple[Displacement | None, list[Diagnostic]]:
+    """What the network displaces, None for nothing, and what is to be said about it. ``channel``: red, green, blue or
+    alpha (0 to 3) of the texture in some files, linear, by UsdUVTexture's sourceColorSpace: float32[H, W], the uppermost
+    row first, and the wrap modes that the file names in s and t (empty: none); None where it cannot be read."""

@@ -330,6 +330,7 @@ def _read_settings(options: dict[str, Any]) -> ReadSettings:
         disable_camera_light=options["disable_camera_light"],
         complexity=options["complexity"],
         edge_length=options["edge_length"],
+        displacement=options["displacement"],
         keep_faces="elementId" in options.get("aovs", ()),
     )
 

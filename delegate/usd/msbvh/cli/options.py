@@ -19,6 +19,7 @@ from .option_types import Names, PowerOfTwo, ShutterRange
 PURPOSES = ("default", "render", "proxy", "guide")
 MAX_PIXELS_ACROSS = 65535
 MAX_SPP = 1 << 20
+DISPLACEMENTS = ("tessellate", "none")
 INTERPOLATIONS = ("auto", "linear", "quadratic", "cubic")
 
 
@@ -171,6 +172,14 @@ SCENE: Sequence[Decorator] = (
         metavar="PIXELS",
         help="About how long edges of a subdivided surface are, in place of --complexity's; half of it takes four times the"
         " triangles. 0: cages are drawn as polygons.",
+    ),
+    click.option(
+        "--displacement",
+        type=click.Choice(DISPLACEMENTS),
+        default="tessellate",
+        show_default=True,
+        help="What UsdPreviewSurface's displacement moves. tessellate: the triangles of a subdivided surface, point by point,"
+        " along the surface's normals; where it turns, motion takes more keys. none: nothing.",
     ),
     click.option(
         "--sessionLayer",

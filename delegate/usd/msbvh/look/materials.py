@@ -6,10 +6,11 @@ from typing import Any
 
 from pxr import Tf, Usd, UsdShade
 
-from .._core import preview_surface
+from .._core import Displacement, displacement, preview_surface
 from ..motion.context import FrameContext
 from ..stage.opening import tf_reason
 from .networks import surface_network
+from .texture_channel import texture_channel
 from .texture_mean import texture_mean
 
 
@@ -20,6 +21,7 @@ class Materials:
         self._translator = translator
         self._context = context
         self._ids: dict[str, int | None] = {}
+        self._displacements: dict[int, Displacement] = {}
 
     def bound_to(self, prim: Usd.Prim) -> int | None:
         """The translator's id of the material that a prim or subset is bound to; None: displayColor shows."""
@@ -39,6 +41,10 @@ class Materials:
         except (Tf.ErrorException, UnicodeDecodeError):
             return [self.bound_to(prim) for prim in prims]
 
+    def displacement(self, material: int | None) -> Displacement | None:
+        """How a material displaces what is bound to it; None: not at all."""
+        return None if material is None else self._displacements.get(material)
+
     def _id(self, material: UsdShade.Material) -> int | None:
         if not material:
             return None
@@ -48,6 +54,17 @@ class Materials:
         return self._ids[path]
 
     def _read(self, material: UsdShade.Material) -> int | None:
-        surface, found = preview_surface(surface_network(material, self._context), texture_mean)
-        self._context.diagnostics.take(found)
-        return None if surface is None else self._translator.add_material(**surface)
+        network = surface_network(material, self._context)
+        surface, found = preview_surface(network, texture_mean)
+        displaced, found_too = displacement(network, texture_channel)
+        self._context.diagnostics.take([*found, *found_too])
+        if surface is None:
+            if displaced is not None:
+                message = "not drawn, since the material's surface is not"
+                self._context.diagnostics.warning(network.path, "outputs:displacement", message)
+            return None
+        if displaced is None:
+            return self._translator.add_material(**surface)
+        number = self._translator.add_material(**surface, displacement=displaced)
+        self._displacements[number] = displaced
+        return number

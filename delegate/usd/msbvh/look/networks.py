@@ -1,4 +1,4 @@
-"""Shading networks as plain data: the nodes that a material's surface reads, what their inputs hold, and what is
+"""Shading networks as plain data: the nodes that a material reads, what their inputs hold, and what is
 connected to what. What they mean is decided in delegate/translate/look."""
 
 from __future__ import annotations
@@ -19,17 +19,20 @@ NUMBERS = (int, float, Gf.TimeCode, Gf.Duration)
 
 
 def surface_network(material: UsdShade.Material, context: FrameContext) -> _core.ShaderNetwork:
-    """What a material's surface reads at the frame, through node graphs and material interfaces."""
-    shader, output, _ = material.ComputeSurfaceSource()
-    pending = [shader.GetPrim()] if shader else []
-    terminals = {"surface": _core.ShaderConnection(str(shader.GetPath()), str(output))} if shader else {}
+    """What a material's surface and its displacement read at the frame, through node graphs and material interfaces."""
+    pending, terminals = [], {}
+    sources = (("surface", material.ComputeSurfaceSource()), ("displacement", material.ComputeDisplacementSource()))
+    for name, (shader, output, _) in sources:
+        if shader:
+            pending.append(shader.GetPrim())
+            terminals[name] = _core.ShaderConnection(str(shader.GetPath()), str(output))
     nodes: dict[str, _core.ShaderNode] = {}
     while pending:
         prim = pending.pop()
         path = str(prim.GetPath())
         if path not in nodes:
-            nodes[path], sources = _node(prim, context)
-            pending += sources
+            nodes[path], read = _node(prim, context)
+            pending += read
     return _core.ShaderNetwork(str(material.GetPath()), list(nodes.values()), terminals)
 
 

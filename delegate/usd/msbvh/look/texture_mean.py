@@ -52,7 +52,7 @@ def texture_files(file: Sdf.AssetPath, attribute: Usd.Attribute) -> list[str]:
 @cache
 def _mean(path: str, colour_space: str) -> np.ndarray | None:
     """Remembered for the frames of a run."""
-    with _on_disk(path) as file:
+    with on_disk(path) as file:
         if file is None:
             return None
         config = oiio.ImageSpec()
@@ -67,7 +67,7 @@ def _mean(path: str, colour_space: str) -> np.ndarray | None:
 
 
 @contextmanager
-def _on_disk(path: str) -> Iterator[str | None]:
+def on_disk(path: str) -> Iterator[str | None]:
     """A file of its own for what lies in a package."""
     if not Ar.IsPackageRelativePath(path):
         yield path
@@ -87,7 +87,7 @@ def _mean_of(image: oiio.ImageInput, colour_space: str) -> np.ndarray | None:
     spec = image.spec()
     channels = min(spec.nchannels, 4)
     eight_bits = spec.format.basetype == oiio.UINT8
-    srgb = colour_space == "sRGB" or (colour_space != "raw" and eight_bits and spec.nchannels in (3, 4))
+    srgb = is_srgb(spec, colour_space)
     encoded = np.arange(channels) < {1: 1, 2: 1}.get(channels, 3)  # All but alpha.
     sums, counts = np.zeros(channels), np.zeros(channels)
     for texels in _texels(image, spec, channels, oiio.UINT8 if eight_bits else oiio.FLOAT):
@@ -100,13 +100,19 @@ def _mean_of(image: oiio.ImageInput, colour_space: str) -> np.ndarray | None:
     return _as_rgba(sums / counts) if counts.all() else None
 
 
+def is_srgb(spec: oiio.ImageSpec, colour_space: str) -> bool:
+    """Whether colours are encoded by sRGB's curve, by UsdUVTexture's sourceColorSpace."""
+    eight_bits = spec.format.basetype == oiio.UINT8
+    return colour_space == "sRGB" or (colour_space != "raw" and eight_bits and spec.nchannels in (3, 4))
+
+
 def _sum(values: np.ndarray, srgb: bool) -> tuple[float, int]:
     """Of linear values, uint8[N] or float32[N]; and how many count: those that are finite."""
     if values.dtype == np.uint8:  # Each value once, which is 20 times as fast.
         table = np.arange(256) / 255.0
-        return float(np.bincount(values, minlength=256) @ (_linear(table) if srgb else table)), len(values)
+        return float(np.bincount(values, minlength=256) @ (linear(table) if srgb else table)), len(values)
     values = np.clip(values[np.isfinite(values)], -LARGEST, LARGEST)
-    return float((_linear(values) if srgb else values).sum(dtype=np.float64)), len(values)
+    return float((linear(values) if srgb else values).sum(dtype=np.float64)), len(values)
 
 
 def _seek_small_level(image: oiio.ImageInput) -> None:
@@ -128,7 +134,7 @@ def _texels(image: oiio.ImageInput, spec: oiio.ImageSpec, channels: int, kind: A
         yield image.read_scanlines(begin, end, spec.z, 0, channels, kind)
 
 
-def _linear(encoded: np.ndarray) -> np.ndarray:
+def linear(encoded: np.ndarray) -> np.ndarray:
     """From sRGB's curve; IEC 61966-2-1."""
     return np.where(encoded <= 0.04045, encoded / 12.92, ((np.maximum(encoded, 0.0) + 0.055) / 1.055) ** 2.4)
 

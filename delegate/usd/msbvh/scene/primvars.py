@@ -11,7 +11,7 @@ from .._core import BEFORE_JUMP01
 from ..motion.context import FrameContext, array
 from ..motion.held_values import Stretch, changes_within, values_within
 from ..motion.times import Shutter, sample_times
-from ..stage.value_types import COLOR_PRIMVAR, FLOAT_PRIMVAR, INTS, Kind
+from ..stage.value_types import COLOR_PRIMVAR, COORDINATE_PRIMVAR, FLOAT_PRIMVAR, INTS, Kind
 from ..stage.values import Unreadable, ignore, might_vary, required, value
 
 PrimvarInput = tuple[str, np.ndarray, np.ndarray | None]
@@ -30,14 +30,14 @@ class FoundPrimvar:
     """Which has it or inherits it."""
     primvar: UsdGeom.Primvar
     columns: int | None
-    """3 for colours, None for scalars."""
+    """3 for colours, 2 for texture coordinates, None for scalars."""
     attribute: Usd.Attribute
     indexed: bool
 
     @property
     def kind(self) -> Kind:
         """Of the values."""
-        return FLOAT_PRIMVAR if self.columns is None else COLOR_PRIMVAR
+        return {None: FLOAT_PRIMVAR, 2: COORDINATE_PRIMVAR}.get(self.columns, COLOR_PRIMVAR)
 
 
 def find_primvar(

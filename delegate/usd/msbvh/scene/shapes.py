@@ -23,6 +23,7 @@ from ..motion.visibility import visible_intervals
 from ..skel.bindings import SkelBinding, read_binding
 from ..skel.skinning import Poser
 from ..stage.usd_faults import FAULTS, report_left_out
+from .displaced import add_displacement
 from .implicit import ImplicitShape
 from .meshes import faces_by_subset, held_at, held_attributes, read_shape
 from .part import Part
@@ -215,6 +216,7 @@ class Shapes:
         mesh.material = self._materials.bound_to(part.prim) if part.binds_material else None
         if part.is_mesh and part.has_children:
             mesh.face_materials = self._face_materials(UsdGeom.Mesh(part.prim), mesh, context)
+        add_displacement(mesh, part.prim, part.is_mesh, self._materials, context)
         add(mesh)
 
     def _face_materials(self, prim: UsdGeom.Mesh, mesh: MeshInput, context: FrameContext) -> np.ndarray | None:

@@ -28,6 +28,7 @@ from ..motion.times import Shutter
 from ..motion.transform_faults import report_unusable
 from ..motion.transforms import Motion, XformCaches
 from ..motion.visibility import common_intervals, visible_intervals
+from .displaced import leave_undisplaced
 from .implicit import IMPLICIT_TYPES, SIDE_COUNTS
 from .instances import Level, Placement, matrix_level
 from .part import Part
@@ -144,6 +145,9 @@ class SharedShapes:
         numbers = np.full(len(members), -1, np.int32)
         found = self._materials.bound_to_each([members[index].part.prim for index in bound])
         numbers[bound] = [-1 if material is None else material for material in found]
+        for index, material in zip(bound, found, strict=True):
+            if self._materials.displacement(material) is not None:
+                leave_undisplaced(members[index].part.prim.GetPath().pathString, self._context)
         return numbers if (numbers >= 0).any() else None
 
     def extent(self, crowds: list[Crowd]) -> Box:

@@ -78,6 +78,8 @@ def _vector(exact: type) -> Callable[[object], object]:
 _INTEGER_ARRAYS = (Vt.IntArray, Vt.UIntArray, Vt.Int64Array, Vt.UInt64Array, Vt.UCharArray)
 _REAL_ARRAYS = (Vt.HalfArray, Vt.DoubleArray, *_INTEGER_ARRAYS)
 _TRIPLES = (Gf.Vec3d, Gf.Vec3h, Gf.Vec3i)
+_PAIRS = (Gf.Vec2d, Gf.Vec2h, Gf.Vec2i)
+_PAIR_ARRAYS = (Vt.Vec2dArray, Vt.Vec2hArray, Vt.Vec2iArray)
 _TRIPLE_ARRAYS = (Vt.Vec3dArray, Vt.Vec3hArray, Vt.Vec3iArray)
 
 BOOL = Kind("bool", bool, {int: _flag})
@@ -85,7 +87,7 @@ INT = Kind("int", int)
 FLOAT = Kind("float", float, dict.fromkeys((int, Gf.TimeCode, Gf.Duration), lambda value: float(value)))
 TOKEN = Kind("token", str)
 ASSET = Kind("asset", Sdf.AssetPath)
-FLOAT2 = Kind("float2", Gf.Vec2f, dict.fromkeys((Gf.Vec2d, Gf.Vec2h, Gf.Vec2i), _vector(Gf.Vec2f)))
+FLOAT2 = Kind("float2", Gf.Vec2f, dict.fromkeys(_PAIRS, _vector(Gf.Vec2f)))
 FLOAT3 = Kind("float3", Gf.Vec3f, dict.fromkeys(_TRIPLES, _vector(Gf.Vec3f)))
 MATRIX = Kind("matrix4d", Gf.Matrix4d)
 TOKENS = Kind("token[]", Vt.TokenArray, {Vt.StringArray: lambda value: Vt.TokenArray(list(value))})
@@ -99,4 +101,9 @@ MATRICES = Kind("matrix4d[]", Vt.Matrix4dArray)
 FLOAT_PRIMVAR = Kind("float[]", Vt.FloatArray, {**FLOATS.conversions, **_alone(Vt.FloatArray, (float, int))})
 COLOR_PRIMVAR = Kind(
     "color3f[]", Vt.Vec3fArray, {**FLOAT3S.conversions, **_alone(Vt.Vec3fArray, (Gf.Vec3f, *_TRIPLES))}
+)
+COORDINATE_PRIMVAR = Kind(
+    "texCoord2f[]",
+    Vt.Vec2fArray,
+    {**_number_arrays(Vt.Vec2fArray, *_PAIR_ARRAYS), **_alone(Vt.Vec2fArray, (Gf.Vec2f, *_PAIRS))},
 )

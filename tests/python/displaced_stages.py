@@ -1,0 +1,94 @@
+"""Stages with displaced surfaces, and what is drawn of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenImageIO as oiio
+from pxr import Sdf, Usd, UsdGeom, UsdShade, Vt
+from recording import Shot
+
+TYPES = Sdf.ValueTypeNames
+
+
+class Displaced(Shot):
+    """A stage whose material /Look displaces."""
+
+    def __init__(self, amount: float | None = None, shutter: tuple[float, float] = (0.0, 0.0)) -> None:
+        super().__init__(shutter)
+        self.material = UsdShade.Material.Define(self.stage, "/Look")
+        self.surface = self.shader("Surface", "UsdPreviewSurface")
+        self.material.CreateSurfaceOutput().ConnectToSource(self.surface.ConnectableAPI(), "surface")
+        self.material.CreateDisplacementOutput().ConnectToSource(self.surface.ConnectableAPI(), "displacement")
+        self.displacement = self.surface.CreateInput("displacement", TYPES.Float)
+        if amount is not None:
+            self.displacement.Set(amount)
+
+    def shader(self, name: str, identifier: str) -> UsdShade.Shader:
+        shader = UsdShade.Shader.Define(self.stage, f"/Look/{name}")
+        shader.CreateIdAttr(identifier)
+        return shader
+
+    def bound(self, mesh: UsdGeom.Gprim) -> Any:
+        UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(self.material)
+        return mesh
+
+    def read_primvar(self, name: str, fallback: float | None = None) -> None:
+        reader = self.shader("Height", "UsdPrimvarReader_float")
+        reader.CreateInput("varname", TYPES.String).Set(name)
+        if fallback is not None:
+            reader.CreateInput("fallback", TYPES.Float).Set(fallback)
+        self.displacement.ConnectToSource(reader.CreateOutput("result", TYPES.Float))
+
+    def read_texture(self, file: str, output: str = "r", **inputs: Any) -> UsdShade.Shader:
+        """By the primvar st."""
+        texture = self.shader("Texture", "UsdUVTexture")
+        texture.CreateInput("file", TYPES.Asset).Set(Sdf.AssetPath(file))
+        for name, value in inputs.items():
+            kind = TYPES.Token if isinstance(value, str) else TYPES.Float4
+            texture.CreateInput(name, kind).Set(value)
+        reader = self.shader("Coordinates", "UsdPrimvarReader_float2")
+        reader.CreateInput("varname", TYPES.String).Set("st")
+        texture.CreateInput("st", TYPES.Float2).ConnectToSource(reader.CreateOutput("result", TYPES.Float2))
+        self.displacement.ConnectToSource(texture.CreateOutput(output, TYPES.Float))
+        return texture
+
+    def points(self, path: str, time01: float = 0.5, **settings: Any) -> np.ndarray:
+        return self.read(**settings).scene.points(path, time01)
+
+    def undisplaced(self, path: str, time01: float = 0.5, **settings: Any) -> np.ndarray:
+        """The same points where they would be."""
+        return self.points(path, time01, displacement="none", **settings)
+
+
+def primvar(
+    mesh: UsdGeom.Mesh, name: str, values: Any, interpolation: str, time: float | None = None
+) -> UsdGeom.Primvar:
+    values = np.asarray(values, np.float32)
+    pairs = values.ndim == 2
+    kind = TYPES.TexCoord2fArray if pairs else TYPES.FloatArray
+    made = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(name, kind, interpolation)
+    array = (Vt.Vec2fArray if pairs else Vt.FloatArray).FromNumpy(values)
+    made.Set(array, Usd.TimeCode.Default() if time is None else time)
+    return made
+
+
+def write(path: Path, texels: np.ndarray, **metadata: str) -> str:
+    """float32[H, W] or [H, W, C], the uppermost row first."""
+    texels = np.ascontiguousarray(texels, np.float32)
+    height, width = texels.shape[:2]
+    spec = oiio.ImageSpec(width, height, 1 if texels.ndim == 2 else texels.shape[2], oiio.FLOAT)
+    for name, value in metadata.items():
+        spec.attribute(name, value)
+    output = oiio.ImageOutput.create(str(path))
+    assert output.open(str(path), spec) and output.write_image(texels) and output.close()
+    return str(path)
+
+
+def ramp(width: int = 64, height: int = 32) -> np.ndarray:
+    """float32[H, W]: s + 2 t in the middles of texels."""
+    s = (np.arange(width) + 0.5) / width
+    t = 1.0 - (np.arange(height) + 0.5) / height
+    return (s[None] + 2.0 * t[:, None]).astype(np.float32)

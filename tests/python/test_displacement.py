@@ -1,0 +1,459 @@
+"""Displacement from a stage to points: constants, primvars, textures; what moves; what is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from displaced_stages import TYPES, Displaced, primvar, ramp, write
+from msbvh import _core
+from msbvh.scene.reader import ReadSettings, read_frame
+from pxr import Gf, Sdf, UsdGeom, UsdShade, Vt
+from recording import DENSE_TIMES01, messages
+from subdivision_stages import CORNERS, cube, sheet
+
+SIDE = 4
+"""Quads along the sides of the sheet, which reaches from -2 to 2."""
+
+
+def flat(shot: Displaced, scheme: str = "catmullClark") -> UsdGeom.Mesh:
+    mesh = shot.bound(sheet(shot, SIDE))
+    mesh.CreateSubdivisionSchemeAttr(scheme)
+    return mesh
+
+
+def corners(mesh: UsdGeom.Mesh, values: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Values at the corners of the faces."""
+    points = np.array(mesh.GetPointsAttr().Get())
+    return values(points[np.array(mesh.GetFaceVertexIndicesAttr().Get())])
+
+
+def slope(points: np.ndarray) -> np.ndarray:
+    return 0.5 + 0.25 * points[:, 0] - 0.125 * points[:, 1]
+
+
+def square(points: np.ndarray) -> np.ndarray:
+    """Texture coordinates that cover the sheet once."""
+    return points[:, :2] / SIDE + 0.5
+
+
+@pytest.mark.parametrize("amount", [0.5, -0.25])
+def test_a_plane_moves_along_its_normal(amount: float) -> None:
+    shot = Displaced(amount)
+    flat(shot)
+    result = shot.read()
+    found, before = result.scene.points("/Sheet", 0.5), shot.undisplaced("/Sheet")
+    assert messages(result, "warning") == []
+    assert np.abs(found - before - (0, 0, amount)).max() < 1e-6
+    assert np.ptp(before[:, 2]) == 0.0 and len(found) > 1000
+
+
+def test_distances_are_in_the_objects_own_units() -> None:
+    shot = Displaced(0.5)
+    flat(shot).AddScaleOp().Set(Gf.Vec3f(0.5, 0.5, 3.0))
+    assert np.abs(shot.points("/Sheet")[:, 2] - 1.5).max() < 1e-6
+
+
+def test_left_handed_surfaces_go_the_other_way() -> None:
+    shot = Displaced(0.5)
+    flat(shot).CreateOrientationAttr("leftHanded")
+    assert np.abs(shot.points("/Sheet")[:, 2] + 0.5).max() < 1e-6
+
+
+def round_cage(shot: Displaced, count: int = 8) -> UsdGeom.Mesh:
+    """A sphere of radius 1: the faces of a cube, cut into quads, drawn to the sphere."""
+    steps = np.linspace(-1.0, 1.0, count + 1)
+    points: dict[tuple, int] = {}
+    faces = []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            def index(i: int, j: int, axis: int = axis, side: float = side) -> int:
+                place = np.roll((side, steps[i], steps[j]), axis)
+                return points.setdefault(tuple(np.round(place, 9)), len(points))
+
+            for i in range(count):
+                for j in range(count):
+                    face = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)]
+                    faces.append(face if side > 0 else face[::-1])
+    places = np.array(list(points))
+    places /= np.linalg.norm(places, axis=1, keepdims=True)
+    mesh = shot.bound(shot.mesh("/Round", places))
+    mesh.GetFaceVertexCountsAttr().Set([4] * len(faces))
+    mesh.GetFaceVertexIndicesAttr().Set(np.ravel(faces).tolist())
+    mesh.CreateSubdivisionSchemeAttr("catmullClark")
+    return mesh
+
+
+@pytest.mark.parametrize("amount", [0.5, -0.3])
+def test_a_sphere_grows_by_the_distance(amount: float) -> None:
+    shot = Displaced(amount)
+    round_cage(shot)
+    before, after = shot.undisplaced("/Round"), shot.points("/Round")
+    radius = np.linalg.norm(before, axis=1)
+    assert 0.97 < radius.min() and radius.max() < 1.0
+    assert np.abs(np.linalg.norm(after - before, axis=1) - abs(amount)).max() < 1e-6
+    outwards = np.einsum("ij,ij->i", after - before, before) / radius / amount
+    assert outwards.min() > 0.9999  # The limit of the cage is round to a hundredth of a radian.
+
+
+@pytest.mark.parametrize("interpolation", ["constant", "uniform", "varying", "vertex", "faceVarying"])
+def test_primvars_of_every_interpolation(interpolation: str) -> None:
+    """Of a linear function the surface has its values, by whatever masks both are refined."""
+    shot = Displaced()
+    shot.read_primvar("height")
+    mesh = flat(shot, "catmullClark" if interpolation == "vertex" else "bilinear")
+    points = np.array(mesh.GetPointsAttr().Get())
+    middles = corners(mesh, lambda p: p).reshape(-1, 4, 3).mean(axis=1)
+    values = {
+        "constant": [0.75],
+        "uniform": slope(middles),
+        "varying": slope(points),
+        "vertex": slope(points),
+        "faceVarying": corners(mesh, slope),
+    }[interpolation]
+    primvar(mesh, "height", values, interpolation)
+    result = shot.read()
+    assert messages(result, "warning") == []
+    found = result.scene.points("/Sheet", 0.5)
+    if interpolation == "constant":
+        expected = np.full(len(found), 0.75)
+    elif interpolation == "uniform":  # At edges the mean of the faces around.
+        x, y = (np.round(2 * found[:, :2].T) / 2 if False else found[:, :2].T)
+        inside = (np.abs(x - np.round(x)) > 1e-4) & (np.abs(y - np.round(y)) > 1e-4)
+        centres = np.stack([np.floor(x) + 0.5, np.floor(y) + 0.5, 0 * x], axis=1)
+        expected = np.where(inside, slope(centres), found[:, 2])
+        assert inside.sum() > 500
+    else:
+        expected = slope(found)
+    assert np.abs(found[:, 2] - expected).max() < 2e-6
+
+
+def test_where_faces_disagree_a_point_has_their_mean() -> None:
+    shot = Displaced()
+    shot.read_primvar("height")
+    mesh = flat(shot, "bilinear")
+    primvar(mesh, "height", np.arange(SIDE * SIDE), "uniform")
+    found = shot.points("/Sheet")
+    at = {tuple(np.round(p[:2], 5)): p[2] for p in found.tolist()}
+    assert at[0.0, 0.0] == pytest.approx((5 + 6 + 9 + 10) / 4)
+    assert at[-2.0, -2.0] == pytest.approx(0.0)
+    assert at[-1.0, -1.5] == pytest.approx(0.5)
+
+
+def test_indexed_and_inherited_primvars() -> None:
+    shot = Displaced()
+    shot.read_primvar("height")
+    parent = shot.stage.DefinePrim("/Group", "Xform")
+    UsdGeom.PrimvarsAPI(parent).CreatePrimvar("height", TYPES.FloatArray, "constant").Set([0.25])
+    mesh = shot.bound(sheet(shot, SIDE, "/Group/Sheet"))
+    assert np.abs(shot.points("/Group/Sheet")[:, 2] - 0.25).max() < 1e-6
+    primvar(mesh, "height", [0.5, 1.5], "uniform").SetIndices(Vt.IntArray([1] * SIDE * SIDE))
+    assert np.abs(shot.points("/Group/Sheet")[:, 2] - 1.5).max() < 1e-6
+
+
+def test_a_missing_primvar_is_its_fallback_and_said() -> None:
+    shot = Displaced()
+    shot.read_primvar("height", 0.5)
+    flat(shot)
+    result = shot.read()
+    assert np.abs(result.scene.points("/Sheet", 0.5)[:, 2] - 0.5).max() < 1e-6
+    assert messages(result, "warning") == [
+        "/Sheet.primvars:height: is not there, or empty; displaced by what its reader falls back to"
+    ]
+
+
+@pytest.mark.parametrize("interpolation", ["vertex", "faceVarying"])
+def test_a_ramp_of_a_texture(tmp_path: Path, interpolation: str) -> None:
+    shot = Displaced()
+    file = write(tmp_path / "ramp.exr", np.stack([ramp(), 2 * ramp(), 3 * ramp()], axis=-1))
+    shot.read_texture(
+        file, "g", scale=Gf.Vec4f(9, 0.25, 9, 9), bias=Gf.Vec4f(9, -0.5, 9, 9), sourceColorSpace="raw", wrapS="clamp"
+    )
+    mesh = flat(shot, "catmullClark" if interpolation == "vertex" else "bilinear")
+    points = np.array(mesh.GetPointsAttr().Get())
+    primvar(mesh, "st", square(points) if interpolation == "vertex" else corners(mesh, square), interpolation)
+    result = shot.read()
+    assert messages(result, "warning") == []
+    found = result.scene.points("/Sheet", 0.5)
+    st = square(found)
+    inside = (np.abs(st - 0.5) < 0.45).all(axis=1)  # Beside the edge there is half a texel without a slope.
+    assert inside.sum() > 1000
+    expected = 0.25 * 2.0 * (st[:, 0] + 2.0 * st[:, 1]) - 0.5
+    assert np.abs(found[inside, 2] - expected[inside]).max() < 1e-5
+
+
+def test_texture_coordinates_are_transformed(tmp_path: Path) -> None:
+    shot = Displaced()
+    texture = shot.read_texture(write(tmp_path / "ramp.exr", ramp()), wrapS="clamp", wrapT="clamp")
+    turn = shot.shader("Turn", "UsdTransform2d")
+    for name, kind, value in (
+        ("scale", TYPES.Float2, Gf.Vec2f(0.5, 0.25)),
+        ("rotation", TYPES.Float, 90.0),
+        ("translation", TYPES.Float2, Gf.Vec2f(0.7, 0.2)),
+    ):
+        turn.CreateInput(name, kind).Set(value)
+    reader = UsdShade.Shader.Get(shot.stage, "/Look/Coordinates")
+    turn.CreateInput("in", TYPES.Float2).ConnectToSource(reader.GetOutput("result"))
+    texture.GetInput("st").ConnectToSource(turn.CreateOutput("result", TYPES.Float2))
+    mesh = flat(shot, "bilinear")
+    primvar(mesh, "st", square(np.array(mesh.GetPointsAttr().Get())), "vertex")
+    found = shot.points("/Sheet")
+    s, t = square(found).T
+    expected = (-0.25 * t + 0.7) + 2.0 * (0.5 * s + 0.2)
+    assert np.abs(found[:, 2] - expected).max() < 1e-5
+
+
+def test_the_file_may_say_how_it_wraps_else_it_is_black_outside(tmp_path: Path) -> None:
+    found = []
+    for metadata in ({}, {"wrapS": "repeat", "wrapT": "repeat"}):
+        shot = Displaced()
+        shot.read_texture(write(tmp_path / f"one{len(metadata)}.exr", np.ones((4, 4)), **metadata))
+        mesh = flat(shot, "bilinear")
+        primvar(mesh, "st", 3 * square(np.array(mesh.GetPointsAttr().Get())), "vertex")
+        found.append(shot.points("/Sheet"))
+    outside = (3 * square(found[0]) > 1.0001).any(axis=1)
+    assert (found[0][outside, 2] == 0.0).all() and (found[0][~outside, 2] == 1.0).all()
+    assert 0.5 < outside.mean() < 1.0
+    assert (found[1][:, 2] == 1.0).all()
+
+
+def test_a_fine_texture_is_filtered_at_the_dicing_rate(tmp_path: Path) -> None:
+    """Noise of one texel that is far finer than the edges averages out."""
+    noise = np.random.default_rng(1).random((1024, 1024)).astype(np.float32)
+    spreads = []
+    for pixels in (16.0, 1.0):
+        shot = Displaced()
+        shot.read_texture(write(tmp_path / "noise.exr", noise), wrapS="repeat", wrapT="repeat")
+        mesh = flat(shot, "bilinear")
+        primvar(mesh, "st", square(np.array(mesh.GetPointsAttr().Get())), "vertex")
+        found = shot.points("/Sheet", edge_length=pixels, width=240)
+        assert found[:, 2].mean() == pytest.approx(0.5, abs=0.02)
+        spreads.append(found[:, 2].std())
+    assert spreads[0] < 0.02 and spreads[1] > 4 * spreads[0]
+
+
+def test_a_seam_of_texture_coordinates_leaves_no_crack(tmp_path: Path) -> None:
+    """Each face of a cube has the whole texture: at its edges two faces disagree by up to the whole range."""
+    shot = Displaced()
+    shot.read_texture(write(tmp_path / "ramp.exr", ramp()), wrapS="clamp", wrapT="clamp", scale=Gf.Vec4f(0.1))
+    mesh = shot.bound(cube(shot))
+    primvar(mesh, "st", [(0, 0), (1, 0), (1, 1), (0, 1)] * 6, "faceVarying")
+    found, before = shot.points("/Cube"), shot.undisplaced("/Cube")
+    assert len(found) == len(before)  # One point for all faces.
+    moved = np.linalg.norm(found - before, axis=1)
+    assert moved.max() > 0.25 and moved.min() < 0.05
+
+
+def test_parts_with_materials_of_their_own(tmp_path: Path) -> None:
+    shot = Displaced(0.5)
+    mesh = sheet(shot, SIDE)
+    mesh.CreateSubdivisionSchemeAttr("bilinear")
+    subset = UsdGeom.Subset.CreateGeomSubset(mesh, "Left", "face", Vt.IntArray([0, 1, 4, 5, 8, 9, 12, 13]), "materialBind")
+    shot.bound(subset)
+    found = shot.points("/Sheet")
+    x = found[:, 0]
+    assert np.abs(found[x < -1e-5, 2] - 0.5).max() < 1e-6
+    assert np.abs(found[x > 1e-5, 2]).max() == 0.0
+    assert np.abs(found[np.abs(x) < 1e-5, 2] - 0.25).max() < 1e-6
+
+
+def test_polygons_move_at_their_vertices_with_one_warning() -> None:
+    shot = Displaced(0.5)
+    mesh = shot.bound(cube(shot, scheme="none"))
+    mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(CORNERS.astype(np.float32)))
+    result = shot.read()
+    found = result.scene.points("/Cube", 0.5)
+    expected = CORNERS * (1.0 + 0.5 / np.sqrt(3.0))
+    assert np.abs(found - expected).max() < 0.1  # A fan's triangles weigh corners unevenly.
+    assert np.abs(np.linalg.norm(found - CORNERS, axis=1) - 0.5).max() < 1e-6
+    assert messages(result, "warning") == [
+        "/Cube.subdivisionScheme: displacement moves the vertices of polygons alone; a subdivided mesh shows all of it"
+    ]
+
+
+def test_only_where_the_materials_output_is_connected() -> None:
+    shot = Displaced(0.5)
+    flat(shot)
+    shot.material.GetDisplacementOutput().ClearSources()
+    result = shot.read()
+    assert (result.scene.points("/Sheet", 0.5)[:, 2] == 0.0).all()
+    said = "/Look/Surface.inputs:displacement: the material's outputs:displacement is not connected"
+    assert [text for text in messages(result, "note") if text.startswith(said)] != []
+    assert messages(result, "warning") == []
+
+
+def test_off_by_option() -> None:
+    shot = Displaced(0.5)
+    flat(shot)
+    assert (shot.undisplaced("/Sheet")[:, 2] == 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("amount", "found"), [(1e30, "1e+30"), (float("nan"), "nan"), (float("inf"), "inf"), (-1e13, "-1e+13")]
+)
+def test_a_constant_that_is_no_distance(amount: float, found: str) -> None:
+    shot = Displaced(amount)
+    flat(shot)
+    result = shot.read()
+    assert (result.scene.points("/Sheet", 0.5)[:, 2] == 0.0).all()
+    assert messages(result, "warning") == [
+        f"/Look/Surface.inputs:displacement: found {found}, expected a finite number of at most 2^40 in size; drawn"
+        " without displacement"
+    ]
+
+
+@pytest.mark.parametrize("bad", [1e30, float("nan"), float("-inf")])
+def test_a_primvar_with_what_is_no_distance(bad: float) -> None:
+    shot = Displaced()
+    shot.read_primvar("height")
+    mesh = flat(shot)
+    primvar(mesh, "height", [0.5] * 7 + [bad] + [0.5] * 17, "vertex")
+    result = shot.read()
+    assert (result.scene.points("/Sheet", 0.5)[:, 2] == 0.0).all()
+    (said,) = messages(result, "warning")
+    assert said.startswith("/Sheet.primvars:height: value 7 is ") and "drawn without displacement" in said
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), 3e38])
+def test_a_texture_with_what_is_no_distance(tmp_path: Path, bad: float) -> None:
+    shot = Displaced()
+    texels = ramp()
+    texels[3, 5] = bad
+    shot.read_texture(write(tmp_path / "bad.exr", texels))
+    mesh = flat(shot)
+    primvar(mesh, "st", square(np.array(mesh.GetPointsAttr().Get())), "vertex")
+    result = shot.read()
+    assert (result.scene.points("/Sheet", 0.5)[:, 2] == 0.0).all()
+    (said,) = messages(result, "warning")
+    assert said.startswith("/Look/") and "drawn without displacement" in said
+
+
+def test_an_implicit_shape_stays_as_it_is() -> None:
+    shot = Displaced(0.5)
+    shot.bound(UsdGeom.Sphere.Define(shot.stage, "/Ball"))
+    result = shot.read()
+    assert np.linalg.norm(result.scene.points("/Ball", 0.5), axis=1).max() < 1.0001
+    assert messages(result, "warning") == [
+        "/Ball.material:binding: displacement of an implicit shape is not supported; drawn without it"
+    ]
+
+
+def test_instances_of_a_displaced_prototype() -> None:
+    shot = Displaced(0.5)
+    prototype = shot.stage.DefinePrim("/Proto", "Xform")
+    shot.bound(sheet(shot, SIDE, "/Proto/Sheet"))
+    instancer = UsdGeom.PointInstancer.Define(shot.stage, "/Many")
+    instancer.CreatePrototypesRel().AddTarget(prototype.GetPath())
+    instancer.CreateProtoIndicesAttr([0, 0])
+    instancer.CreatePositionsAttr([Gf.Vec3f(0, 0, -10), Gf.Vec3f(0, 0, 0)])
+    instancer.CreateScalesAttr([Gf.Vec3f(1, 1, 1), Gf.Vec3f(1, 1, 2)])
+    prototype.SetSpecifier(Sdf.SpecifierOver)
+    heights = np.unique(np.round(shot.read().scene.instance_points(0.5)[:, 2], 5))
+    assert heights.tolist() == [-9.5, 1.0]
+
+
+def test_a_displaced_surface_is_shaded_as_it_lies() -> None:
+    """A sheet that rises by a slope of 1: its normal leans back by 45 degrees."""
+    shot = Displaced()
+    shot.read_primvar("height")
+    mesh = flat(shot, "bilinear")
+    primvar(mesh, "height", np.array(mesh.GetPointsAttr().Get())[:, 0], "vertex")
+    result = read_frame(shot.stage, 10.0, ReadSettings(width=48))
+    size = {"width": result.camera.width, "height": result.camera.height}
+    renderer = _core.Renderer(result.scene, spp=16, max_bounces=0, aovs=["normal"], **size)
+    normal = renderer.render_with_aovs()[1]["normal"]
+    middle = normal[size["height"] // 2, size["width"] // 2]
+    assert np.abs(middle - np.array([-1, 0, 1]) / np.sqrt(2.0)).max() < 1e-3
+
+
+def turning(degrees: float) -> np.ndarray:
+    """Row vectors, about z."""
+    a = np.radians(degrees)
+    return np.array([[np.cos(a), np.sin(a), 0], [-np.sin(a), np.cos(a), 0], [0, 0, 1]])
+
+
+def test_moving_points_are_displaced_where_the_surface_is_at_each_time() -> None:
+    """Points that turn by 40 degrees between samples go straight in between: the surface is squeezed there, and its normals
+    are those of the squeezed one."""
+    shot = Displaced(0.4, (-1.0, 1.0))
+    mesh = shot.bound(cube(shot))
+    samples = {9.0: -40.0, 10.0: 0.0, 11.0: 40.0}
+    for time, degrees in samples.items():
+        mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy((CORNERS @ turning(degrees)).astype(np.float32)), time)
+    tolerance = 0.02
+    scene = shot.read(width=400, edge_length=4.0, motion_tolerance=tolerance).scene
+    rest = shot.undisplaced("/Cube", 0.5, width=400, edge_length=4.0, motion_tolerance=tolerance)
+    normals = (scene.points("/Cube", 0.5) - rest) / 0.4
+    assert np.abs(np.linalg.norm(normals, axis=1) - 1.0).max() < 1e-4
+    pixels_per_unit = 400 * 50.0 / 20.955 / (20.0 - 1.4)
+    worst = 0.0
+    for time01 in DENSE_TIMES01:
+        time = 9.0 + 2.0 * time01
+        before = min(float(np.floor(time)), 10.0)
+        w = time - before
+        map_ = (1 - w) * turning(samples[before]) + w * turning(samples[before + 1])
+        moved = normals @ np.linalg.inv(map_).T
+        moved /= np.linalg.norm(moved, axis=1, keepdims=True)
+        expected = rest @ map_ + 0.4 * moved
+        worst = max(worst, np.linalg.norm(scene.points("/Cube", time01) - expected, axis=1).max())
+    assert worst * pixels_per_unit < tolerance
+    # The cage alone needs no more than its samples.
+    assert shot.undisplaced("/Cube", 0.25, width=400, edge_length=4.0) is not None
+
+
+def test_turning_surfaces_get_the_keys_they_need() -> None:
+    segments = {}
+    for amount in (0.0, 0.05, 1.0):
+        shot = Displaced(amount, (-1.0, 1.0))
+        mesh = shot.bound(cube(shot))
+        for time in (9.0, 11.0):
+            turned = CORNERS @ turning(60.0 * (time - 10.0))
+            mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(turned.astype(np.float32)), time)
+        result = shot.read(edge_length=8.0, interpolation="linear")
+        track = next(track for track in result.tracks if track.path == "/Cube")
+        segments[amount] = track.segments
+        assert track.error_pixels <= 0.1
+    assert segments[0.0] == 1
+    assert segments[0.0] < segments[0.05] < segments[1.0]
+
+
+def test_under_a_moving_transform_the_displaced_mesh_is_still() -> None:
+    shot = Displaced(0.5, (-0.5, 0.5))
+    mesh = flat(shot)
+    turn = mesh.AddRotateYOp()
+    turn.Set(0.0, 9.5)
+    turn.Set(90.0, 10.5)
+    result = shot.read()
+    track = next(track for track in result.tracks if track.path == "/Sheet")
+    assert track.moving_transform
+    for time01 in (0.0, 0.31, 1.0):
+        (found,) = [points[0] for _, place, points in result.scene.poses(time01) if place == "/Sheet"]
+        a = np.radians(90.0 * time01)
+        distance = found @ np.array([np.sin(a), 0, np.cos(a)])  # Along the turned normal.
+        assert np.abs(distance - 0.5).max() < 2e-3
+
+
+def test_a_primvar_that_changes_within_the_shutter_moves_the_surface() -> None:
+    shot = Displaced(shutter=(-1.0, 1.0))
+    shot.read_primvar("height")
+    mesh = flat(shot)
+    for time, height in ((9.0, 0.0), (9.5, 1.0), (11.0, 0.25)):
+        primvar(mesh, "height", np.full((SIDE + 1) ** 2, height), "vertex", time)
+    result = shot.read()
+    assert messages(result, "warning") == []
+    for time01 in DENSE_TIMES01:
+        expected = np.interp(9.0 + 2.0 * time01, [9.0, 9.5, 11.0], [0.0, 1.0, 0.25])
+        poses = [points[0] for _, _, points in result.scene.poses(time01)]
+        assert np.abs(poses[0][:, 2] - expected).max() < 2e-3
+
+
+def test_the_plan_names_it(tmp_path: Path) -> None:
+    shot = Displaced(0.5)
+    flat(shot)
+    result = read_frame(shot.stage, 10.0, ReadSettings())
+    renderer = _core.Renderer(result.scene, width=16, height=16, spp=1, max_bounces=0)
+    why = {reason["effect"]: reason for reason in renderer.plan()["why"]}
+    assert why["displacement"]["prim"] == "/Sheet"
+    assert why["displacement"]["why"] == "up to 0.5 along the normal"
