@@ -10,7 +10,8 @@ namespace msbvh {
 namespace {
 
 // Origins of rays that leave stand off by this share of the radius: the tests' own rounding, relative to the
-// radius, has a square root in it (of 2^-24), and a curve's place is found by Newton's method to about as much.
+// radius, has a square root in it (of 2^-24), and a curve's place is found by Newton's method to about as
+// much.
 constexpr double kRadiusError = 0x1p-10;
 // Roundings of 2^-24 of the largest coordinate and of the way of the ray: of the vertices' motion (3 a
 // degree), the ray's origin, the difference, the projection and the distance.
@@ -120,7 +121,9 @@ RoundHit tube_hit(const CurvePlace& place, const LocalRay& ray, double t) {
 // A surface of its own: the ball that touches from the ray's side has no size.
 RoundHit oriented_hit(const CurveSet& shape, const Hit& hit, const CurvePlace& place, const LocalRay& ray,
                       float time) {
-  const auto normal = [&](std::uint32_t i) { return Vec3d(shape.normal(shape.spans[hit.triangle] + i, time)); };
+  const auto normal = [&](std::uint32_t i) {
+    return Vec3d(shape.normal(shape.spans[hit.triangle] + i, time));
+  };
   const Vec3d authored = bezier(normal, 3, double(hit.u));
   const double l2 = dot(place.tangent, place.tangent);
   const Vec3d upright = l2 > 0.0 ? authored - place.tangent * (dot(authored, place.tangent) / l2) : authored;
