@@ -46,6 +46,19 @@ struct CurveSet {
   const Vec3f* control_normals(std::uint32_t control) const {
     return normals.data() + std::size_t(control) * vertex_count;
   }
+  RoundVertex vertex(std::uint32_t vertex, float u) const {
+    if (segments == 0) return vertices[vertex];
+    const SegmentTime at = locate(u, segments);
+    const RoundVertex* first = control_vertices(at.key * degree) + vertex;
+    return bezier([&](std::uint32_t i) { return first[std::size_t(i) * vertex_count]; }, degree, at.w);
+  }
+  // kOriented alone.
+  Vec3f normal(std::uint32_t vertex, float u) const {
+    if (segments == 0) return normals[vertex];
+    const SegmentTime at = locate(u, segments);
+    const Vec3f* first = control_normals(at.key * degree) + vertex;
+    return bezier([&](std::uint32_t i) { return first[std::size_t(i) * vertex_count]; }, degree, at.w);
+  }
   // Whether a span carries on where the one before it ends.
   bool continues(std::uint32_t span) const {
     return span > 0 && spans[span] == spans[span - 1] + kSpanVertices - 1;

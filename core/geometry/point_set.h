@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geometry/round_vertex.h"
+#include "core/motion/bezier.h"
 #include "core/motion/track.h"
 
 namespace msbvh {
@@ -22,6 +23,12 @@ struct PointSet {
   TrackForm form() const { return {segments, degree}; }
   const RoundVertex* control_vertices(std::uint32_t control) const {
     return vertices.data() + std::size_t(control) * point_count;
+  }
+  RoundVertex vertex(std::uint32_t point, float u) const {
+    if (segments == 0) return vertices[point];
+    const SegmentTime at = locate(u, segments);
+    const RoundVertex* first = control_vertices(at.key * degree) + point;
+    return bezier([&](std::uint32_t i) { return first[std::size_t(i) * point_count]; }, degree, at.w);
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include <type_traits>
 
+#include "core/base/lerp.h"
 #include "core/base/vec.h"
 
 namespace msbvh {
@@ -14,5 +15,9 @@ struct RoundVertex {
   bool operator==(const RoundVertex&) const = default;
 };
 static_assert(sizeof(RoundVertex) == 16 && std::is_trivially_copyable_v<RoundVertex>);
+
+constexpr RoundVertex lerp(const RoundVertex& a, const RoundVertex& b, float w) {
+  return {lerp(a.p, b.p, w), lerp(a.radius, b.radius, w)};
+}
 
 }  // namespace msbvh

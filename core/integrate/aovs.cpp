@@ -16,8 +16,22 @@ std::int32_t instance_of(const HitSource& source) {
   return source.instances ? static_cast<std::int32_t>(source.instance) : -1;
 }
 
-std::int32_t prim_of(const Scene& scene, const Mesh& mesh) {
-  return static_cast<std::int32_t>(mesh.prim_id == kNone ? &mesh - scene.meshes.data() : mesh.prim_id);
+// Geometry without a prim's id counts on from kind to kind.
+std::int32_t prim_of(const Scene& scene, const HitSource& source) {
+  if (source.look->prim_id != kNone) return static_cast<std::int32_t>(source.look->prim_id);
+  if (source.mesh) return static_cast<std::int32_t>(source.mesh - scene.meshes.data());
+  const std::size_t meshes = scene.meshes.size();
+  if (source.curves) return static_cast<std::int32_t>(meshes + (source.curves - scene.curves.data()));
+  return static_cast<std::int32_t>(meshes + scene.curves.size() + (source.points - scene.points.data()));
+}
+
+// The face, curve or point.
+std::int32_t element_of(const HitSource& source, std::uint32_t triangle) {
+  const std::vector<std::uint32_t> none;
+  const std::vector<std::uint32_t>& of = source.mesh     ? source.mesh->triangle_faces
+                                         : source.curves ? source.curves->span_curves
+                                                         : none;
+  return static_cast<std::int32_t>(of.empty() ? triangle : of[triangle]);
 }
 
 }  // namespace
@@ -25,14 +39,12 @@ std::int32_t prim_of(const Scene& scene, const Mesh& mesh) {
 AovSample aov_sample(const Frame& frame, const Hit& hit, const SurfaceHit& surface, float time) {
   const HitSource source = frame.index.resolve(hit);
   const Camera& camera = frame.scene().camera;
-  const Mesh& mesh = *source.mesh;
   AovSample sample;
   sample.camera_depth = hit.t;
   sample.depth = window_depth(camera.projection, clip_range(camera, time), hit.t);
-  sample.prim = prim_of(frame.scene(), mesh);
+  sample.prim = prim_of(frame.scene(), source);
   sample.instance = instance_of(source);
-  sample.element = static_cast<std::int32_t>(mesh.triangle_faces.empty() ? hit.triangle
-                                                                         : mesh.triangle_faces[hit.triangle]);
+  sample.element = element_of(source, hit.triangle);
   sample.normal = surface.shading_normal;
   sample.eye_normal = normal_in_camera(camera, time, surface.shading_normal);
   sample.albedo = surface.albedo;

@@ -11,15 +11,16 @@ constexpr std::size_t kTrianglesAhead = 16, kVerticesAhead = 8;
 void fetch_triangle(const Frame& frame, const Hit& hit) {
   if (!hit.found()) return;
   const HitSource source = frame.index.resolve(hit);
-  __builtin_prefetch(&source.mesh->shape.triangles[hit.triangle]);
+  if (source.mesh) __builtin_prefetch(&source.mesh->shape.triangles[hit.triangle]);
   if (source.instances) __builtin_prefetch(source.instance_controls().data());
 }
 
 void fetch_vertices(const Frame& frame, const Hit& hit, float shutter_time) {
   if (!hit.found()) return;
   const HitSource source = frame.index.resolve(hit);
+  if (!source.mesh) return;
   const TriangleMesh& shape = source.mesh->shape;
-  const SegmentTime at = locate(source.mesh_time(shutter_time), shape.segments);
+  const SegmentTime at = locate(source.own_time(shutter_time), shape.segments);
   const Vec3f* first = shape.control_positions(at.key * shape.degree);
   for (const std::uint32_t v : shape.triangles[hit.triangle]) __builtin_prefetch(first + v);
 }

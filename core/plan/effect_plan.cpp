@@ -10,7 +10,7 @@
 namespace msbvh {
 namespace {
 
-constexpr std::array<std::pair<Effect, const char*>, 13> kNames{{
+constexpr std::array<std::pair<Effect, const char*>, 16> kNames{{
     {Effect::kDeformingKeys, "deforming keys"},
     {Effect::kInstances, "instances"},
     {Effect::kMovingInstances, "moving instances"},
@@ -24,6 +24,9 @@ constexpr std::array<std::pair<Effect, const char*>, 13> kNames{{
     {Effect::kPolynomialMotion, "polynomial motion"},
     {Effect::kTimeRemaps, "time remaps"},
     {Effect::kAovs, "AOVs"},
+    {Effect::kCurves, "curves"},
+    {Effect::kPoints, "points"},
+    {Effect::kDisplacement, "displacement"},
 }};
 
 // Collects the first reason of each effect.
@@ -65,27 +68,71 @@ void plan_time_remap(const std::string& name, const TimeRemap& time_remap, Plann
   planner.add(Effect::kTimeRemaps, name, std::to_string(time_remap.pieces.size()) + " pieces of the shutter");
 }
 
-// Meshes that something shows: in the world, or in a prototype that has instances. `own_materials`: only
-// where no instance overrides their materials. In the order of the scene.
-std::vector<const Mesh*> shown_meshes(const Scene& scene, bool own_materials) {
-  std::vector<bool> shown(scene.meshes.size(), false);
-  for (const GeometryId mesh : scene.world) shown[mesh.index()] = true;
-  for (const InstanceSet& set : scene.instances) {
-    if (instance_count(set) == 0 || (own_materials && !set.materials.empty())) continue;
-    for (const GeometryId mesh : scene.prototypes[set.prototype].geometry) shown[mesh.index()] = true;
+// What a geometry says of itself, whatever its kind.
+struct Shown {
+  GeometryId id;
+  std::string name;
+  TrackForm form;
+  std::size_t parts;  // triangles, spans or points
+};
+
+Shown described(const Scene& scene, GeometryId id) {
+  if (id.is(GeometryKind::kCurves)) {
+    const CurveSet& shape = scene.curves[id.index()].shape;
+    return {id, shape.name, shape.form(), shape.spans.size()};
   }
-  std::vector<const Mesh*> meshes;
-  for (std::size_t i = 0; i < shown.size(); ++i) {
-    if (shown[i] && !scene.meshes[i].shape.triangles.empty()) meshes.push_back(&scene.meshes[i]);
+  if (id.is(GeometryKind::kPoints)) {
+    const PointSet& shape = scene.points[id.index()].shape;
+    return {id, shape.name, shape.form(), shape.point_count};
   }
-  return meshes;
+  const TriangleMesh& shape = scene.mesh(id).shape;
+  return {id, shape.name, shape.form(), shape.triangles.size()};
 }
 
-void plan_meshes(const Scene& scene, Planner& planner) {
-  for (const Mesh* mesh : shown_meshes(scene, false)) {
-    if (mesh->shape.segments == 0) continue;
-    planner.add(Effect::kDeformingKeys, mesh->shape.name, segments_phrase(mesh->shape.segments));
-    plan_curve(mesh->shape.name, mesh->shape.form(), planner);
+// Geometry that something shows: in the world, or in a prototype that has instances. `own_materials`: only
+// where no instance overrides its materials. Each once, kind by kind in the order of the scene.
+std::vector<Shown> shown_geometry(const Scene& scene, bool own_materials) {
+  std::vector<GeometryId> ids = scene.world;
+  for (const InstanceSet& set : scene.instances) {
+    if (instance_count(set) == 0 || (own_materials && !set.materials.empty())) continue;
+    const std::vector<GeometryId>& geometry = scene.prototypes[set.prototype].geometry;
+    ids.insert(ids.end(), geometry.begin(), geometry.end());
+  }
+  std::ranges::sort(ids);
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  std::vector<Shown> shown;
+  for (const GeometryId id : ids) {
+    Shown one = described(scene, id);
+    if (one.parts > 0) shown.push_back(std::move(one));
+  }
+  return shown;
+}
+
+const char* shape_phrase(CurveShape shape) {
+  return shape == CurveShape::kTube       ? " spans, round"
+         : shape == CurveShape::kOriented ? " spans, flat, across their normals"
+                                          : " spans, flat, turned to the ray";
+}
+
+void plan_kind(const Scene& scene, const Shown& shown, Planner& planner) {
+  const std::string parts = std::to_string(shown.parts);
+  if (shown.id.is(GeometryKind::kCurves)) {
+    planner.add(Effect::kCurves, shown.name,
+                parts + shape_phrase(scene.curves[shown.id.index()].shape.shape));
+  }
+  if (shown.id.is(GeometryKind::kPoints)) planner.add(Effect::kPoints, shown.name, parts + " spheres");
+  if (!shown.id.is(GeometryKind::kTriangleMesh)) return;
+  const float by = scene.mesh(shown.id).displaced_by;
+  if (by > 0.0f)
+    planner.add(Effect::kDisplacement, shown.name, "up to " + phrase(by, " along the normal"));
+}
+
+void plan_geometry(const Scene& scene, Planner& planner) {
+  for (const Shown& shown : shown_geometry(scene, false)) {
+    plan_kind(scene, shown, planner);
+    if (!shown.form.moving()) continue;
+    planner.add(Effect::kDeformingKeys, shown.name, segments_phrase(shown.form.segments));
+    plan_curve(shown.name, shown.form, planner);
   }
 }
 
@@ -95,16 +142,16 @@ void plan_opacity(const Scene& scene, Planner& planner) {
     if (opacity < 1.0f) planner.add(Effect::kOpacity, name, "opacity down to " + phrase(opacity, ""));
     return opacity < 1.0f;
   };
-  for (const Mesh* mesh : shown_meshes(scene, true)) {
-    if (found(mesh->shape.name, least_opacity(scene, *mesh))) return;
+  for (const Shown& shown : shown_geometry(scene, true)) {
+    if (found(shown.name, least_opacity(scene, shown.id))) return;
   }
   for (const InstanceSet& set : scene.instances) {
     std::vector<std::uint32_t> materials = set.materials;
     std::ranges::sort(materials);
     materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
     for (const std::uint32_t material : materials) {
-      for (const GeometryId mesh : scene.prototypes[set.prototype].geometry) {
-        if (found(set.name, least_opacity(scene.mesh(mesh), material_at(scene, material)))) return;
+      for (const GeometryId id : scene.prototypes[set.prototype].geometry) {
+        if (found(set.name, least_opacity(*scene.appearance(id), material_at(scene, material)))) return;
       }
     }
   }
@@ -179,7 +226,7 @@ const char* effect_name(Effect effect) {
 
 EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings) {
   Planner planner;
-  plan_meshes(scene, planner);
+  plan_geometry(scene, planner);
   plan_opacity(scene, planner);
   plan_instances(scene, planner);
   plan_camera(scene.camera, planner);

@@ -12,7 +12,7 @@
 namespace msbvh {
 
 enum class Effect : std::uint32_t {
-  kDeformingKeys = 1u << 0,    // a mesh has more than one key
+  kDeformingKeys = 1u << 0,    // a geometry has more than one key
   kInstances = 1u << 1,        // a two-level hierarchy is needed
   kMovingInstances = 1u << 2,  // an instance has more than one key
   kCameraMotion = 1u << 3,
@@ -22,9 +22,12 @@ enum class Effect : std::uint32_t {
   kDomeLight = 1u << 7,
   kIndirectLight = 1u << 8,
   kLens = 1u << 9,               // depth of field
-  kPolynomialMotion = 1u << 10,  // a mesh or an instance moves on curves of degree 2 or 3
+  kPolynomialMotion = 1u << 10,  // a geometry or an instance moves on curves of degree 2 or 3
   kTimeRemaps = 1u << 11,        // breakpoints, jumps or visibility at times between even keys
-  kAovs = 1u << 12               // more than colour and alpha is asked for
+  kAovs = 1u << 12,              // more than colour and alpha is asked for
+  kCurves = 1u << 13,            // leaves of their own
+  kPoints = 1u << 14,            // likewise
+  kDisplacement = 1u << 15       // of surfaces along their normals
 };
 
 // A set of effects; usable as a template argument.

@@ -17,7 +17,7 @@ namespace msbvh {
 // Geometry that is instanced together; it lives in the prototype's own space, and in its own time.
 struct Prototype {
   std::string name;
-  std::vector<GeometryId> geometry;  // as in Scene::world
+  std::vector<GeometryId> geometry;  // as in Scene::world, in its order
   TimeRemap time_remap{};            // from the shutter's time to that of the geometry's tracks
 };
 

@@ -5,8 +5,8 @@
 
 namespace msbvh {
 
-bool reads_display_opacity(const Mesh& mesh, const Material* material) {
-  return mesh.display_opacity.authored() && (!material || material->opacity_from_display_opacity);
+bool reads_display_opacity(const Appearance& look, const Material* material) {
+  return look.display_opacity.authored() && (!material || material->opacity_from_display_opacity);
 }
 
 float constant_opacity(const Material* material) {
@@ -19,10 +19,19 @@ float rendered_opacity(const Material* material, float value) {
   return std::clamp(value, 0.0f, 1.0f);
 }
 
-float least_opacity(const Mesh& mesh, const Material* material) {
-  if (!reads_display_opacity(mesh, material)) return constant_opacity(material);
-  const std::vector<float>& values = mesh.display_opacity.values;
+float least_opacity(const Appearance& look, const Material* material) {
+  if (!reads_display_opacity(look, material)) return constant_opacity(material);
+  const std::vector<float>& values = look.display_opacity.values;
   return rendered_opacity(material, *std::min_element(values.begin(), values.end()));
+}
+
+float least_opacity(const Scene& scene, const Appearance& look) {
+  return least_opacity(look, material_at(scene, look.material));
+}
+
+float least_opacity(const Scene& scene, GeometryId geometry) {
+  if (geometry.is(GeometryKind::kTriangleMesh)) return least_opacity(scene, scene.mesh(geometry));
+  return least_opacity(scene, *scene.appearance(geometry));
 }
 
 float least_opacity(const Scene& scene, const Mesh& mesh) {

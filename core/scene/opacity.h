@@ -15,18 +15,21 @@ inline std::uint32_t material_index(const Mesh& mesh, std::uint32_t triangle) {
   return mesh.triangle_materials.empty() ? mesh.material : mesh.triangle_materials[triangle];
 }
 
-// Whether the mesh's displayOpacity decides under a material, which may be null. Otherwise its opacity is the
-// same everywhere: constant_opacity().
-bool reads_display_opacity(const Mesh& mesh, const Material* material);
+// Whether displayOpacity decides under a material, which may be null. Otherwise the opacity is the same
+// everywhere: constant_opacity().
+bool reads_display_opacity(const Appearance& look, const Material* material);
 float constant_opacity(const Material* material);
 
 // From a value read there to the opacity in [0, 1] that is rendered. `material` may be null. A material's
 // opacityThreshold cuts out, as UsdPreviewSurface says.
 float rendered_opacity(const Material* material, float value);
 
-// The least rendered opacity on the mesh under a material, which may be null, over all its values and keys.
-float least_opacity(const Mesh& mesh, const Material* material);
-// Under its own materials.
+// The least rendered opacity on a geometry under a material, which may be null, over all its values and keys.
+float least_opacity(const Appearance& look, const Material* material);
+// Under its own material, or materials.
+float least_opacity(const Scene& scene, const Appearance& look);
 float least_opacity(const Scene& scene, const Mesh& mesh);
+// Of whatever kind.
+float least_opacity(const Scene& scene, GeometryId geometry);
 
 }  // namespace msbvh

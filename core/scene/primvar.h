@@ -1,19 +1,21 @@
-// Values on a mesh: constant, or one a triangle, vertex or corner.
+// Values on a geometry: constant, or one a triangle, vertex or corner.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "core/geometry/curve_set.h"
+#include "core/geometry/point_set.h"
 #include "core/geometry/triangle_mesh.h"
 
 namespace msbvh {
 
-// The number of values a primvar has on a triangle mesh. USD's `uniform` is expanded to one value a triangle
-// and `varying` equals `vertex` on meshes.
+// How many values a primvar has. USD's `uniform` is expanded to one value a triangle and `varying` equals
+// `vertex` on meshes. On curves and points: core/scene/{curves,points}.h.
 enum class Interpolation : std::uint8_t {
   kConstant,    // 1
-  kTriangle,    // one a triangle
+  kTriangle,    // one a triangle, span or point
   kVertex,      // one a vertex
   kFaceVarying  // three a triangle, in the order of its vertices
 };
@@ -28,5 +30,8 @@ struct Primvar {
 
 // Values of a primvar at one key.
 std::size_t value_count(Interpolation interpolation, const TriangleMesh& shape);
+// Throw Error for an interpolation that there is not.
+std::size_t value_count(Interpolation interpolation, const CurveSet& shape);
+std::size_t value_count(Interpolation interpolation, const PointSet& shape);
 
 }  // namespace msbvh

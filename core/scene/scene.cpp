@@ -71,11 +71,29 @@ void expect_index(std::size_t index, std::size_t size, const std::string& part,
          "less than " + std::to_string(size));
 }
 
-void expect_geometry(GeometryId id, const Scene& scene, const std::string& part,
+std::size_t count_of(GeometryKind kind, const Scene& scene) {
+  switch (kind) {
+    case GeometryKind::kTriangleMesh:
+      return scene.meshes.size();
+    case GeometryKind::kCurves:
+      return scene.curves.size();
+    case GeometryKind::kPoints:
+      return scene.points.size();
+    case GeometryKind::kGridMesh:
+      break;
+  }
+  return 0;
+}
+
+void expect_geometry(const std::vector<GeometryId>& list, const Scene& scene, const std::string& part,
                      const std::string& attribute) {
-  expect(id.is(GeometryKind::kTriangleMesh), part, attribute, "geometry that is no triangle mesh",
-         "triangle meshes alone");
-  expect_index(id.index(), scene.meshes.size(), part, attribute);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    expect(!list[i].is(GeometryKind::kGridMesh), part, attribute, "a mesh of grids",
+           "triangle meshes, curves and points");
+    expect_index(list[i].index(), count_of(list[i].kind(), scene), part, attribute);
+    expect(i == 0 || list[i - 1].kind() <= list[i].kind(), part, attribute,
+           "kinds in another order in element " + std::to_string(i), "meshes before curves before points");
+  }
 }
 
 void expect_materials(const std::vector<std::uint32_t>& materials, const Scene& scene,
@@ -85,8 +103,8 @@ void expect_materials(const std::vector<std::uint32_t>& materials, const Scene& 
   }
 }
 
-template <typename T>
-void check_primvar(const Primvar<T>& primvar, const TriangleMesh& shape, const std::string& part,
+template <typename T, typename Shape>
+void check_primvar(const Primvar<T>& primvar, const Shape& shape, const std::string& part,
                    const std::string& attribute) {
   if (!primvar.authored()) return;
   expect_segments(primvar.segments, part, attribute);
@@ -98,12 +116,31 @@ void check_primvar(const Primvar<T>& primvar, const TriangleMesh& shape, const s
   expect_all_finite(primvar.values, part, attribute);
 }
 
+template <typename Shape>
+void check_appearance(const Appearance& look, const Shape& shape, const Scene& scene,
+                      const std::string& part) {
+  check_primvar(look.display_color, shape, part, "displayColor");
+  check_primvar(look.display_opacity, shape, part, "displayOpacity");
+  if (look.material != kNone) expect_index(look.material, scene.materials.size(), part, "material");
+}
+
+void check_curves(const Curves& curves, const Scene& scene, const std::string& part) {
+  validate(curves.shape);
+  check_appearance(curves, curves.shape, scene, part);
+  expect(curves.span_curves.empty() || curves.span_curves.size() == curves.shape.spans.size(), part,
+         "spanCurves", std::to_string(curves.span_curves.size()) + " values",
+         "none or " + std::to_string(curves.shape.spans.size()));
+}
+
+void check_points(const Points& points, const Scene& scene, const std::string& part) {
+  validate(points.shape);
+  check_appearance(points, points.shape, scene, part);
+}
+
 void check_mesh(const Mesh& mesh, const Scene& scene, const std::string& part) {
   validate(mesh.shape);
+  check_appearance(mesh, mesh.shape, scene, part);
   check_primvar(mesh.normals, mesh.shape, part, "normals");
-  check_primvar(mesh.display_color, mesh.shape, part, "displayColor");
-  check_primvar(mesh.display_opacity, mesh.shape, part, "displayOpacity");
-  if (mesh.material != kNone) expect_index(mesh.material, scene.materials.size(), part, "material");
   expect(mesh.triangle_materials.empty() || mesh.triangle_materials.size() == mesh.shape.triangles.size(),
          part, "triangleMaterials", std::to_string(mesh.triangle_materials.size()) + " values",
          "none or " + std::to_string(mesh.shape.triangles.size()));
@@ -238,30 +275,21 @@ void check_camera(const Camera& camera) {
 
 }  // namespace
 
-std::size_t value_count(Interpolation interpolation, const TriangleMesh& shape) {
-  switch (interpolation) {
-    case Interpolation::kConstant:
-      return 1;
-    case Interpolation::kTriangle:
-      return shape.triangles.size();
-    case Interpolation::kVertex:
-      return shape.vertex_count;
-    case Interpolation::kFaceVarying:
-      return 3 * shape.triangles.size();
-  }
-  throw Error(shape.name + ": interpolation: found an unknown value");
-}
-
 void validate(const Scene& scene) {
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     check_mesh(scene.meshes[i], scene, label(scene.meshes[i].shape.name, "mesh", i));
   }
-  for (const GeometryId id : scene.world) expect_geometry(id, scene, "scene", "world");
+  for (std::size_t i = 0; i < scene.curves.size(); ++i) {
+    check_curves(scene.curves[i], scene, label(scene.curves[i].shape.name, "curves", i));
+  }
+  for (std::size_t i = 0; i < scene.points.size(); ++i) {
+    check_points(scene.points[i], scene, label(scene.points[i].shape.name, "points", i));
+  }
+  expect_geometry(scene.world, scene, "scene", "world");
   for (std::size_t i = 0; i < scene.prototypes.size(); ++i) {
     const Prototype& prototype = scene.prototypes[i];
     expect_time_remap(prototype.time_remap, label(prototype.name, "prototype", i));
-    for (const GeometryId id : prototype.geometry)
-      expect_geometry(id, scene, label(prototype.name, "prototype", i), "geometry");
+    expect_geometry(prototype.geometry, scene, label(prototype.name, "prototype", i), "geometry");
   }
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     check_instances(scene.instances[i], scene, label(scene.instances[i].name, "instances", i));

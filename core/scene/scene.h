@@ -24,7 +24,9 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Curves> curves;
   std::vector<Points> points;
-  std::vector<GeometryId> world;  // what stands in the world directly: in `meshes`, `curves` or `points`
+  // What stands in the world directly: in `meshes`, `curves` or `points`, ordered by kind as GeometryKind is,
+  // so that an id in a tree is a place in this list (core/shade/scene_index.h).
+  std::vector<GeometryId> world;
   std::vector<Prototype> prototypes;
   std::vector<InstanceSet> instances;
   std::vector<Material> materials;
@@ -32,6 +34,20 @@ struct Scene {
   Camera camera;
 
   const Mesh& mesh(GeometryId id) const { return meshes[id.index()]; }
+  // Null for a kind that a Scene does not hold.
+  const Appearance* appearance(GeometryId id) const {
+    switch (id.kind()) {
+      case GeometryKind::kTriangleMesh:
+        return &meshes[id.index()];
+      case GeometryKind::kCurves:
+        return &curves[id.index()];
+      case GeometryKind::kPoints:
+        return &points[id.index()];
+      case GeometryKind::kGridMesh:
+        break;
+    }
+    return nullptr;
+  }
 };
 
 // The gate of the whole scene: the meshes (core/geometry's gate), primvar sizes, indices, track lengths,

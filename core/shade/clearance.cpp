@@ -142,9 +142,9 @@ class Search {
     block.is_part ? walk.run(block.part(), visit) : walk.run(visit);
   }
 
-  // A Scene has no grids.
+  // Curves and points enclose nothing that light could leak into.
   void look_at(const BlockHeader& block, std::uint32_t instance) {
-    if (block.kind == BlockKind::kGrid) return;
+    if (block.kind != BlockKind::kGathered && block.kind != BlockKind::kIndexed) return;
     const HitSource source = around_.index.resolve({.geometry = block.geometry(), .instance = instance});
     const std::optional<InstancePose> pose = instance_pose(source, time_);
     for (std::uint32_t i = 0; i < block.count; ++i) {

@@ -1,7 +1,8 @@
-// The value of a primvar at a point of a triangle and at a time.
+// The value of a primvar where something was hit, at a time.
 #pragma once
 
 #include "core/base/lerp.h"
+#include "core/motion/bezier.h"
 #include "core/scene/scene.h"
 
 namespace msbvh {
@@ -39,16 +40,45 @@ T value_at_key(const Primvar<T>& primvar, const TriangleMesh& shape, std::uint32
   return values[0];
 }
 
+// `at_key(key)`: the value there.
+template <typename T, typename AtKey>
+T over_time(const Primvar<T>& primvar, float time, const AtKey& at_key) {
+  const SegmentTime at = locate(time, primvar.segments);
+  const T first = at_key(at.key);
+  if (primvar.segments == 0) return first;
+  return lerp(first, at_key(at.key + 1), at.w);
+}
+
 }  // namespace detail
 
 // `primvar` must be authored.
 template <typename T>
 T interpolate(const Primvar<T>& primvar, const TriangleMesh& shape, std::uint32_t triangle,
               const Barycentrics& b, float time) {
-  const SegmentTime at = locate(time, primvar.segments);
-  const T first = detail::value_at_key(primvar, shape, triangle, b, at.key);
-  if (primvar.segments == 0) return first;
-  return lerp(first, detail::value_at_key(primvar, shape, triangle, b, at.key + 1), at.w);
+  return detail::over_time(primvar, time, [&](std::uint32_t key) {
+    return detail::value_at_key(primvar, shape, triangle, b, key);
+  });
+}
+
+// On a curve: `u` in [0, 1] along the span.
+template <typename T>
+T interpolate(const Primvar<T>& primvar, const CurveSet& shape, std::uint32_t span, float u, float time) {
+  return detail::over_time(primvar, time, [&](std::uint32_t key) {
+    const T* values = primvar.values.data() + key * value_count(primvar.interpolation, shape);
+    if (primvar.interpolation == Interpolation::kConstant) return values[0];
+    if (primvar.interpolation == Interpolation::kTriangle) return values[span];
+    const T* vertices = values + shape.spans[span];
+    return bezier([&](std::uint32_t i) { return vertices[i]; }, kSpanVertices - 1, u);
+  });
+}
+
+// On a point.
+template <typename T>
+T interpolate(const Primvar<T>& primvar, const PointSet& shape, std::uint32_t point, float time) {
+  return detail::over_time(primvar, time, [&](std::uint32_t key) {
+    const T* values = primvar.values.data() + key * value_count(primvar.interpolation, shape);
+    return values[primvar.interpolation == Interpolation::kConstant ? 0 : point];
+  });
 }
 
 }  // namespace msbvh

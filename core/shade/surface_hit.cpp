@@ -2,6 +2,7 @@
 
 #include "core/scene/opacity.h"
 #include "core/shade/primvar.h"
+#include "core/shade/round_surface.h"
 #include "core/shade/world_triangle.h"
 
 namespace msbvh {
@@ -15,14 +16,20 @@ Vec3f instance_color(const InstanceSet& set, std::size_t instance, float time) {
   return lerp(first, set.display_color[(at.key + 1) * count + instance], at.w);
 }
 
-// The instance's, else the mesh's, else `fallback`.
+template <typename T>
+T value_at(const Primvar<T>& primvar, const HitSource& source, const Hit& hit, float time) {
+  if (source.curves) return interpolate(primvar, source.curves->shape, hit.triangle, hit.u, time);
+  if (source.points) return interpolate(primvar, source.points->shape, hit.triangle, time);
+  return interpolate(primvar, source.mesh->shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time);
+}
+
+// The instance's, else the geometry's, else `fallback`.
 Vec3f display_color(const HitSource& source, const Hit& hit, float time, Vec3f fallback) {
   if (source.instances && !source.instances->display_color.empty()) {
     return instance_color(*source.instances, source.instance, time);
   }
-  const Mesh& mesh = *source.mesh;
-  if (!mesh.display_color.authored()) return fallback;
-  return interpolate(mesh.display_color, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time);
+  if (!source.look->display_color.authored()) return fallback;
+  return value_at(source.look->display_color, source, hit, time);
 }
 
 const Material* material_of(const Scene& scene, const HitSource& source, const Hit& hit) {
@@ -63,9 +70,8 @@ Vec3f shading_normal(const HitSource& source, const Hit& hit, float mesh_time,
   return dot(ns, ng) < 0.0f ? -ns : ns;
 }
 
-}  // namespace
-
-SurfaceHit surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray) {
+// Without its colours.
+SurfaceHit triangle_surface(const HitSource& source, const Hit& hit, const Ray& ray) {
   const std::optional<InstancePose> pose = instance_pose(source, ray.time);
   const WorldTriangle triangle = world_triangle(source, pose, hit.triangle, ray.time);
   const Vec3d &a = triangle.vertex[0], ab = triangle.vertex[1] - a, ac = triangle.vertex[2] - a;
@@ -80,8 +86,17 @@ SurfaceHit surface_at(const Scene& scene, const HitSource& source, const Hit& hi
   surface.position = Vec3f(position);
   surface.geometric_normal = Vec3f(normal);
   surface.shading_normal =
-      shading_normal(source, hit, source.mesh_time(ray.time), pose, surface.geometric_normal);
+      shading_normal(source, hit, source.own_time(ray.time), pose, surface.geometric_normal);
   surface.origin = origin_at(triangle, hit, ray, position, normal, doubled_area);
+  return surface;
+}
+
+}  // namespace
+
+SurfaceHit surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray) {
+  SurfaceHit surface = source.mesh     ? triangle_surface(source, hit, ray)
+                       : source.curves ? curve_surface(source, hit, ray)
+                                       : point_surface(source, hit, ray);
   set_colors(material_of(scene, source, hit), source, hit, ray.time, surface);
   return surface;
 }
@@ -89,16 +104,13 @@ SurfaceHit surface_at(const Scene& scene, const HitSource& source, const Hit& hi
 std::uint32_t material_index(const HitSource& source, const Hit& hit) {
   if (source.instances && !source.instances->materials.empty())
     return source.instances->materials[source.instance];
-  return material_index(*source.mesh, hit.triangle);
+  return source.mesh ? material_index(*source.mesh, hit.triangle) : source.look->material;
 }
 
 float opacity_at(const Scene& scene, const HitSource& source, const Hit& hit, float time) {
-  const Mesh& mesh = *source.mesh;
   const Material* material = material_of(scene, source, hit);
-  if (!reads_display_opacity(mesh, material)) return constant_opacity(material);
-  const float value =
-      interpolate(mesh.display_opacity, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time);
-  return rendered_opacity(material, value);
+  if (!reads_display_opacity(*source.look, material)) return constant_opacity(material);
+  return rendered_opacity(material, value_at(source.look->display_opacity, source, hit, time));
 }
 
 }  // namespace msbvh

@@ -32,7 +32,7 @@ inline Ray leave(const SurfaceHit& surface, const Vec3f& direction, float time) 
   return ray;
 }
 
-// In Scene::materials, or kNone: the instance's, else the triangle's.
+// In Scene::materials, or kNone: the instance's, else that of what was hit.
 std::uint32_t material_index(const HitSource& source, const Hit& hit);
 
 // In [0, 1].

@@ -82,7 +82,7 @@ InstancePose::InstancePose(const HitSource& source, float shutter_time) {
 WorldTriangle world_triangle(const HitSource& source, const std::optional<InstancePose>& pose,
                              std::uint32_t triangle, float shutter_time) {
   const TriangleMesh& shape = source.mesh->shape;
-  const TrianglePose own(shape, triangle, source.mesh_time(shutter_time));
+  const TrianglePose own(shape, triangle, source.own_time(shutter_time));
   const float margin = own.margin(shape.form());
   const Vec3d a(own.vertex[0]), b(own.vertex[1]), c(own.vertex[2]);
   if (!pose) return {{a, b, c}, margin * kRootOfThree};

@@ -55,6 +55,23 @@ TEST_CASE("each effect comes with the first prim that asks for it") {
     scene.world = {mesh_id(0), mesh_id(1), mesh_id(2)};
     check_only(scene, Effect::kDeformingKeys, "/moving", "4 segments");
   }
+  SUBCASE("curves") {
+    scene.curves.resize(2);
+    scene.curves[1].shape.name = "/hair";
+    scene.curves[1].shape.vertex_count = 7;
+    scene.curves[1].shape.vertices.resize(7);
+    scene.curves[1].shape.spans = {0, 3};
+    scene.world = {mesh_id(0), curves_id(0), curves_id(1)};
+    check_only(scene, Effect::kCurves, "/hair", "2 spans, flat, turned to the ray");
+  }
+  SUBCASE("points") {
+    scene.points.resize(1);
+    scene.points[0].shape.name = "/dust";
+    scene.points[0].shape.point_count = 3;
+    scene.points[0].shape.vertices.resize(3);
+    scene.world = {mesh_id(0), points_id(0)};
+    check_only(scene, Effect::kPoints, "/dust", "3 spheres");
+  }
   SUBCASE("instances") {
     scene.prototypes = {{"/prototype", {mesh_id(0)}}};
     scene.instances = {{"/instancer", 0, 0, std::vector<Affine3f>(12), {}}};

@@ -36,6 +36,15 @@ Scene valid_scene() {
   return scene;
 }
 
+Curves valid_curves() {
+  Curves curves;
+  curves.shape.name = "/curves";
+  curves.shape.vertex_count = 7;
+  curves.shape.vertices.resize(7, {{1, 2, 3}, 0.5f});
+  curves.shape.spans = {0, 3};
+  return curves;
+}
+
 std::string complaint(const Scene& scene) {
   try {
     validate(scene);
@@ -144,7 +153,17 @@ TEST_CASE("indices must be in range") {
   SUBCASE("what a scene does not hold") {
     scene.world = {{GeometryKind::kGridMesh, 0}};
     CHECK(complaint(scene) ==
-          "scene: world: found geometry that is no triangle mesh; expected triangle meshes alone");
+          "scene: world: found a mesh of grids; expected triangle meshes, curves and points");
+  }
+  SUBCASE("kinds in another order") {
+    scene.curves = {valid_curves()};
+    scene.points.resize(1);
+    scene.world = {mesh_id(0), curves_id(0), points_id(0)};
+    CHECK(complaint(scene).empty());
+    scene.world = {mesh_id(0), points_id(0), curves_id(0)};
+    CHECK(complaint(scene) ==
+          "scene: world: found kinds in another order in element 2; expected meshes before curves before "
+          "points");
   }
   SUBCASE("prototype's mesh") {
     scene.prototypes[0].geometry = {mesh_id(0), mesh_id(2)};
@@ -153,6 +172,81 @@ TEST_CASE("indices must be in range") {
   SUBCASE("instances' prototype") {
     scene.instances[0].prototype = 5;
     CHECK(complaint(scene) == "/instances: prototype: found index 5; expected less than 1");
+  }
+}
+
+TEST_CASE("curves: vertices, spans, radii, normals and primvars fit together") {
+  Scene scene = valid_scene();
+  scene.curves = {valid_curves()};
+  scene.world = {mesh_id(0), curves_id(0)};
+  REQUIRE(complaint(scene).empty());
+  Curves& curves = scene.curves[0];
+  SUBCASE("vertices") {
+    curves.shape.vertices.pop_back();
+    CHECK(complaint(scene) == "/curves: vertices: found 6; expected 1 controls x 7");
+  }
+  SUBCASE("a span beyond the vertices") {
+    curves.shape.spans = {0, 4};
+    CHECK(complaint(scene).find("/curves: spans: span 1 begins at vertex 4; expected ") == 0);
+  }
+  SUBCASE("spans that overlap") {
+    curves.shape.spans = {0, 2};
+    CHECK(complaint(scene).find("/curves: spans: span 1 begins at vertex 2; expected ") == 0);
+  }
+  SUBCASE("a negative radius, and one that is NaN") {
+    for (const float radius : {-1.0f, kNan}) {
+      curves.shape.vertices[5].radius = radius;
+      CHECK(complaint(scene).find("/curves: vertices: vertex 5 at control 0 has the radius ") == 0);
+    }
+  }
+  SUBCASE("a coordinate that is NaN, and one that is too large") {
+    for (const float x : {kNan, 1e30f}) {
+      curves.shape.vertices[2].p.y = x;
+      CHECK(complaint(scene).find("/curves: vertices: vertex 2 at control 0 has the coordinate ") == 0);
+    }
+  }
+  SUBCASE("normals") {
+    curves.shape.shape = CurveShape::kOriented;
+    CHECK(complaint(scene) == "/curves: normals: found 0; expected 7");
+    curves.shape.normals.resize(7);
+    CHECK(complaint(scene).empty());
+    curves.shape.normals[3].z = kNan;
+    CHECK(complaint(scene).find("/curves: normals: found ") == 0);
+  }
+  SUBCASE("primvars") {
+    curves.display_color.interpolation = Interpolation::kVertex;
+    curves.display_color.values.resize(6);
+    CHECK(complaint(scene) == "/curves: displayColor: found 6 values; expected 1 keys x 7");
+    curves.display_color.interpolation = Interpolation::kFaceVarying;
+    CHECK(complaint(scene).find("/curves: interpolation: found one value a corner; expected ") == 0);
+  }
+  SUBCASE("which curve a span is of") {
+    curves.span_curves = {0};
+    CHECK(complaint(scene) == "/curves: spanCurves: found 1 values; expected none or 2");
+  }
+}
+
+TEST_CASE("points: vertices and primvars fit together") {
+  Scene scene = valid_scene();
+  scene.points.resize(1);
+  Points& points = scene.points[0];
+  points.shape.name = "/points";
+  points.shape.point_count = 2;
+  points.shape.vertices.resize(2);
+  scene.world = {mesh_id(0), points_id(0)};
+  REQUIRE(complaint(scene).empty());
+  SUBCASE("vertices") {
+    points.shape.segments = 1;
+    CHECK(complaint(scene) == "/points: vertices: found 2; expected 2 controls x 2");
+  }
+  SUBCASE("form") {
+    points.shape.segments = 3;
+    CHECK(complaint(scene).find("/points: segments, degree: found 3, 1; expected ") == 0);
+  }
+  SUBCASE("primvars") {
+    points.display_opacity.interpolation = Interpolation::kTriangle;
+    points.display_opacity.values.resize(3);
+    CHECK(complaint(scene) == "/points: displayOpacity: found 3 values; expected 1 keys x 2");
   }
 }
 
