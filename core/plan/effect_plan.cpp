@@ -123,8 +123,7 @@ void plan_kind(const Scene& scene, const Shown& shown, Planner& planner) {
   if (shown.id.is(GeometryKind::kPoints)) planner.add(Effect::kPoints, shown.name, parts + " spheres");
   if (!shown.id.is(GeometryKind::kTriangleMesh)) return;
   const float by = scene.mesh(shown.id).displaced_by;
-  if (by > 0.0f)
-    planner.add(Effect::kDisplacement, shown.name, "up to " + phrase(by, " along the normal"));
+  if (by > 0.0f) planner.add(Effect::kDisplacement, shown.name, "up to " + phrase(by, " along the normal"));
 }
 
 void plan_geometry(const Scene& scene, Planner& planner) {

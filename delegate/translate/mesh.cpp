@@ -114,8 +114,8 @@ void add_face_materials(const MeshInput& input, const Tessellation& topology, st
 // Smooth, but where polygons are to be flat. Authored ones are not those of the displaced surface.
 Primvar<Vec3f> displaced_normals(const MeshInput& input, const Tessellation& topology, const Shape& shape,
                                  std::uint32_t max_segments) {
-  const bool flat = !topology.refinement() && input.computed_normals != Normals::kSmooth &&
-                    input.normals.samples.empty();
+  const bool flat =
+      !topology.refinement() && input.computed_normals != Normals::kSmooth && input.normals.samples.empty();
   return flat ? Primvar<Vec3f>{} : smooth_normals(shape.mesh, max_segments);
 }
 
@@ -207,8 +207,9 @@ std::optional<DisplacedShape> displaced_shape(const MeshMotion& motion, const Mo
   const double largest = distances.largest();
   if (largest == 0.0) return std::nullopt;
   if (!faces.refinement()) {
-    log.warn_in_common("subdivisionScheme",
-                       "displacement moves the vertices of polygons alone; a subdivided mesh shows all of it");
+    log.warn_in_common(
+        "subdivisionScheme",
+        "displacement moves the vertices of polygons alone; a subdivided mesh shows all of it");
   }
   const DisplacedSurface surface(points, faces, std::move(distances));
   const std::uint64_t most = kMostRefinedPoints / std::max<std::size_t>(1, surface.size());
@@ -296,8 +297,7 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
   report_fit({form.segments, fit.error}, target.settings, kPoints, "the motion", log);
 
   TranslatedMesh result;
-  Shape shape =
-      displaced ? std::move(displaced->shape) : shape_of(moving, fit.track, topology, input.path);
+  Shape shape = displaced ? std::move(displaced->shape) : shape_of(moving, fit.track, topology, input.path);
   if (!check_controls(shape.mesh, log)) return std::nullopt;
   add_shape(input, topology, {moving.transform, fit.track.layout, points.frame_only}, target,
             std::move(shape), result.mesh, log);

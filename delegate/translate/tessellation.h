@@ -21,7 +21,7 @@ namespace msbvh::translate {
 // A cage refined.
 struct Refinement {
   RefinedMesh mesh;
-  std::vector<std::uint32_t> faces;  // of each triangle, the input's face
+  std::vector<std::uint32_t> faces;       // of each triangle, the input's face
   std::vector<std::uint32_t> cage_faces;  // of each of the cage's faces, likewise; empty: the same
   std::map<std::string, std::uint32_t>
       channels;  // of face-varying primvars, by attribute: ValueKind::channel

@@ -258,9 +258,7 @@ def test_normal_maps_are_named():
     normal = shader.CreateInput("normal", Sdf.ValueTypeNames.Normal3f)
     normal.ConnectToSource(texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3))
     bind(shot, shot.mesh("/Mesh").GetPrim())
-    assert messages(shot.read(), "warning") == [
-        "/Material/Surface.inputs:normal: not supported yet; drawn without it"
-    ]
+    assert messages(shot.read(), "warning") == ["/Material/Surface.inputs:normal: not supported yet; drawn without it"]
 
 
 @pytest.mark.parametrize(

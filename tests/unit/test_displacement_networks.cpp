@@ -43,10 +43,10 @@ ShaderInput connected(std::string name, std::string node, std::string output) {
 std::vector<double> numbers(std::initializer_list<double> values) { return values; }
 
 struct Network {
-  ShaderNetwork network{"/Look",
-                        {{"/Look/Surface", "UsdPreviewSurface"}},
-                        {{"surface", {"/Look/Surface", "surface"}},
-                         {"displacement", {"/Look/Surface", "displacement"}}}};
+  ShaderNetwork network{
+      "/Look",
+      {{"/Look/Surface", "UsdPreviewSurface"}},
+      {{"surface", {"/Look/Surface", "surface"}}, {"displacement", {"/Look/Surface", "displacement"}}}};
   Ramp textures;
   std::vector<Diagnostic> said;
 
@@ -83,8 +83,9 @@ TEST_CASE("a constant displaces where the material's displacement is connected, 
   CHECK(look.is_silent());
   look.network.terminals.erase("displacement");
   CHECK_FALSE(look.read());
-  CHECK(look.messages(Severity::kNote, "/Look/Surface.inputs:displacement: the material's outputs:displacement is "
-                                       "not connected") == 1);
+  CHECK(look.messages(Severity::kNote,
+                      "/Look/Surface.inputs:displacement: the material's outputs:displacement is "
+                      "not connected") == 1);
   look.surface().inputs = {constant("displacement", 0.0)};
   CHECK_FALSE(look.read());
   CHECK(look.is_silent());
@@ -144,7 +145,8 @@ TEST_CASE("other nodes are named, and so is a shader that is no preview surface"
   CHECK(look.messages(Severity::kWarning, "connected to a MyNoise, which is not evaluated yet") == 1);
   look.network.terminals["displacement"] = {"/Look/Noise", "out"};
   CHECK_FALSE(look.read());
-  CHECK(look.messages(Severity::kWarning, "/Look.outputs:displacement: found a displacement shader MyNoise") == 1);
+  CHECK(look.messages(Severity::kWarning,
+                      "/Look.outputs:displacement: found a displacement shader MyNoise") == 1);
 }
 
 TEST_CASE("a texture's channel is scaled and biased, and wraps as node and file say") {
@@ -198,14 +200,16 @@ TEST_CASE("a texture that cannot be read is its fallback, without scale and bias
   look.texture({constant("file", Asset{"missing.exr", {}}), constant("fallback", numbers({0.125, 0, 0, 1})),
                 constant("scale", numbers({9, 9, 9, 9}))});
   CHECK(look.read()->constant == 0.125);
-  CHECK(look.messages(Severity::kWarning, "@missing.exr@ cannot be read: displaced by its fallback, 0.125") == 1);
+  CHECK(look.messages(Severity::kWarning, "@missing.exr@ cannot be read: displaced by its fallback, 0.125") ==
+        1);
   look.network.nodes.pop_back();
   look.texture({}, "a");
   CHECK(look.read()->constant == 1.0);
   CHECK(look.messages(Severity::kWarning, "it names no file: displaced by its fallback, 1") == 1);
 }
 
-TEST_CASE("texels that are no numbers, distances beyond all scenes and tiles displace nothing, with one message") {
+TEST_CASE(
+    "texels that are no numbers, distances beyond all scenes and tiles displace nothing, with one message") {
   Network look;
   look.textures.bad = std::numeric_limits<float>::quiet_NaN();
   look.texture({kFile});

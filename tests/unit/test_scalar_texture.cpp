@@ -76,9 +76,7 @@ TEST_CASE("noise gets quieter with a larger footprint") {
 }
 
 TEST_CASE("modes say what is outside of the picture") {
-  const auto at = [](Wrap wrap, double s) {
-    return texture(image(4, 1, column_of), wrap).at(s, 0.5, 0, 0);
-  };
+  const auto at = [](Wrap wrap, double s) { return texture(image(4, 1, column_of), wrap).at(s, 0.5, 0, 0); };
   CHECK(at(Wrap::kClamp, -3.0) == 0.0);
   CHECK(at(Wrap::kClamp, 3.0) == 3.0);
   CHECK(at(Wrap::kRepeat, 2.375) == doctest::Approx(1.0));

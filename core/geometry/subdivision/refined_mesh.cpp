@@ -309,10 +309,8 @@ std::vector<RefinedMesh::Said<Value>> RefinedMesh::said_by_faces(const AtFace& a
 }
 
 std::vector<double> RefinedMesh::means(const FaceValues& at_face) const {
-  const auto said = said_by_faces<double>(
-      [&](std::size_t i, std::span<const SquareLattice> squares, double* out) {
-        at_face(drawn_[i], squares, out);
-      });
+  const auto said = said_by_faces<double>([&](std::size_t i, std::span<const SquareLattice> squares,
+                                              double* out) { at_face(drawn_[i], squares, out); });
   std::vector<double> sums(point_count_, 0.0);
   std::vector<std::uint32_t> faces(point_count_, 0);
   for (const Said<double>& face : said) {

@@ -24,7 +24,8 @@ double largest_distance(const std::vector<Vec3d>& truth, const std::vector<Vec3d
 
 // Where a segment of a track passes through the motion; `at(time01, within)` are places of the points.
 template <typename At>
-std::vector<std::vector<Vec3d>> controls_of(const Candidate& track, const LayoutSegment& segment, const At& at) {
+std::vector<std::vector<Vec3d>> controls_of(const Candidate& track, const LayoutSegment& segment,
+                                            const At& at) {
   const auto nodes = fit_nodes(track.degree);
   std::vector<std::vector<Vec3d>> controls;
   for (std::uint32_t k = 0; k <= track.degree; ++k)
@@ -78,8 +79,7 @@ double Fitter::error(const Candidate& track, double limit) const {
         controls_of(track, segment, [&](double time01, double within) { return at(time01, within); });
     for (const double time01 : test_times01(segment, track.degree, breakpoints_, dense01_)) {
       const double w = (time01 - segment.begin01) / (segment.end01 - segment.begin01);
-      const std::vector<Vec3d> truth =
-          at(time01, track.layout.is_even() ? time01 : segment.middle());
+      const std::vector<Vec3d> truth = at(time01, track.layout.is_even() ? time01 : segment.middle());
       std::vector<Vec3d> shown;
       for (std::size_t i = 0; i < truth.size(); ++i)
         shown.push_back(bezier([&](std::uint32_t k) { return controls[k][i]; }, track.degree, w));
@@ -134,8 +134,8 @@ std::vector<Vec3f> displaced_controls(const DisplacedSurface& surface, const Can
                     out.begin() + std::ptrdiff_t((first + k) * count));
       continue;
     }
-    const auto controls = controls_of(
-        track, segment, [&](double time01, double within) { return surface.at(time01, within); });
+    const auto controls =
+        controls_of(track, segment, [&](double time01, double within) { return surface.at(time01, within); });
     for (std::uint32_t k = 0; k <= track.degree; ++k) write(controls[k], first + k);
   }
   return out;

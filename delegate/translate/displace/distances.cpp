@@ -27,7 +27,8 @@ class DistanceReader {
       if (!named || primvars_.contains(named->name)) continue;
       // Where a texture is read stays as it is at the frame.
       const double time = d->texture ? frame01 : time01;
-      if (auto primvar = SurfacePrimvar::at(*named, time, mesh, log)) primvars_.emplace(named->name, *primvar);
+      if (auto primvar = SurfacePrimvar::at(*named, time, mesh, log))
+        primvars_.emplace(named->name, *primvar);
     }
   }
 

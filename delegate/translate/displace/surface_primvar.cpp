@@ -40,8 +40,9 @@ std::optional<SurfacePrimvar> SurfacePrimvar::at(const NamedPrimvar& named, doub
                                                  const Tessellation& mesh, PrimLog& log) {
   const PrimvarInput<Vec3f>& primvar = named.primvar;
   PrimLog optional = log.of_optional_part();
-  const std::optional<PrimvarMap> map = map_primvar(primvar.interpolation, primvar.values.size(),
-                                                    primvar.indices, mesh.polygons(), full_name(named), optional);
+  const std::optional<PrimvarMap> map =
+      map_primvar(primvar.interpolation, primvar.values.size(), primvar.indices, mesh.polygons(),
+                  full_name(named), optional);
   if (!map) return std::nullopt;
   SurfacePrimvar result(mesh, map->interpolation);
   result.values_ = values_at(primvar, time01);

@@ -32,8 +32,8 @@ class SurfacePrimvar {
 
   const Tessellation* mesh_;
   Interpolation interpolation_;
-  ValueKind kind_;              // of kVertex and kFaceVarying
-  std::vector<Vec3f> values_;   // of faces, points, corners; on a refinement of the channel; or one
+  ValueKind kind_;             // of kVertex and kFaceVarying
+  std::vector<Vec3f> values_;  // of faces, points, corners; on a refinement of the channel; or one
 };
 
 }  // namespace msbvh::translate

@@ -82,8 +82,8 @@ std::optional<Displacement> DisplacementReader::constant(const ShaderInput& inpu
   if (!input.value) return std::nullopt;
   const std::optional<double> number = as_kind_of(*input.value, kNone);
   if (!number || !is_distance(*number)) {
-    log.warn(origin.attribute, "found " + (number ? text(*number) : input.value->text) +
-                                   expected_distance() + "; drawn without displacement");
+    log.warn(origin.attribute, "found " + (number ? text(*number) : input.value->text) + expected_distance() +
+                                   "; drawn without displacement");
     return std::nullopt;
   }
   if (*number == kNone) return std::nullopt;
@@ -98,8 +98,8 @@ std::optional<Displacement> DisplacementReader::connected(const ShaderInput& inp
     const ShaderValue* value = constant_of(*node, "fallback");
     const double standard = value ? as_kind_of(*value, kNone).value_or(kNone) : kNone;
     if (primvar.empty()) {
-      log_at(node->path).warn("inputs:varname", "found no name of a primvar; displaced by its fallback, " +
-                                                    text(standard));
+      log_at(node->path)
+          .warn("inputs:varname", "found no name of a primvar; displaced by its fallback, " + text(standard));
     }
     return checked({.constant = standard, .primvar = primvar}, std::abs(standard));
   }
@@ -109,14 +109,16 @@ std::optional<Displacement> DisplacementReader::connected(const ShaderInput& inp
   return std::nullopt;
 }
 
-std::optional<Displacement> DisplacementReader::textured(const ShaderInput& input, const ShaderNode& texture) {
+std::optional<Displacement> DisplacementReader::textured(const ShaderInput& input,
+                                                         const ShaderNode& texture) {
   const ShaderValue* file = constant_of(texture, "file");
   const auto* asset = file ? std::get_if<Asset>(&file->data) : nullptr;
   if (!asset || asset->path.empty()) return fallback(input, texture, "it names no file");
   if (asset->path.find("<UDIM>") != std::string::npos) {
     log_at(texture.path)
-        .warn("inputs:file", "displacement by the tiles of a UDIM texture is not supported yet; drawn without "
-                             "displacement");
+        .warn("inputs:file",
+              "displacement by the tiles of a UDIM texture is not supported yet; drawn without "
+              "displacement");
     return std::nullopt;
   }
   const std::size_t channel = channel_of(input.connections.front().output);
@@ -133,7 +135,8 @@ std::optional<Displacement> DisplacementReader::textured(const ShaderInput& inpu
   Displacement found{.coordinates = coordinates_of(texture)};
   found.scale = finite_or(kScale, constant_of(texture, "scale"))[channel];
   found.bias = finite_or(kBias, constant_of(texture, "bias"))[channel];
-  const Wrap wrap_s = wrap_of(texture, "wrapS", image->wrap_s), wrap_t = wrap_of(texture, "wrapT", image->wrap_t);
+  const Wrap wrap_s = wrap_of(texture, "wrapS", image->wrap_s),
+             wrap_t = wrap_of(texture, "wrapT", image->wrap_t);
   found.texture = std::make_shared<const ScalarTexture>(std::move(*image), wrap_s, wrap_t);
   const double size = std::max(std::abs(found.texture->least()), std::abs(found.texture->largest()));
   return checked(std::move(found), size * std::abs(found.scale) + std::abs(found.bias));
@@ -203,8 +206,8 @@ Wrap DisplacementReader::wrap_of(const ShaderNode& texture, std::string_view nam
   if (const std::optional<Wrap> wrap = wrap_from(token)) return *wrap;
   if (!token.empty() && token != "useMetadata") {
     log_at(texture.path)
-        .warn(full_name(name), "found \"" + token +
-                                   "\", expected black, clamp, repeat, mirror or useMetadata; took the last");
+        .warn(full_name(name),
+              "found \"" + token + "\", expected black, clamp, repeat, mirror or useMetadata; took the last");
   }
   return wrap_from(metadata).value_or(Wrap::kBlack);
 }
@@ -214,7 +217,8 @@ void tell_of_unused_input(const ShaderNetwork& network, std::vector<Diagnostic>&
   const auto terminal = network.terminals.find("surface");
   const ShaderNode* surface =
       terminal == network.terminals.end() ? nullptr : network.node(terminal->second.node);
-  const ShaderInput* input = surface && surface->identifier == kPreviewSurface ? surface->input("displacement") : nullptr;
+  const ShaderInput* input =
+      surface && surface->identifier == kPreviewSurface ? surface->input("displacement") : nullptr;
   if (!input || !has_effect(*input, kNone)) return;
   PrimLog(diagnostics, surface->path)
       .note_in_common(full_name("displacement"),

@@ -21,8 +21,8 @@ inline constexpr double kMaxDistance = 0x1p40;
 
 // Texture coordinates: what a primvar holds, mapped by UsdTransform2d nodes.
 struct TextureCoordinates {
-  std::string primvar{};              // empty: the same everywhere
-  std::array<double, 2> fallback{};   // what counts where a mesh has no such primvar
+  std::string primvar{};                             // empty: the same everywhere
+  std::array<double, 2> fallback{};                  // what counts where a mesh has no such primvar
   std::array<double, 4> matrix{1.0, 0.0, 0.0, 1.0};  // row by row
   std::array<double, 2> offset{};
 
@@ -32,9 +32,9 @@ struct TextureCoordinates {
 };
 
 struct Displacement {
-  Origin origin{};         // for messages: the input
-  double constant = 0.0;   // where there is no texture, and no primvar, or a mesh has none of that name
-  std::string primvar{};   // of numbers; empty: none
+  Origin origin{};        // for messages: the input
+  double constant = 0.0;  // where there is no texture, and no primvar, or a mesh has none of that name
+  std::string primvar{};  // of numbers; empty: none
   std::shared_ptr<const ScalarTexture> texture{};  // null: none
   TextureCoordinates coordinates{};                // of the texture
   double scale = 1.0, bias = 0.0;                  // of what the texture says
@@ -43,8 +43,8 @@ struct Displacement {
   const std::string& needed_primvar() const { return texture ? coordinates.primvar : primvar; }
 };
 
-// None where nothing is displaced. What is wrong or not supported yet is reported and leaves the surface where
-// it is, or counts as what the message says.
+// None where nothing is displaced. What is wrong or not supported yet is reported and leaves the surface
+// where it is, or counts as what the message says.
 std::optional<Displacement> displacement_of(const ShaderNetwork& network, const TextureSource& textures,
                                             std::vector<Diagnostic>& diagnostics);
 

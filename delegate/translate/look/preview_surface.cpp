@@ -213,8 +213,8 @@ Kind SurfaceReader::number_or(const Kind& standard, const ShaderValue& value, co
 std::span<const std::string_view> evaluated_inputs(std::string_view identifier) {
   static constexpr std::string_view kOfSurface[] = {
       "diffuseColor", "emissiveColor", "opacity", "opacityThreshold", "normal", "displacement", "fallback"};
-  static constexpr std::string_view kOfTexture[] = {"file",  "sourceColorSpace", "st",   "wrapS",
-                                                    "wrapT", "scale",            "bias", "fallback"};
+  static constexpr std::string_view kOfTexture[] = {
+      "file", "sourceColorSpace", "st", "wrapS", "wrapT", "scale", "bias", "fallback"};
   static constexpr std::string_view kOfTransform[] = {"in", "rotation", "scale", "translation", "fallback"};
   static constexpr std::string_view kOfReader[] = {"varname", "fallback"};
   static constexpr std::string_view kOfOthers[] = {"fallback"};

@@ -18,7 +18,7 @@ std::optional<Wrap> wrap_from(std::string_view token);  // none for useMetadata,
 
 struct ScalarImage {
   std::uint32_t width = 0, height = 0;
-  std::vector<float> values{};  // row by row, the picture's uppermost first
+  std::vector<float> values{};     // row by row, the picture's uppermost first
   std::string wrap_s{}, wrap_t{};  // what the file says; empty: nothing
 };
 

@@ -20,7 +20,8 @@ class TextureSource {
   // Every texel counts alike. None where the texture cannot be read. `colour_space` is UsdUVTexture's
   // sourceColorSpace: raw, sRGB, or auto, as which anything else counts.
   virtual std::optional<Rgba> mean(const Asset& texture, std::string_view colour_space) const = 0;
-  // All texels of one of red, green, blue and alpha (0 to 3), likewise; of a source that knows no texels none.
+  // All texels of one of red, green, blue and alpha (0 to 3), likewise; of a source that knows no texels
+  // none.
   virtual std::optional<ScalarImage> channel(const Asset&, std::string_view, std::size_t) const {
     return std::nullopt;
   }

@@ -40,8 +40,8 @@ class PythonTextures : public TextureSource {
   nb::handle mean_;
 };
 
-// A function of the files, the colour space and the channel that gives (float32[H, W], wrap modes of the file in
-// s and t, which may be empty) or None.
+// A function of the files, the colour space and the channel that gives (float32[H, W], wrap modes of the file
+// in s and t, which may be empty) or None.
 class PythonTexels : public TextureSource {
  public:
   explicit PythonTexels(nb::handle channel) : channel_(channel) {}
@@ -57,8 +57,11 @@ class PythonTexels : public TextureSource {
     const AnyArray array = checked_array<float>(texels, "channel()", {kAnySize, kAnySize});
     if (array.size() == 0) return std::nullopt;
     const std::span<const float> values = elements<float>(array);
-    return ScalarImage{std::uint32_t(array.shape(1)), std::uint32_t(array.shape(0)),
-                       {values.begin(), values.end()}, wrap_s, wrap_t};
+    return ScalarImage{std::uint32_t(array.shape(1)),
+                       std::uint32_t(array.shape(0)),
+                       {values.begin(), values.end()},
+                       wrap_s,
+                       wrap_t};
   }
 
  private:
