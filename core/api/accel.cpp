@@ -80,9 +80,15 @@ std::uint32_t Accel::add_mesh(std::shared_ptr<const TriangleMesh> mesh) {
 }
 
 std::uint32_t Accel::add_grids(GridMesh mesh) {
-  std::vector<std::shared_ptr<const GridMesh>>& grids = open().grids;
+  open();
   validate(mesh);
-  grids.push_back(std::make_shared<const GridMesh>(std::move(mesh)));
+  return add_grids(std::make_shared<const GridMesh>(std::move(mesh)));
+}
+
+std::uint32_t Accel::add_grids(std::shared_ptr<const GridMesh> mesh) {
+  if (!mesh) throw Error("accelerator: found no grids behind the pointer; expected some");
+  std::vector<std::shared_ptr<const GridMesh>>& grids = open().grids;
+  grids.push_back(std::move(mesh));
   return static_cast<std::uint32_t>(grids.size() - 1);
 }
 

@@ -45,6 +45,8 @@ class Accel {
   // (core/geometry/subdivision/dice.h). The tree refers to patches of them. Ids are counted apart; a hit's
   // geometry says which kind it is of.
   std::uint32_t add_grids(GridMesh mesh);
+  // Shares grids that have passed validate(), and does not look at them again.
+  std::uint32_t add_grids(std::shared_ptr<const GridMesh> mesh);
   // Instances of another, committed Accel that holds no instances itself (two levels). `world_from_object`
   // holds form.controls() maps for each instance, instance-major; `time_remap` says when they are there and
   // what time their tracks are read at. Returns the id of the first one.

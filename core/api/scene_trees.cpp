@@ -10,10 +10,14 @@ namespace msbvh {
 namespace {
 
 // Trees read the scene's own positions, and keep the scene alive for it. It has passed validate().
-void share_meshes(const std::shared_ptr<const Scene>& scene, const std::vector<GeometryId>& meshes,
-                  Accel& accel) {
-  for (const GeometryId mesh : meshes) {
-    accel.add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->mesh(mesh).shape));
+void share_geometry(const std::shared_ptr<const Scene>& scene, const std::vector<GeometryId>& geometry,
+                    Accel& accel) {
+  for (const GeometryId id : geometry) {
+    if (id.is(GeometryKind::kTriangleMesh)) {
+      accel.add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->mesh(id).shape));
+    } else if (id.is(GeometryKind::kGridMesh)) {
+      accel.add_grids(std::shared_ptr<const GridMesh>(scene, &scene->grids[id.index()].shape));
+    }
   }
 }
 
@@ -62,7 +66,7 @@ void SceneTrees::build_prototypes(const Scene& scene, const BuildSettings& setti
   parallel_for(prototypes_.size(), [&](std::size_t i) {
     if (!prototypes_[i]) return;
     stop_if_cancelled(settings);
-    share_meshes(scene_, scene.prototypes[i].geometry, *prototypes_[i]);
+    share_geometry(scene_, scene.prototypes[i].geometry, *prototypes_[i]);
     prototypes_[i]->set_time_remap(scene.prototypes[i].time_remap);
     commit(*prototypes_[i], same[i] == kNone ? nullptr : previous->prototypes_[same[i]].get(), settings);
   });
@@ -70,7 +74,7 @@ void SceneTrees::build_prototypes(const Scene& scene, const BuildSettings& setti
 
 void SceneTrees::build_world(const Scene& scene, const BuildSettings& settings, SceneTrees* previous) {
   stop_if_cancelled(settings);
-  share_meshes(scene_, scene.world, world_);
+  share_geometry(scene_, scene.world, world_);
   for (const InstanceSet& set : scene.instances) {
     if (instance_count(set) == 0) continue;
     world_.add_instances(prototypes_[set.prototype], set.form(), set.world_from_prototype, set.time_remap);

@@ -20,13 +20,21 @@ std::int32_t instance_of(const HitSource& source) {
 std::int32_t prim_of(const Scene& scene, const HitSource& source) {
   if (source.look->prim_id != kNone) return static_cast<std::int32_t>(source.look->prim_id);
   if (source.mesh) return static_cast<std::int32_t>(source.mesh - scene.meshes.data());
-  const std::size_t meshes = scene.meshes.size();
-  if (source.curves) return static_cast<std::int32_t>(meshes + (source.curves - scene.curves.data()));
-  return static_cast<std::int32_t>(meshes + scene.curves.size() + (source.points - scene.points.data()));
+  std::size_t before = scene.meshes.size();
+  if (source.grids) return static_cast<std::int32_t>(before + (source.grids - scene.grids.data()));
+  before += scene.grids.size();
+  if (source.curves) return static_cast<std::int32_t>(before + (source.curves - scene.curves.data()));
+  before += scene.curves.size();
+  return static_cast<std::int32_t>(before + (source.points - scene.points.data()));
 }
 
 // The face, curve or point.
 std::int32_t element_of(const HitSource& source, std::uint32_t triangle) {
+  if (source.grids) {
+    const std::uint32_t grid = source.grids->shape.triangle(triangle).grid;
+    const std::vector<std::uint32_t>& faces = source.grids->grid_faces;
+    return static_cast<std::int32_t>(faces.empty() ? grid : faces[grid]);
+  }
   const std::vector<std::uint32_t> none;
   const std::vector<std::uint32_t>& of = source.mesh     ? source.mesh->triangle_faces
                                          : source.curves ? source.curves->span_curves

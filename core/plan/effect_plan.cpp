@@ -85,6 +85,10 @@ Shown described(const Scene& scene, GeometryId id) {
     const PointSet& shape = scene.points[id.index()].shape;
     return {id, shape.name, shape.form(), shape.point_count};
   }
+  if (id.is(GeometryKind::kGridMesh)) {
+    const GridMesh& shape = scene.grids[id.index()].shape;
+    return {id, shape.name, shape.form(), shape.triangle_count()};
+  }
   const TriangleMesh& shape = scene.mesh(id).shape;
   return {id, shape.name, shape.form(), shape.triangles.size()};
 }
@@ -114,6 +118,11 @@ const char* shape_phrase(CurveShape shape) {
                                           : " spans, flat, turned to the ray";
 }
 
+float displaced_by(const Scene& scene, GeometryId id) {
+  if (id.is(GeometryKind::kTriangleMesh)) return scene.mesh(id).displaced_by;
+  return id.is(GeometryKind::kGridMesh) ? scene.grids[id.index()].displaced_by : 0.0f;
+}
+
 void plan_kind(const Scene& scene, const Shown& shown, Planner& planner) {
   const std::string parts = std::to_string(shown.parts);
   if (shown.id.is(GeometryKind::kCurves)) {
@@ -121,9 +130,11 @@ void plan_kind(const Scene& scene, const Shown& shown, Planner& planner) {
                 parts + shape_phrase(scene.curves[shown.id.index()].shape.shape));
   }
   if (shown.id.is(GeometryKind::kPoints)) planner.add(Effect::kPoints, shown.name, parts + " spheres");
-  if (!shown.id.is(GeometryKind::kTriangleMesh)) return;
-  const float by = scene.mesh(shown.id).displaced_by;
-  if (by > 0.0f) planner.add(Effect::kDisplacement, shown.name, "up to " + phrase(by, " along the normal"));
+  const float by = displaced_by(scene, shown.id);
+  if (by == 0.0f) return;
+  const bool patches = shown.id.is(GeometryKind::kGridMesh);
+  planner.add(Effect::kDisplacement, shown.name,
+              "up to " + phrase(by, patches ? " along the normal, as patches" : " along the normal"));
 }
 
 void plan_geometry(const Scene& scene, Planner& planner) {

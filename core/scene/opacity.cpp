@@ -31,20 +31,34 @@ float least_opacity(const Scene& scene, const Appearance& look) {
 
 float least_opacity(const Scene& scene, GeometryId geometry) {
   if (geometry.is(GeometryKind::kTriangleMesh)) return least_opacity(scene, scene.mesh(geometry));
+  if (geometry.is(GeometryKind::kGridMesh)) return least_opacity(scene, scene.grids[geometry.index()]);
   return least_opacity(scene, *scene.appearance(geometry));
 }
 
-float least_opacity(const Scene& scene, const Mesh& mesh) {
-  if (mesh.triangle_materials.empty()) return least_opacity(mesh, material_at(scene, mesh.material));
+namespace {
+
+// Under any of some materials.
+float least_opacity(const Scene& scene, const Appearance& look, const std::vector<std::uint32_t>& materials) {
+  if (materials.empty()) return least_opacity(look, material_at(scene, look.material));
   std::vector<bool> seen(scene.materials.size() + 1, false);  // the last stands for kNone
   float least = 1.0f;
-  for (const std::uint32_t material : mesh.triangle_materials) {
+  for (const std::uint32_t material : materials) {
     const std::size_t index = std::min<std::size_t>(material, scene.materials.size());
     if (seen[index]) continue;
     seen[index] = true;
-    least = std::min(least, least_opacity(mesh, material_at(scene, material)));
+    least = std::min(least, least_opacity(look, material_at(scene, material)));
   }
   return least;
+}
+
+}  // namespace
+
+float least_opacity(const Scene& scene, const Mesh& mesh) {
+  return least_opacity(scene, mesh, mesh.triangle_materials);
+}
+
+float least_opacity(const Scene& scene, const Grids& grids) {
+  return least_opacity(scene, grids, grids.grid_materials);
 }
 
 }  // namespace msbvh

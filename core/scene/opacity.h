@@ -15,6 +15,11 @@ inline std::uint32_t material_index(const Mesh& mesh, std::uint32_t triangle) {
   return mesh.triangle_materials.empty() ? mesh.material : mesh.triangle_materials[triangle];
 }
 
+inline std::uint32_t material_index(const Grids& grids, std::uint32_t triangle) {
+  return grids.grid_materials.empty() ? grids.material
+                                      : grids.grid_materials[grids.shape.triangle(triangle).grid];
+}
+
 // Whether displayOpacity decides under a material, which may be null. Otherwise the opacity is the same
 // everywhere: constant_opacity().
 bool reads_display_opacity(const Appearance& look, const Material* material);
@@ -29,6 +34,7 @@ float least_opacity(const Appearance& look, const Material* material);
 // Under its own material, or materials.
 float least_opacity(const Scene& scene, const Appearance& look);
 float least_opacity(const Scene& scene, const Mesh& mesh);
+float least_opacity(const Scene& scene, const Grids& grids);
 // Of whatever kind.
 float least_opacity(const Scene& scene, GeometryId geometry);
 

@@ -18,6 +18,13 @@ std::size_t value_count(Interpolation interpolation, const TriangleMesh& shape) 
   throw Error(shape.name + ": interpolation: found an unknown value");
 }
 
+std::size_t value_count(Interpolation interpolation, const GridMesh& shape) {
+  if (interpolation == Interpolation::kConstant) return 1;
+  if (interpolation == Interpolation::kTriangle) return shape.grids.size();
+  if (interpolation == Interpolation::kVertex) return shape.point_count();
+  throw Error(shape.name + ": interpolation: found one value a corner; expected one a grid or point");
+}
+
 std::size_t value_count(Interpolation interpolation, const CurveSet& shape) {
   if (interpolation == Interpolation::kConstant) return 1;
   if (interpolation == Interpolation::kTriangle) return shape.spans.size();

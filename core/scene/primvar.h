@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "core/geometry/curve_set.h"
+#include "core/geometry/grid_mesh.h"
 #include "core/geometry/point_set.h"
 #include "core/geometry/triangle_mesh.h"
 
 namespace msbvh {
 
 // How many values a primvar has. USD's `uniform` is expanded to one value a triangle and `varying` equals
-// `vertex` on meshes. On curves and points: core/scene/{curves,points}.h.
+// `vertex` on meshes. On others: core/scene/{grids,curves,points}.h.
 enum class Interpolation : std::uint8_t {
   kConstant,    // 1
   kTriangle,    // one a triangle, span or point
@@ -31,6 +32,7 @@ struct Primvar {
 // Values of a primvar at one key.
 std::size_t value_count(Interpolation interpolation, const TriangleMesh& shape);
 // Throw Error for an interpolation that there is not.
+std::size_t value_count(Interpolation interpolation, const GridMesh& shape);
 std::size_t value_count(Interpolation interpolation, const CurveSet& shape);
 std::size_t value_count(Interpolation interpolation, const PointSet& shape);
 

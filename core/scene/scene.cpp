@@ -80,7 +80,7 @@ std::size_t count_of(GeometryKind kind, const Scene& scene) {
     case GeometryKind::kPoints:
       return scene.points.size();
     case GeometryKind::kGridMesh:
-      break;
+      return scene.grids.size();
   }
   return 0;
 }
@@ -88,11 +88,9 @@ std::size_t count_of(GeometryKind kind, const Scene& scene) {
 void expect_geometry(const std::vector<GeometryId>& list, const Scene& scene, const std::string& part,
                      const std::string& attribute) {
   for (std::size_t i = 0; i < list.size(); ++i) {
-    expect(!list[i].is(GeometryKind::kGridMesh), part, attribute, "a mesh of grids",
-           "triangle meshes, curves and points");
     expect_index(list[i].index(), count_of(list[i].kind(), scene), part, attribute);
     expect(i == 0 || list[i - 1].kind() <= list[i].kind(), part, attribute,
-           "kinds in another order in element " + std::to_string(i), "meshes before curves before points");
+           "kinds in another order in element " + std::to_string(i), "meshes before grids before curves before points");
   }
 }
 
@@ -122,6 +120,19 @@ void check_appearance(const Appearance& look, const Shape& shape, const Scene& s
   check_primvar(look.display_color, shape, part, "displayColor");
   check_primvar(look.display_opacity, shape, part, "displayOpacity");
   if (look.material != kNone) expect_index(look.material, scene.materials.size(), part, "material");
+}
+
+void check_grids(const Grids& grids, const Scene& scene, const std::string& part) {
+  validate(grids.shape);
+  check_appearance(grids, grids.shape, scene, part);
+  check_primvar(grids.normals, grids.shape, part, "normals");
+  const auto expect_one_a_grid = [&](const std::vector<std::uint32_t>& values, const char* attribute) {
+    expect(values.empty() || values.size() == grids.shape.grids.size(), part, attribute,
+           std::to_string(values.size()) + " values", "none or " + std::to_string(grids.shape.grids.size()));
+  };
+  expect_one_a_grid(grids.grid_materials, "gridMaterials");
+  expect_one_a_grid(grids.grid_faces, "gridFaces");
+  expect_materials(grids.grid_materials, scene, part, "gridMaterials");
 }
 
 void check_curves(const Curves& curves, const Scene& scene, const std::string& part) {
@@ -278,6 +289,9 @@ void check_camera(const Camera& camera) {
 void validate(const Scene& scene) {
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     check_mesh(scene.meshes[i], scene, label(scene.meshes[i].shape.name, "mesh", i));
+  }
+  for (std::size_t i = 0; i < scene.grids.size(); ++i) {
+    check_grids(scene.grids[i], scene, label(scene.grids[i].shape.name, "grids", i));
   }
   for (std::size_t i = 0; i < scene.curves.size(); ++i) {
     check_curves(scene.curves[i], scene, label(scene.curves[i].shape.name, "curves", i));

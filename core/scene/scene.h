@@ -12,6 +12,7 @@
 #include "core/geometry/geometry_id.h"
 #include "core/scene/camera.h"
 #include "core/scene/curves.h"
+#include "core/scene/grids.h"
 #include "core/scene/instances.h"
 #include "core/scene/light.h"
 #include "core/scene/material.h"
@@ -22,9 +23,10 @@ namespace msbvh {
 
 struct Scene {
   std::vector<Mesh> meshes;
+  std::vector<Grids> grids;
   std::vector<Curves> curves;
   std::vector<Points> points;
-  // What stands in the world directly: in `meshes`, `curves` or `points`, ordered by kind as GeometryKind is,
+  // What stands in the world directly: in `meshes`, `grids`, `curves` or `points`, ordered by kind as GeometryKind is,
   // so that an id in a tree is a place in this list (core/shade/scene_index.h).
   std::vector<GeometryId> world;
   std::vector<Prototype> prototypes;
@@ -34,7 +36,6 @@ struct Scene {
   Camera camera;
 
   const Mesh& mesh(GeometryId id) const { return meshes[id.index()]; }
-  // Null for a kind that a Scene does not hold.
   const Appearance* appearance(GeometryId id) const {
     switch (id.kind()) {
       case GeometryKind::kTriangleMesh:
@@ -44,7 +45,7 @@ struct Scene {
       case GeometryKind::kPoints:
         return &points[id.index()];
       case GeometryKind::kGridMesh:
-        break;
+        return &grids[id.index()];
     }
     return nullptr;
   }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/bvh/grid_block.h"
 #include "core/motion/affine_track.h"
 #include "core/motion/bezier.h"
 #include "core/shade/world_triangle.h"
@@ -54,7 +55,7 @@ class BoxWalk {
  public:
   BoxWalk(const Bvh& bvh, float time, const Box3f& box) : bvh_(bvh), time_(time), box_(box) {}
 
-  template <class Visit>  // visit(block)
+  template <class Visit>  // visit(block, walk)
   void run(const Visit& visit) const {
     if (bvh_.empty) return;
     if (bvh_.slice_roots.empty()) return run(bvh_.root, visit);
@@ -65,15 +66,20 @@ class BoxWalk {
   void run(ChildRef at, const Visit& visit) const {
     if (at.is_leaf()) {
       for (const BlockHeader* block = &bvh_.block(at);; block = next_block(block)) {
-        visit(*block);
+        visit(*block, *this);
         if (block->last) return;
       }
     }
     const NodeHeader& node = bvh_.node(at);
-    const std::uint32_t met = children_met(node);
+    const std::uint32_t met = boxes_met(node.form_code, node.bounds());
     for (std::uint32_t child = 0; child < node.child_count; ++child) {
       if (met >> child & 1u) run(node.child[child], visit);
     }
+  }
+
+  // A bit for each tile of a grid's block that the box meets.
+  std::uint32_t tiles_met(const BlockHeader& block) const {
+    return boxes_met(block.form_code.of_node(), grid_of(block).tiles());
   }
 
  private:
@@ -82,12 +88,12 @@ class BoxWalk {
     return {0, locate(time_, segments_of_level(bvh_.slice_level)).w};
   }
 
-  std::uint32_t children_met(const NodeHeader& node) const {
-    const SegmentTime at = segment_of(node.form_code);
-    const NodeBounds* first = node.bounds() + at.key * node.form_code.degree();
-    const bool moves = node.form_code.level() != 0;
+  std::uint32_t boxes_met(FormCode form, const NodeBounds* bounds) const {
+    const SegmentTime at = segment_of(form);
+    const NodeBounds* first = bounds + at.key * form.degree();
+    const bool moves = form.level() != 0;
     const auto value = [&](auto side) {
-      return moves ? bezier([&](std::uint32_t c) { return side(first[c]); }, node.form_code.degree(), at.w)
+      return moves ? bezier([&](std::uint32_t c) { return side(first[c]); }, form.degree(), at.w)
                    : side(first[0]);
     };
     std::uint32_t apart = 0;
@@ -113,11 +119,11 @@ class Search {
 
   Clearance run() {
     const Box3f box = outer_box(place_, {reach_, reach_, reach_});
-    BoxWalk(around_.world, time_, box).run([&](const BlockHeader& block) {
+    BoxWalk(around_.world, time_, box).run([&](const BlockHeader& block, const BoxWalk& walk) {
       if (block.kind == BlockKind::kInstance) {
         look_into(block);
       } else {
-        look_at(block, kNoInstance);
+        look_at(block, walk, kNoInstance);
       }
     });
     return found_;
@@ -138,23 +144,44 @@ class Search {
     // The inverse errs by a small multiple of 2^-53 of its terms unless it is next to singular.
     const Vec3d half = (abs(m.x) + abs(m.y) + abs(m.z)) * (reach_ * 1.001);
     const BoxWalk walk(object, inside, outer_box(m.point(place_), half));
-    const auto visit = [&](const BlockHeader& b) { look_at(b, block.owner); };
+    const auto visit = [&](const BlockHeader& b, const BoxWalk& w) { look_at(b, w, block.owner); };
     block.is_part ? walk.run(block.part(), visit) : walk.run(visit);
   }
 
   // Curves and points enclose nothing that light could leak into.
-  void look_at(const BlockHeader& block, std::uint32_t instance) {
-    if (block.kind != BlockKind::kGathered && block.kind != BlockKind::kIndexed) return;
+  void look_at(const BlockHeader& block, const BoxWalk& walk, std::uint32_t instance) {
+    const bool grids = block.kind == BlockKind::kGrid;
+    if (!grids && block.kind != BlockKind::kGathered && block.kind != BlockKind::kIndexed) return;
     const HitSource source = around_.index.resolve({.geometry = block.geometry(), .instance = instance});
     const std::optional<InstancePose> pose = instance_pose(source, time_);
-    for (std::uint32_t i = 0; i < block.count; ++i) {
-      const WorldTriangle triangle = world_triangle(source, pose, block.triangles()[i], time_);
-      const double needed = triangle.margin + view_error_;
-      const double distance2 = squared_distance(place_, triangle.vertex);
-      if (distance2 > reach_ * reach_ && distance2 > needed * needed) continue;
-      found_.needed = std::max(found_.needed, needed);
-      found_.clear &= distance2 > needed * needed;
+    if (grids) {
+      look_at_tiles(grid_of(block), walk.tiles_met(block), source, pose);
+      return;
     }
+    for (std::uint32_t i = 0; i < block.count; ++i) look_at(block.triangles()[i], source, pose);
+  }
+
+  // `met`: a bit for each tile.
+  void look_at_tiles(const GridBlock& grid, std::uint32_t met, const HitSource& source,
+                     const std::optional<InstancePose>& pose) {
+    for (std::uint32_t row = 0; row < grid.rows; ++row) {
+      for (std::uint32_t column = 0; column < grid.columns; ++column) {
+        const std::uint32_t tile = row / kTileRows * 2 + column / kTileColumns;
+        if (!(met >> tile & 1u)) continue;
+        const std::uint32_t first = grid.first_triangle + 2 * (row * grid.grid_columns + column);
+        look_at(first, source, pose);
+        look_at(first + 1, source, pose);
+      }
+    }
+  }
+
+  void look_at(std::uint32_t id, const HitSource& source, const std::optional<InstancePose>& pose) {
+    const WorldTriangle triangle = world_triangle(source, pose, id, time_);
+    const double needed = triangle.margin + view_error_;
+    const double distance2 = squared_distance(place_, triangle.vertex);
+    if (distance2 > reach_ * reach_ && distance2 > needed * needed) return;
+    found_.needed = std::max(found_.needed, needed);
+    found_.clear &= distance2 > needed * needed;
   }
 
   const Surroundings& around_;

@@ -60,6 +60,22 @@ T interpolate(const Primvar<T>& primvar, const TriangleMesh& shape, std::uint32_
   });
 }
 
+// On grids.
+template <typename T>
+T interpolate(const Primvar<T>& primvar, const GridMesh& shape, const GridTriangle& triangle,
+              const Barycentrics& b, float time) {
+  return detail::over_time(primvar, time, [&](std::uint32_t key) {
+    const T* values = primvar.values.data() + key * value_count(primvar.interpolation, shape);
+    if (primvar.interpolation == Interpolation::kConstant) return values[0];
+    if (primvar.interpolation == Interpolation::kTriangle) return values[triangle.grid];
+    const Grid& grid = shape.grids[triangle.grid];
+    const T* first = values + shape.first_point(grid);
+    const auto at = [&](const GridVertex& v) { return first[v.row * grid.row_stride() + v.column]; };
+    const auto v = vertices_of(triangle);
+    return at(v[0]) * b.b0 + at(v[1]) * b.b1 + at(v[2]) * b.b2;
+  });
+}
+
 // On a curve: `u` in [0, 1] along the span.
 template <typename T>
 T interpolate(const Primvar<T>& primvar, const CurveSet& shape, std::uint32_t span, float u, float time) {

@@ -20,6 +20,7 @@ struct HitSource {
   const Appearance* look = nullptr;
   // The one of these that it is; the others are null.
   const Mesh* mesh = nullptr;
+  const Grids* grids = nullptr;
   const Curves* curves = nullptr;
   const Points* points = nullptr;
   const InstanceSet* instances = nullptr;
@@ -90,7 +91,9 @@ class SceneIndex {
       return;
     }
     const GeometryId id = list[first_of_kind_[list_index][std::size_t(in_tree.kind())] + in_tree.index()];
-    if (id.is(GeometryKind::kCurves)) {
+    if (id.is(GeometryKind::kGridMesh)) {
+      source.look = source.grids = &scene_->grids[id.index()];
+    } else if (id.is(GeometryKind::kCurves)) {
       source.look = source.curves = &scene_->curves[id.index()];
     } else if (id.is(GeometryKind::kPoints)) {
       source.look = source.points = &scene_->points[id.index()];

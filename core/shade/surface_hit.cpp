@@ -20,6 +20,10 @@ template <typename T>
 T value_at(const Primvar<T>& primvar, const HitSource& source, const Hit& hit, float time) {
   if (source.curves) return interpolate(primvar, source.curves->shape, hit.triangle, hit.u, time);
   if (source.points) return interpolate(primvar, source.points->shape, hit.triangle, time);
+  if (source.grids) {
+    const GridMesh& shape = source.grids->shape;
+    return interpolate(primvar, shape, shape.triangle(hit.triangle), Barycentrics::of(hit.u, hit.v), time);
+  }
   return interpolate(primvar, source.mesh->shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time);
 }
 
@@ -60,10 +64,9 @@ Vec3d line_normal(const WorldTriangle& triangle, const Vec3d& d) {
 // Where the mesh has none, the geometric one. Turned to the side that the ray came from.
 Vec3f shading_normal(const HitSource& source, const Hit& hit, float mesh_time,
                      const std::optional<InstancePose>& pose, const Vec3f& ng) {
-  const Mesh& mesh = *source.mesh;
-  if (!mesh.normals.authored()) return ng;
-  const Vec3f authored =
-      interpolate(mesh.normals, mesh.shape, hit.triangle, Barycentrics::of(hit.u, hit.v), mesh_time);
+  const Primvar<Vec3f>& normals = source.mesh ? source.mesh->normals : source.grids->normals;
+  if (!normals.authored()) return ng;
+  const Vec3f authored = value_at(normals, source, hit, mesh_time);
   const Vec3d in_world = pose ? transform_normal(pose->world_from_object, Vec3d(authored)) : Vec3d(authored);
   const Vec3f ns(normalize(in_world));
   if (ns == Vec3f{}) return ng;
@@ -94,9 +97,9 @@ SurfaceHit triangle_surface(const HitSource& source, const Hit& hit, const Ray& 
 }  // namespace
 
 SurfaceHit surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray) {
-  SurfaceHit surface = source.mesh     ? triangle_surface(source, hit, ray)
-                       : source.curves ? curve_surface(source, hit, ray)
-                                       : point_surface(source, hit, ray);
+  SurfaceHit surface = source.curves   ? curve_surface(source, hit, ray)
+                       : source.points ? point_surface(source, hit, ray)
+                                       : triangle_surface(source, hit, ray);
   set_colors(material_of(scene, source, hit), source, hit, ray.time, surface);
   return surface;
 }
@@ -104,6 +107,7 @@ SurfaceHit surface_at(const Scene& scene, const HitSource& source, const Hit& hi
 std::uint32_t material_index(const HitSource& source, const Hit& hit) {
   if (source.instances && !source.instances->materials.empty())
     return source.instances->materials[source.instance];
+  if (source.grids) return material_index(*source.grids, hit.triangle);
   return source.mesh ? material_index(*source.mesh, hit.triangle) : source.look->material;
 }
 

@@ -55,6 +55,20 @@ struct TrianglePose {
     for (int corner = 0; corner < 3; ++corner) vertex[corner] = shape.position(t[corner], time);
   }
 
+  TrianglePose(const GridMesh& shape, const GridTriangle& triangle, float time) {
+    const Grid& grid = shape.grids[triangle.grid];
+    const auto v = vertices_of(triangle);
+    const std::uint32_t first = locate(time, shape.segments).key * shape.degree;
+    const std::uint32_t last = first + (shape.segments == 0 ? 0 : shape.degree);
+    Vec3f most;
+    for (int corner = 0; corner < 3; ++corner) {
+      for (std::uint32_t c = first; c <= last; ++c)
+        most = max(most, abs(shape.control_point(grid, v[corner].row, v[corner].column, c)));
+      vertex[corner] = shape.point(grid, v[corner].row, v[corner].column, time);
+    }
+    size = largest(most);
+  }
+
   // On each axis.
   float margin(const TrackForm& form) const {
     const Vec3f &a = vertex[0], &b = vertex[1], &c = vertex[2];
@@ -81,9 +95,11 @@ InstancePose::InstancePose(const HitSource& source, float shutter_time) {
 
 WorldTriangle world_triangle(const HitSource& source, const std::optional<InstancePose>& pose,
                              std::uint32_t triangle, float shutter_time) {
-  const TriangleMesh& shape = source.mesh->shape;
-  const TrianglePose own(shape, triangle, source.own_time(shutter_time));
-  const float margin = own.margin(shape.form());
+  const float time = source.own_time(shutter_time);
+  const TrianglePose own = source.mesh
+                               ? TrianglePose(source.mesh->shape, triangle, time)
+                               : TrianglePose(source.grids->shape, source.grids->shape.triangle(triangle), time);
+  const float margin = own.margin(source.mesh ? source.mesh->shape.form() : source.grids->shape.form());
   const Vec3d a(own.vertex[0]), b(own.vertex[1]), c(own.vertex[2]);
   if (!pose) return {{a, b, c}, margin * kRootOfThree};
   const Affine3d& m = pose->world_from_object;

@@ -32,6 +32,7 @@ struct WorldTriangle {
   double margin;
 };
 
+// Of a mesh or of grids.
 WorldTriangle world_triangle(const HitSource& source, const std::optional<InstancePose>& pose,
                              std::uint32_t triangle, float shutter_time);
 
