@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "delegate/translate/displace/as_grids.h"
 #include "delegate/translate/displace/displaced_surface.h"
 #include "delegate/translate/instance_chain.h"
 #include "delegate/translate/moving_array.h"
@@ -129,9 +131,12 @@ Primvar<Vec3f> normals_of(const MeshInput& input, const Tessellation& topology, 
   return smooth_normals(shape.mesh, max_segments);
 }
 
-void add_shape(const MeshInput& input, const Tessellation& topology, const NormalMotion& motion,
-               const MeshTarget& target, Shape shape, Mesh& mesh, PrimLog& log) {
+void add_shape(const MeshInput& input, Tessellation& topology, const NormalMotion& motion,
+               const MeshTarget& target, Shape shape, TranslatedMesh& result, PrimLog& log) {
   const std::uint32_t most = target.settings.max_segments;
+  const bool grids = target.patches && shape.displaced_by > 0.0 && topology.refinement();
+  if (grids) topology.draw_as_grids();
+  Mesh& mesh = result.mesh;
   mesh.normals = normals_of(input, topology, motion, shape, most, log);
   mesh.displaced_by = float(shape.displaced_by);
   mesh.shape = std::move(shape.mesh);
@@ -147,6 +152,7 @@ void add_shape(const MeshInput& input, const Tessellation& topology, const Norma
   }
   add_face_materials(input, topology, target.material_count, mesh, optional);
   if (target.keep_faces) mesh.triangle_faces = topology.faces();
+  if (grids) result.grids = as_grids(std::exchange(mesh, {}), *topology.grids());
 }
 
 void set_time_remap(const MeshInput& input, const TimeRemap& time_remap, TranslatedMesh& result) {
@@ -255,14 +261,14 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
   report_fit({form.segments, verdict.error}, target.settings, kTransform, "the motion", log);
 
   const MovingArray moving{points.track, transform.rebased({}, *target.origin)};
-  const Tessellation topology = tessellated(motion, moving, *target.measure, 1, target, log);
+  Tessellation topology = tessellated(motion, moving, *target.measure, 1, target, log);
   if (topology.triangles().empty()) return std::nullopt;
   TranslatedMesh result;
   const TimeLayout unmoved = TimeLayout::even(0);
   auto displaced = displaced_shape(motion, still, topology, *target.measure, target.settings, log);
   Shape shape = displaced ? std::move(displaced->shape) : shape_of(still, {unmoved, 1}, topology, input.path);
-  add_shape(input, topology, {still.transform, unmoved, points.frame_only}, target, std::move(shape),
-            result.mesh, log);
+  add_shape(input, topology, {still.transform, unmoved, points.frame_only}, target, std::move(shape), result,
+            log);
   result.track = {input.path, "transform", chain->rule()};
   result.track.set_form(form, fitter.time_remap(verdict.track));
   result.track.moving_transform = true;
@@ -288,8 +294,7 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
   if (!check_range(box, log)) return std::nullopt;
   const ScreenMeasure measure = measure_of(target, box);
   PointFit fit = fit_points(moving, measure, target.settings);
-  const Tessellation topology =
-      tessellated(motion, moving, measure, fit.track.form().controls(), target, log);
+  Tessellation topology = tessellated(motion, moving, measure, fit.track.form().controls(), target, log);
   if (topology.triangles().empty()) return std::nullopt;  // a boundary rule may leave no face a surface
   auto displaced = displaced_shape(motion, moving, topology, measure, target.settings, log);
   if (displaced) fit = std::move(displaced->fit);
@@ -300,12 +305,13 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
   Shape shape = displaced ? std::move(displaced->shape) : shape_of(moving, fit.track, topology, input.path);
   if (!check_controls(shape.mesh, log)) return std::nullopt;
   add_shape(input, topology, {moving.transform, fit.track.layout, points.frame_only}, target,
-            std::move(shape), result.mesh, log);
+            std::move(shape), result, log);
   const bool by_transform = points.track.is_still() && !transform.is_still();
   result.track = {input.path, by_transform ? "transform" : points.source, rule_of(points, transform)};
   result.track.set_form(form, fit.track.layout.time_remap());
   result.track.error_pixels = fit.error;
-  result.track.bytes = result.mesh.shape.position_count() * sizeof(Vec3f);
+  result.track.bytes = result.grids ? result.grids->shape.values.size() * sizeof(float)
+                                    : result.mesh.shape.position_count() * sizeof(Vec3f);
   set_time_remap(input, fit.track.layout.time_remap(), result);
   return result;
 }

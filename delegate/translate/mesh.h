@@ -31,10 +31,12 @@ struct MeshTarget {
   bool keep_faces = false;
   double edge_length_pixels = 0.0;  // of subdivided surfaces; 0: their cages are drawn as polygons
   Displacements displacements{};    // by material; none: nothing is displaced
+  bool patches = false;             // displaced subdivision surfaces become grids
 };
 
 struct TranslatedMesh {
   Mesh mesh;
+  std::optional<Grids> grids{};  // in place of the mesh
   TrackReport track;
   // In a moving transform: the mesh stays in its object's space and these are the track's controls. Empty:
   // baked into the target.

@@ -111,9 +111,13 @@ std::vector<std::uint32_t> of_faces(const std::vector<std::uint32_t>& faces, std
 // channel's own values (faceVarying).
 template <typename T>
 Primvar<T> refined(ValueKind kind, std::size_t value_count, const Primvar<T>& authored,
-                   const RefinedMesh& mesh) {
-  const bool at_corners = kind.kind == ValueKind::kFaceVarying;
-  const std::size_t count = at_corners ? 3 * mesh.triangles().size() : mesh.point_count();
+                   const Tessellation& tessellation) {
+  const RefinedMesh& mesh = tessellation.refinement()->mesh;
+  const GridLayout* grids = tessellation.grids();
+  const bool at_corners = !grids && kind.kind == ValueKind::kFaceVarying;
+  const std::size_t count = grids        ? grids->points.size()
+                            : at_corners ? 3 * mesh.triangles().size()
+                                         : mesh.point_count();
   Primvar<T> result{at_corners ? Interpolation::kFaceVarying : Interpolation::kVertex, authored.segments, {}};
   result.values.resize(count * key_count(authored.segments));
   std::vector<const float*> from;
@@ -123,24 +127,28 @@ Primvar<T> refined(ValueKind kind, std::size_t value_count, const Primvar<T>& au
     to.push_back(reinterpret_cast<float*>(result.values.data() + key * count));
   }
   const auto width = std::uint32_t(sizeof(T) / sizeof(float));
-  at_corners ? mesh.at_corners(kind, width, from, to) : mesh.at_points(kind, width, from, to);
+  if (grids) {
+    mesh.at_grid_points(kind, width, from, to);
+  } else {
+    at_corners ? mesh.at_corners(kind, width, from, to) : mesh.at_points(kind, width, from, to);
+  }
   return result;
 }
 
 template <typename T>
 Primvar<T> refined(const PrimvarInput<T>& input, const PrimvarMap& map, PrimvarTrack<T> track,
-                   const Refinement& refinement, const std::string& attribute) {
+                   const Tessellation& mesh, const std::string& attribute) {
   const std::size_t count = input.values.size();
   switch (map.interpolation) {
     case Interpolation::kVertex: {
       const bool varying = input.interpolation == "varying";
       return refined({varying ? ValueKind::kVarying : ValueKind::kVertex, 0}, map.source.size(),
-                     gathered(map.interpolation, map.source, track, count), refinement.mesh);
+                     gathered(map.interpolation, map.source, track, count), mesh);
     }
     case Interpolation::kFaceVarying: {
-      const std::uint32_t channel = refinement.channels.at(attribute);
+      const std::uint32_t channel = mesh.refinement()->channels.at(attribute);
       const Primvar<T> values{map.interpolation, track.segments, std::move(track.values)};
-      return refined({ValueKind::kFaceVarying, channel}, count, values, refinement.mesh);
+      return refined({ValueKind::kFaceVarying, channel}, count, values, mesh);
     }
     default:
       return gathered(map.interpolation, map.source, track, count);
@@ -164,9 +172,9 @@ Primvar<T> flattened(const PrimvarInput<T>& input, const Tessellation& mesh, con
       map_primvar(input.interpolation, input.values.size(), input.indices, mesh.polygons(), attribute, log);
   if (!map) return {};
   PrimvarTrack<T> track = fit_primvar(input, max_segments, attribute, log);
-  if (const Refinement* refinement = mesh.refinement()) {
+  if (mesh.refinement()) {
     if (map->interpolation == Interpolation::kTriangle) map->source = of_faces(mesh.faces(), input.indices);
-    return refined(input, *map, std::move(track), *refinement, attribute);
+    return refined(input, *map, std::move(track), mesh, attribute);
   }
   return gathered(map->interpolation, map->source, track, input.values.size());
 }

@@ -25,6 +25,12 @@ std::vector<std::uint32_t> input_faces(const RefinedMesh& mesh, const std::vecto
 
 }  // namespace
 
+void Tessellation::draw_as_grids() {
+  grids_ = refinement_->mesh.grid_layout();
+  const std::vector<std::uint32_t>& faces = refinement_->cage_faces;
+  for (const Grid& grid : grids_->grids) grid_faces_.push_back(faces.empty() ? grid.face : faces[grid.face]);
+}
+
 Tessellation tessellated(const MeshInput& input, Triangulation polygons, const MovingArray& points,
                          const EdgeLength& edges, std::uint32_t controls, PrimLog& log) {
   if (!(edges.pixels > 0.0)) return Tessellation(std::move(polygons));

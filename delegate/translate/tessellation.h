@@ -36,16 +36,23 @@ class Tessellation {
   // Of the input, whose sizes primvars have.
   const Triangulation& polygons() const { return polygons_; }
   const Refinement* refinement() const { return refinement_ ? &*refinement_ : nullptr; }
+  // Draws a refinement as grids: what primvars have one value each of are then grids and their points.
+  void draw_as_grids();
+  const GridLayout* grids() const { return grids_ ? &*grids_ : nullptr; }
   const std::vector<Triangle>& triangles() const {
     return refinement_ ? refinement_->mesh.triangles() : polygons_.triangles;
   }
+  // The input's face of each triangle, or of each grid.
   const std::vector<std::uint32_t>& faces() const {
+    if (grids_) return grid_faces_;
     return refinement_ ? refinement_->faces : polygons_.faces;
   }
 
  private:
   Triangulation polygons_;
   std::optional<Refinement> refinement_;
+  std::optional<GridLayout> grids_;
+  std::vector<std::uint32_t> grid_faces_;
 };
 
 // How finely surfaces are cut.

@@ -1,5 +1,6 @@
 #include "delegate/translate/translator.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -50,6 +51,23 @@ Box3d box_of(const TriangleMesh& shape) {
   return box;
 }
 
+Box3d box_of(const GridMesh& shape) {
+  Box3d box;
+  for (const GridPatch& patch : shape.patches) {
+    for (std::uint32_t c = 0; c < shape.form().controls(); ++c) {
+      const Box3f of_patch = shape.bounds(patch, c);
+      box.grow(Vec3d(of_patch.lo));
+      box.grow(Vec3d(of_patch.hi));
+    }
+  }
+  return box;
+}
+
+// Trees number each kind apart.
+void sort_by_kind(std::vector<GeometryId>& geometry) {
+  std::ranges::stable_sort(geometry, {}, [](GeometryId id) { return id.kind(); });
+}
+
 // A material with a value that is not finite keeps its index but becomes the default one.
 Material checked_material(const Material& material, PrimLog& log) {
   if (is_color(material.diffuse_color) && is_finite(material.emissive_color) &&
@@ -77,7 +95,8 @@ struct Translator::Data {
   // Keeps the track and counts what has nothing to draw.
   std::optional<TranslatedMesh> translated(const MeshInput& input, MeshTarget& target);
   MeshTarget target(const ScreenMeasure* in_world);
-  std::uint32_t add(Mesh mesh);
+  // The geometry into the scene.
+  GeometryId add(TranslatedMesh& translated);
   void add_instanced(TranslatedMesh translated);
   std::uint32_t part_with(const TimeRemap& time_remap, PrototypeState& state);
 
@@ -103,7 +122,8 @@ MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
                     0,
                     settings.keep_faces,
                     settings.edge_length_pixels,
-                    {}};
+                    {},
+                    settings.displaced == TranslatorSettings::Displaced::kAsPatches};
   if (in_world) result.origin = origin;
   return result;
 }
@@ -121,19 +141,22 @@ std::optional<TranslatedMesh> Translator::Data::translated(const MeshInput& inpu
   return result;
 }
 
-std::uint32_t Translator::Data::add(Mesh mesh) {
-  scene.meshes.push_back(std::move(mesh));
-  return std::uint32_t(scene.meshes.size() - 1);
+GeometryId Translator::Data::add(TranslatedMesh& translated) {
+  if (translated.grids) {
+    scene.grids.push_back(std::move(*translated.grids));
+    return {GeometryKind::kGridMesh, std::uint32_t(scene.grids.size() - 1)};
+  }
+  scene.meshes.push_back(std::move(translated.mesh));
+  return mesh_id(std::uint32_t(scene.meshes.size() - 1));
 }
 
 // One instance, which carries the transform's track or, of a baked mesh, only brings it into the time remap's
 // time.
 void Translator::Data::add_instanced(TranslatedMesh translated) {
-  const std::string name = translated.mesh.shape.name;
+  const std::string name = translated.grids ? translated.grids->shape.name : translated.mesh.shape.name;
   const auto prototype = std::uint32_t(scene.prototypes.size());
   const bool baked = translated.world_from_mesh.empty();
-  scene.prototypes.push_back(
-      {name, {mesh_id(add(std::move(translated.mesh)))}, baked ? translated.time_remap : TimeRemap{}});
+  scene.prototypes.push_back({name, {add(translated)}, baked ? translated.time_remap : TimeRemap{}});
   InstanceSet set{name, prototype, 0, {Affine3f{}}, {}};
   if (!baked) {
     set.segments = translated.track.segments;
@@ -174,7 +197,7 @@ void Translator::add_mesh(const MeshInput& input) {
   std::optional<TranslatedMesh> translated = data_->translated(input, world);
   if (!translated || translated->never_seen) return;
   if (translated->world_from_mesh.empty() && translated->time_remap.is_shutter()) {
-    data_->scene.world.push_back(mesh_id(data_->add(std::move(translated->mesh))));
+    data_->scene.world.push_back(data_->add(*translated));
   } else {
     data_->add_instanced(std::move(*translated));
   }
@@ -199,9 +222,9 @@ void Translator::add_prototype_mesh(std::uint32_t prototype, const MeshInput& in
   PrototypeState& state = data_->prototypes[prototype];
   std::optional<TranslatedMesh> translated = data_->translated(input, state.target);
   if (!translated || translated->never_seen) return;
-  state.box.grow(box_of(translated->mesh.shape));
+  state.box.grow(translated->grids ? box_of(translated->grids->shape) : box_of(translated->mesh.shape));
   const std::uint32_t part = data_->part_with(translated->time_remap, state);
-  data_->scene.prototypes[part].geometry.push_back(mesh_id(data_->add(std::move(translated->mesh))));
+  data_->scene.prototypes[part].geometry.push_back(data_->add(*translated));
 }
 
 void Translator::add_instances(const InstancesInput& input) {
@@ -231,7 +254,7 @@ void Translator::add_instances(const InstancesInput& input) {
 
 std::uint32_t Translator::add_material(const Material& material, std::optional<Displacement> displacement) {
   PrimLog log(data_->diagnostics, material.name);
-  if (!data_->settings.displace) displacement.reset();
+  if (data_->settings.displaced == TranslatorSettings::Displaced::kNot) displacement.reset();
   data_->displacements.push_back(std::move(displacement));
   data_->scene.materials.push_back(checked_material(material, log));
   return std::uint32_t(data_->scene.materials.size() - 1);
@@ -255,6 +278,8 @@ const std::vector<TrackReport>& Translator::tracks() const { return data_->track
 Vec3d Translator::origin() const { return data_->origin; }
 
 std::shared_ptr<const Scene> Translator::finish() {
+  sort_by_kind(data_->scene.world);
+  for (Prototype& prototype : data_->scene.prototypes) sort_by_kind(prototype.geometry);
   auto scene = std::make_shared<Scene>(std::move(data_->scene));
   data_->scene = {};
   data_->scene.camera = scene->camera;

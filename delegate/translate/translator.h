@@ -30,7 +30,8 @@ struct TranslatorSettings {
   bool keep_faces = false;  // for the AOV elementId: which face each triangle is of
   // About how long the edges of a subdivided surface are in the picture; 0: cages are drawn as polygons.
   double edge_length_pixels = 1.0;
-  bool displace = true;  // surfaces whose materials say so
+  // Surfaces whose materials say so.
+  enum class Displaced : std::uint8_t { kNot, kAsTriangles, kAsPatches } displaced = Displaced::kAsPatches;
 };
 
 // How a prim's motion was kept: the camera's, then one for each mesh, set of instances and light. For

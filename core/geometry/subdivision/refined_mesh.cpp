@@ -354,4 +354,42 @@ RefinedMesh::LimitPoints RefinedMesh::limit(const Vec3f* positions) const {
   return out;
 }
 
+GridLayout RefinedMesh::grid_layout() const {
+  GridLayout layout;
+  std::uint32_t quads = 0;
+  for (const std::uint32_t face : drawn_) {
+    const std::vector<SquareLattice> squares = lattices_->squares(face);
+    for (std::uint32_t s = 0; s < squares.size(); ++s) {
+      layout.grids.push_back({face, s, squares[s].columns, squares[s].rows, quads, 3 * layout.points.size()});
+      quads += squares[s].columns * squares[s].rows;
+      for (const FacePoint& p : squares[s].points) layout.points.push_back(point(p.id));
+    }
+  }
+  return layout;
+}
+
+void RefinedMesh::at_grid_points(ValueKind kind, std::uint32_t width, std::span<const float* const> controls,
+                                 std::span<float* const> out) const {
+  std::vector<std::size_t> first{0};
+  for (const std::uint32_t face : drawn_) {
+    std::size_t points = 0;
+    for (const SquareLattice& square : lattices_->squares(face)) points += square.points.size();
+    first.push_back(first.back() + points);
+  }
+  for_faces([&](std::size_t i, const std::vector<SquareLattice>& squares) {
+    FaceSurface surface(*surface_, drawn_[i], kind);
+    std::vector<double> value(width);
+    for (std::size_t c = 0; c < controls.size(); ++c) {
+      surface.set_values(controls[c], width);
+      float* to = out[c] + width * first[i];
+      for (const SquareLattice& square : squares) {
+        for (const FacePoint& p : square.points) {
+          surface.evaluate(p.square, p.s, p.t, value.data());
+          for (const double v : value) *to++ = static_cast<float>(v);
+        }
+      }
+    }
+  });
+}
+
 }  // namespace msbvh

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "core/geometry/grid_mesh.h"
 #include "core/geometry/subdivision/face_lattice.h"
 #include "core/geometry/subdivision/limit_surface.h"
 #include "core/geometry/triangle_mesh.h"
@@ -24,6 +25,12 @@ struct CageEdge {
 };
 // Into how many segments an edge is cut, as a power of two: 0 to kMaxEdgeLevel.
 using EdgeLevel = std::function<std::uint32_t(const CageEdge&)>;
+
+// The same surface as grids, one a square of a face that is drawn.
+struct GridLayout {
+  std::vector<Grid> grids;            // of a still mesh; of the cage's faces
+  std::vector<std::uint32_t> points;  // of each of GridMesh's points, which of the refined mesh's it is
+};
 
 class RefinedMesh {
  public:
@@ -50,6 +57,10 @@ class RefinedMesh {
   // the channel's [value_count][width].
   void at_corners(ValueKind kind, std::uint32_t width, std::span<const float* const> controls,
                   std::span<float* const> out) const;
+  // Likewise at the points of grid_layout(), of the face that each is of.
+  void at_grid_points(ValueKind kind, std::uint32_t width, std::span<const float* const> controls,
+                      std::span<float* const> out) const;
+  GridLayout grid_layout() const;
   // Unit normals of the limit surface, for a cage at `positions`: one a point, or one a corner where
   // has_creases(). Zero where the surface has none.
   std::vector<Vec3f> normals(const Vec3f* positions) const;

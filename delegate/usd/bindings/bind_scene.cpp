@@ -22,12 +22,16 @@ nb::dict statistics(const SceneHandle& handle) {
     triangles += mesh.shape.triangles.size();
     keys += mesh.shape.form().controls();
   }
+  for (const Grids& grids : scene.grids) {
+    triangles += grids.shape.triangle_count();
+    keys += grids.shape.form().controls();
+  }
   for (const InstanceSet& set : scene.instances) {
     instances += instance_count(set);
     keys += set.world_from_prototype.size();
   }
   nb::dict result;
-  result["meshes"] = scene.meshes.size();
+  result["meshes"] = scene.meshes.size() + scene.grids.size();
   result["triangles"] = triangles;
   result["keys"] = keys;
   result["instances"] = instances;
@@ -35,11 +39,34 @@ nb::dict statistics(const SceneHandle& handle) {
   return result;
 }
 
+struct Posed {
+  std::string name;
+  std::vector<Vec3d> vertices;  // in the geometry's own space
+};
+
+// Of a mesh its vertices, of grids their points.
+Posed posed(const Scene& scene, GeometryId id, float time) {
+  Posed result;
+  if (id.is(GeometryKind::kGridMesh)) {
+    const GridMesh& shape = scene.grids[id.index()].shape;
+    result.name = shape.name;
+    for (const Grid& grid : shape.grids) {
+      for (std::uint32_t r = 0; r <= grid.rows; ++r) {
+        for (std::uint32_t c = 0; c <= grid.columns; ++c)
+          result.vertices.push_back(Vec3d(shape.point(grid, r, c, time)));
+      }
+    }
+    return result;
+  }
+  const TriangleMesh& shape = scene.mesh(id).shape;
+  result.name = shape.name;
+  for (std::uint32_t v = 0; v < shape.vertex_count; ++v)
+    result.vertices.push_back(Vec3d(shape.position(v, time)));
+  return result;
+}
+
 // [maps][vertices][3], in stage space.
-Points placed(const TriangleMesh& shape, float mesh_time, std::span<const Affine3f> maps,
-              const Vec3d& origin) {
-  std::vector<Vec3d> local;
-  for (std::uint32_t v = 0; v < shape.vertex_count; ++v) local.push_back(Vec3d(shape.position(v, mesh_time)));
+Points placed(const std::vector<Vec3d>& local, std::span<const Affine3f> maps, const Vec3d& origin) {
   auto* data = new std::vector<Vec3d>();
   data->reserve(local.size() * maps.size());
   for (const Affine3f& map : maps) {
@@ -64,9 +91,9 @@ std::vector<nb::tuple> poses(const SceneHandle& handle, float time) {
   const Affine3f identity;
   std::vector<nb::tuple> result;
   for (const GeometryId index : scene.world) {
-    const TriangleMesh& shape = scene.mesh(index).shape;
+    const Posed shape = posed(scene, index, time);
     result.push_back(
-        nb::make_tuple(shape.name, shape.name, placed(shape, time, {&identity, 1}, handle.origin)));
+        nb::make_tuple(shape.name, shape.name, placed(shape.vertices, {&identity, 1}, handle.origin)));
   }
   for (const InstanceSet& set : scene.instances) {
     const Prototype& prototype = scene.prototypes[set.prototype];
@@ -74,8 +101,8 @@ std::vector<nb::tuple> poses(const SceneHandle& handle, float time) {
     if (!set.time_remap.at(time, own) || !prototype.time_remap.at(time, inside)) continue;
     const std::vector<Affine3f> maps = maps_at(set, own);
     for (const GeometryId index : prototype.geometry) {
-      const TriangleMesh& shape = scene.mesh(index).shape;
-      result.push_back(nb::make_tuple(shape.name, set.name, placed(shape, inside, maps, handle.origin)));
+      const Posed shape = posed(scene, index, inside);
+      result.push_back(nb::make_tuple(shape.name, set.name, placed(shape.vertices, maps, handle.origin)));
     }
   }
   return result;
@@ -108,6 +135,7 @@ nb::tuple camera_at(const SceneHandle& handle, float time) {
 std::vector<std::string> mesh_names(const SceneHandle& handle) {
   std::vector<std::string> names;
   for (const Mesh& mesh : handle.scene->meshes) names.push_back(mesh.shape.name);
+  for (const Grids& grids : handle.scene->grids) names.push_back(grids.shape.name);
   return names;
 }
 

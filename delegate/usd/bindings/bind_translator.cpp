@@ -90,6 +90,14 @@ CameraInput camera_from(Arguments& arguments) {
   return camera;
 }
 
+TranslatorSettings::Displaced displaced_from(Arguments& arguments) {
+  const std::string name = arguments.value_or("displacement", std::string("patches"), "a str");
+  if (name == "patches") return TranslatorSettings::Displaced::kAsPatches;
+  if (name == "tessellate") return TranslatorSettings::Displaced::kAsTriangles;
+  if (name != "none") bad_choice("displacement", name, "patches, tessellate or none");
+  return TranslatorSettings::Displaced::kNot;
+}
+
 TranslatorSettings settings_from(Arguments& arguments) {
   TranslatorSettings settings;
   settings.width = arguments.value<std::uint32_t>("width", "an int of at least 1");
@@ -105,7 +113,7 @@ TranslatorSettings settings_from(Arguments& arguments) {
     settings.keep_faces = arguments.value<bool>("keep_faces", "a bool");
   if (!arguments.optional("edge_length").is_none())
     settings.edge_length_pixels = arguments.value<double>("edge_length", "a float");
-  settings.displace = arguments.value_or("displace", settings.displace, "a bool");
+  settings.displaced = displaced_from(arguments);
   return settings;
 }
 

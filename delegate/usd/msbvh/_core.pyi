@@ -189,7 +189,7 @@ class Translator:
         segments: int = 0,
         keep_faces: bool = False,
         edge_length: float = 1.0,
-        displace: bool = True,
+        displacement: Literal["patches", "tessellate", "none"] = "patches",
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
         bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one),
@@ -197,7 +197,8 @@ class Translator:
         shutter after which it may repeat.
         ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
         ``keep_faces``: for the AOV elementId. ``edge_length``: about how long edges of a subdivided surface are in pixels;
-        0: cages are drawn as polygons. ``displace``: surfaces whose materials say so.
+        0: cages are drawn as polygons. ``displacement``: what surfaces become whose
+        materials displace them.
 
         Raises Error for a camera or settings that cannot be used.
         """

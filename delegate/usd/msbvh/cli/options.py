@@ -19,7 +19,7 @@ from .option_types import Names, PowerOfTwo, ShutterRange
 PURPOSES = ("default", "render", "proxy", "guide")
 MAX_PIXELS_ACROSS = 65535
 MAX_SPP = 1 << 20
-DISPLACEMENTS = ("tessellate", "none")
+DISPLACEMENTS = ("patches", "tessellate", "none")
 INTERPOLATIONS = ("auto", "linear", "quadratic", "cubic")
 
 
@@ -176,10 +176,11 @@ SCENE: Sequence[Decorator] = (
     click.option(
         "--displacement",
         type=click.Choice(DISPLACEMENTS),
-        default="tessellate",
+        default="patches",
         show_default=True,
-        help="What UsdPreviewSurface's displacement moves. tessellate: the triangles of a subdivided surface, point by point,"
-        " along the surface's normals; where it turns, motion takes more keys. none: nothing.",
+        help="What subdivided surfaces become that UsdPreviewSurface's displacement moves along their normals. patches: grids"
+        " of points in the tree, for a fifth of the bytes of triangles. tessellate: triangles, the same picture, faster rays"
+        " as long as the tree fits the caches. none: they are not displaced.",
     ),
     click.option(
         "--sessionLayer",

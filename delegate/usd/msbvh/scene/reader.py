@@ -62,8 +62,8 @@ class ReadSettings:
     """How fine implicit shapes and subdivided surfaces are; a key of SILHOUETTES and EDGE_LENGTHS."""
     edge_length: float | None = None
     """About how long edges of a subdivided surface are in pixels, 0 for its cage; None: by the complexity."""
-    displacement: str = "tessellate"
-    """How surfaces are displaced whose materials say so: tessellate, or none."""
+    displacement: str = "patches"
+    """What surfaces become that are displaced: patches, tessellate for triangles; none: they are not."""
     motion_tolerance: float = 0.1
     """Pixels by which a moving point may stray from the stage's own evaluation. Less: more keys, more memory.
     """
@@ -246,7 +246,7 @@ class _FrameReader:
             "segments": settings.segments,
             "keep_faces": settings.keep_faces,
             "edge_length": EDGE_LENGTHS[settings.complexity] if settings.edge_length is None else settings.edge_length,
-            "displace": settings.displacement != "none",
+            "displacement": settings.displacement,
         }
 
     def _add_world_meshes(self) -> None:
