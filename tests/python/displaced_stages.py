@@ -55,8 +55,8 @@ class Displaced(Shot):
         self.displacement.ConnectToSource(texture.CreateOutput(output, TYPES.Float))
         return texture
 
-    def points(self, path: str, time01: float = 0.5, **settings: Any) -> np.ndarray:
-        return self.read(**settings).scene.points(path, time01)
+    def points(self, path: str, time01: float = 0.5, displacement: str = "tessellate", **settings: Any) -> np.ndarray:
+        return self.read(displacement=displacement, **settings).scene.points(path, time01)
 
     def undisplaced(self, path: str, time01: float = 0.5, **settings: Any) -> np.ndarray:
         """The same points where they would be."""

@@ -43,7 +43,7 @@ def square(points: np.ndarray) -> np.ndarray:
 def test_a_plane_moves_along_its_normal(amount: float) -> None:
     shot = Displaced(amount)
     flat(shot)
-    result = shot.read()
+    result = shot.read(displacement="tessellate")
     found, before = result.scene.points("/Sheet", 0.5), shot.undisplaced("/Sheet")
     assert messages(result, "warning") == []
     assert np.abs(found - before - (0, 0, amount)).max() < 1e-6
@@ -115,7 +115,7 @@ def test_primvars_of_every_interpolation(interpolation: str) -> None:
         "faceVarying": corners(mesh, slope),
     }[interpolation]
     primvar(mesh, "height", values, interpolation)
-    result = shot.read()
+    result = shot.read(displacement="tessellate")
     assert messages(result, "warning") == []
     found = result.scene.points("/Sheet", 0.5)
     if interpolation == "constant":
@@ -158,7 +158,7 @@ def test_a_missing_primvar_is_its_fallback_and_said() -> None:
     shot = Displaced()
     shot.read_primvar("height", 0.5)
     flat(shot)
-    result = shot.read()
+    result = shot.read(displacement="tessellate")
     assert np.abs(result.scene.points("/Sheet", 0.5)[:, 2] - 0.5).max() < 1e-6
     assert messages(result, "warning") == [
         "/Sheet.primvars:height: is not there, or empty; displaced by what its reader falls back to"
@@ -175,7 +175,7 @@ def test_a_ramp_of_a_texture(tmp_path: Path, interpolation: str) -> None:
     mesh = flat(shot, "catmullClark" if interpolation == "vertex" else "bilinear")
     points = np.array(mesh.GetPointsAttr().Get())
     primvar(mesh, "st", square(points) if interpolation == "vertex" else corners(mesh, square), interpolation)
-    result = shot.read()
+    result = shot.read(displacement="tessellate")
     assert messages(result, "warning") == []
     found = result.scene.points("/Sheet", 0.5)
     st = square(found)
@@ -247,7 +247,7 @@ def test_a_seam_of_texture_coordinates_leaves_no_crack(tmp_path: Path) -> None:
     assert moved.max() > 0.25 and moved.min() < 0.05
 
 
-def test_parts_with_materials_of_their_own(tmp_path: Path) -> None:
+def test_parts_with_materials_of_their_own() -> None:
     shot = Displaced(0.5)
     mesh = sheet(shot, SIDE)
     mesh.CreateSubdivisionSchemeAttr("bilinear")
@@ -266,7 +266,7 @@ def test_polygons_move_at_their_vertices_with_one_warning() -> None:
     shot = Displaced(0.5)
     mesh = shot.bound(cube(shot, scheme="none"))
     mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(CORNERS.astype(np.float32)))
-    result = shot.read()
+    result = shot.read(displacement="tessellate")
     found = result.scene.points("/Cube", 0.5)
     expected = CORNERS * (1.0 + 0.5 / np.sqrt(3.0))
     assert np.abs(found - expected).max() < 0.1  # A fan's triangles weigh corners unevenly.
@@ -280,7 +280,7 @@ def test_only_where_the_materials_output_is_connected() -> None:
     shot = Displaced(0.5)
     flat(shot)
     shot.material.GetDisplacementOutput().ClearSources()
-    result = shot.read()
+    result = shot.read(displacement="tessellate")
     assert (result.scene.points("/Sheet", 0.5)[:, 2] == 0.0).all()
     said = "/Look/Surface.inputs:displacement: the material's outputs:displacement is not connected"
     assert [text for text in messages(result, "note") if text.startswith(said)] != []
@@ -299,7 +299,7 @@ def test_off_by_option() -> None:
 def test_a_constant_that_is_no_distance(amount: float, found: str) -> None:
     shot = Displaced(amount)
     flat(shot)
-    result = shot.read()
+    result = shot.read(displacement="tessellate")
     assert (result.scene.points("/Sheet", 0.5)[:, 2] == 0.0).all()
     assert messages(result, "warning") == [
         f"/Look/Surface.inputs:displacement: found {found}, expected a finite number of at most 2^40 in size; drawn"
@@ -313,7 +313,7 @@ def test_a_primvar_with_what_is_no_distance(bad: float) -> None:
     shot.read_primvar("height")
     mesh = flat(shot)
     primvar(mesh, "height", [0.5] * 7 + [bad] + [0.5] * 17, "vertex")
-    result = shot.read()
+    result = shot.read(displacement="tessellate")
     assert (result.scene.points("/Sheet", 0.5)[:, 2] == 0.0).all()
     (said,) = messages(result, "warning")
     assert said.startswith("/Sheet.primvars:height: value 7 is ") and "drawn without displacement" in said
@@ -327,7 +327,7 @@ def test_a_texture_with_what_is_no_distance(tmp_path: Path, bad: float) -> None:
     shot.read_texture(write(tmp_path / "bad.exr", texels))
     mesh = flat(shot)
     primvar(mesh, "st", square(np.array(mesh.GetPointsAttr().Get())), "vertex")
-    result = shot.read()
+    result = shot.read(displacement="tessellate")
     assert (result.scene.points("/Sheet", 0.5)[:, 2] == 0.0).all()
     (said,) = messages(result, "warning")
     assert said.startswith("/Look/") and "drawn without displacement" in said
@@ -336,7 +336,7 @@ def test_a_texture_with_what_is_no_distance(tmp_path: Path, bad: float) -> None:
 def test_an_implicit_shape_stays_as_it_is() -> None:
     shot = Displaced(0.5)
     shot.bound(UsdGeom.Sphere.Define(shot.stage, "/Ball"))
-    result = shot.read()
+    result = shot.read(displacement="tessellate")
     assert np.linalg.norm(result.scene.points("/Ball", 0.5), axis=1).max() < 1.0001
     assert messages(result, "warning") == [
         "/Ball.material:binding: displacement of an implicit shape is not supported; drawn without it"
@@ -386,7 +386,7 @@ def test_moving_points_are_displaced_where_the_surface_is_at_each_time() -> None
     for time, degrees in samples.items():
         mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy((CORNERS @ turning(degrees)).astype(np.float32)), time)
     tolerance = 0.02
-    scene = shot.read(width=400, edge_length=4.0, motion_tolerance=tolerance).scene
+    scene = shot.read(width=400, edge_length=4.0, motion_tolerance=tolerance, displacement="tessellate").scene
     rest = shot.undisplaced("/Cube", 0.5, width=400, edge_length=4.0, motion_tolerance=tolerance)
     normals = (scene.points("/Cube", 0.5) - rest) / 0.4
     assert np.abs(np.linalg.norm(normals, axis=1) - 1.0).max() < 1e-4
@@ -428,7 +428,7 @@ def test_under_a_moving_transform_the_displaced_mesh_is_still() -> None:
     turn = mesh.AddRotateYOp()
     turn.Set(0.0, 9.5)
     turn.Set(90.0, 10.5)
-    result = shot.read()
+    result = shot.read(displacement="tessellate")
     track = next(track for track in result.tracks if track.path == "/Sheet")
     assert track.moving_transform
     for time01 in (0.0, 0.31, 1.0):
@@ -444,7 +444,7 @@ def test_a_primvar_that_changes_within_the_shutter_moves_the_surface() -> None:
     mesh = flat(shot)
     for time, height in ((9.0, 0.0), (9.5, 1.0), (11.0, 0.25)):
         primvar(mesh, "height", np.full((SIDE + 1) ** 2, height), "vertex", time)
-    result = shot.read()
+    result = shot.read(displacement="tessellate")
     assert messages(result, "warning") == []
     for time01 in DENSE_TIMES01:
         expected = np.interp(9.0 + 2.0 * time01, [9.0, 9.5, 11.0], [0.0, 1.0, 0.25])
@@ -452,9 +452,13 @@ def test_a_primvar_that_changes_within_the_shutter_moves_the_surface() -> None:
         assert np.abs(poses[0][:, 2] - expected).max() < 2e-3
 
 
-def test_the_plan_names_it(tmp_path: Path) -> None:
+def test_the_plan_names_it() -> None:
     shot = Displaced(0.5)
     flat(shot)
-    result = read_frame(shot.stage, 10.0, ReadSettings())
-    renderer = _core.Renderer(result.scene, width=16, height=16, spp=1, max_bounces=0)
-    assert ("displacement", "/Sheet", "up to 0.5 along the normal") in renderer.plan
+    for kept, why in (
+        ("tessellate", "up to 0.5 along the normal"),
+        ("patches", "up to 0.5 along the normal, as patches"),
+    ):
+        result = read_frame(shot.stage, 10.0, ReadSettings(displacement=kept))
+        renderer = _core.Renderer(result.scene, width=16, height=16, spp=1, max_bounces=0)
+        assert ("displacement", "/Sheet", why) in renderer.plan

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/scene/scene.h"
+#include "tests/support/cages.h"
 
 namespace msbvh {
 namespace {
@@ -150,10 +151,29 @@ TEST_CASE("indices must be in range") {
     scene.world = {mesh_id(7)};
     CHECK(complaint(scene) == "scene: world: found index 7; expected less than 1");
   }
-  SUBCASE("what a scene does not hold") {
+  SUBCASE("grids that are not there") {
     scene.world = {{GeometryKind::kGridMesh, 0}};
+    CHECK(complaint(scene) == "scene: world: found index 0; expected less than 0");
+  }
+  SUBCASE("grids") {
+    scene.grids.push_back({{}, dice(procedural::cube_cage(), {.level = 2})});
+    Grids& grids = scene.grids.back();
+    grids.shape.name = "/grids";
+    scene.world.push_back({GeometryKind::kGridMesh, 0});
+    CHECK(complaint(scene).empty());
+    grids.normals = {Interpolation::kVertex, 0, std::vector<Vec3f>(6 * 25, Vec3f{0, 0, 1})};
+    grids.display_color = {Interpolation::kTriangle, 0, std::vector<Vec3f>(6)};
+    grids.grid_materials.assign(6, 0);
+    CHECK(complaint(scene).empty());
+    grids.grid_materials.back() = 9;
+    CHECK(complaint(scene) == "/grids: gridMaterials: found index 9; expected less than 1");
+    grids.grid_materials.clear();
+    grids.grid_faces.resize(5);
+    CHECK(complaint(scene) == "/grids: gridFaces: found 5 values; expected none or 6");
+    grids.grid_faces.clear();
+    grids.display_color.interpolation = Interpolation::kFaceVarying;
     CHECK(complaint(scene) ==
-          "scene: world: found a mesh of grids; expected triangle meshes, curves and points");
+          "/grids: interpolation: found one value a corner; expected one a grid or point");
   }
   SUBCASE("kinds in another order") {
     scene.curves = {valid_curves()};
@@ -162,8 +182,8 @@ TEST_CASE("indices must be in range") {
     CHECK(complaint(scene).empty());
     scene.world = {mesh_id(0), points_id(0), curves_id(0)};
     CHECK(complaint(scene) ==
-          "scene: world: found kinds in another order in element 2; expected meshes before curves before "
-          "points");
+          "scene: world: found kinds in another order in element 2; expected meshes before grids before "
+          "curves before points");
   }
   SUBCASE("prototype's mesh") {
     scene.prototypes[0].geometry = {mesh_id(0), mesh_id(2)};

@@ -186,7 +186,9 @@ def reader(path: Path, frame: str) -> Callable[[], Any]:
     def read() -> tuple[Any, tuple[float, float, float, float]]:
         stage = open_stage(str(path), Diagnostics())
         code = stage.GetStartTimeCode() if frame in ("", "None") else float(frame)
-        return read_frame(stage, code, ReadSettings(shutter=_shutter(stage, code))).scene, NO_INTERIOR
+        # Peers know no patches.
+        settings = ReadSettings(shutter=_shutter(stage, code), displacement="tessellate")
+        return read_frame(stage, code, settings).scene, NO_INTERIOR
 
     return read
 
