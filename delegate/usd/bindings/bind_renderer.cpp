@@ -133,6 +133,7 @@ std::vector<std::tuple<std::string, std::string, std::string>> plan(const Render
 nb::dict accel_statistics(const BvhStatistics& s) {
   nb::dict result;
   result["triangles"] = s.triangles;
+  result["quads"] = s.quads;
   result["instances"] = s.instances;
   result["references"] = s.references;
   result["nodes"] = s.nodes;
@@ -140,6 +141,7 @@ nb::dict accel_statistics(const BvhStatistics& s) {
   result["node_bytes"] = s.node_bytes;
   result["leaf_bytes"] = s.leaf_bytes;
   result["vertex_bytes"] = s.vertex_bytes;
+  result["grid_bytes"] = s.grid_bytes;
   result["instance_bytes"] = s.instance_bytes;
   result["other_bytes"] = s.other_bytes;
   result["topology_bytes"] = s.topology_bytes;

@@ -12,6 +12,8 @@ class SceneStatistics(TypedDict):
 
 class AccelStatistics(TypedDict):
     triangles: int
+    quads: int
+    """Of displaced patches, which are in no tree as triangles."""
     instances: int
     references: int
     nodes: int
@@ -20,6 +22,8 @@ class AccelStatistics(TypedDict):
     leaf_bytes: int
     vertex_bytes: int
     """The meshes' tracks that leaves read."""
+    grid_bytes: int
+    """The displaced patches' points."""
     instance_bytes: int
     other_bytes: int
     """Alignment, root boxes, the trees' records."""
