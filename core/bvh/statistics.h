@@ -40,7 +40,7 @@ struct BvhStatistics {
     return node_bytes + leaf_bytes + instance_bytes + other_bytes + topology_bytes;
   }
   // All that must be in memory for rays to be traced and the next frame to be refitted.
-  std::uint64_t total_bytes() const { return held_bytes() + vertex_bytes + grid_bytes; }
+  std::uint64_t total_bytes() const { return held_bytes() + vertex_bytes; }
 
   // Sums over trees; depth and segments are the largest of any.
   BvhStatistics& operator+=(const BvhStatistics& tree) {

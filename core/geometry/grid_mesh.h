@@ -57,13 +57,6 @@ struct GridMesh {
   static constexpr std::size_t kGuard = 4;
 
   TrackForm form() const { return {segments, degree}; }
-  // Points are counted grid by grid, row by row; those on borders once for each grid.
-  std::uint32_t first_point(const Grid& grid) const {
-    return std::uint32_t(grid.first_value / (3 * std::size_t(form().controls())));
-  }
-  std::uint32_t point_count() const {
-    return grids.empty() ? 0 : first_point(grids.back()) + grids.back().points();
-  }
   const float* control_values(const Grid& grid, std::uint32_t control) const {
     return values.data() + grid.first_value + 3 * std::size_t(control) * grid.points();
   }

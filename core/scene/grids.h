@@ -10,6 +10,11 @@
 
 namespace msbvh {
 
+// Points are counted grid by grid, row by row; those on borders once for each grid.
+inline std::uint32_t first_point(const GridMesh& shape, const Grid& grid) {
+  return std::uint32_t(grid.first_value / (3 * std::size_t(shape.form().controls())));
+}
+
 // Primvars are constant; kTriangle: one a grid; or kVertex: one a point, grid by grid, row by row. Points on
 // borders belong to several grids, which may say different things there: hence nothing is kFaceVarying.
 struct Grids : Appearance {

@@ -21,7 +21,8 @@ std::size_t value_count(Interpolation interpolation, const TriangleMesh& shape) 
 std::size_t value_count(Interpolation interpolation, const GridMesh& shape) {
   if (interpolation == Interpolation::kConstant) return 1;
   if (interpolation == Interpolation::kTriangle) return shape.grids.size();
-  if (interpolation == Interpolation::kVertex) return shape.point_count();
+  if (interpolation == Interpolation::kVertex)
+    return (shape.values.size() - GridMesh::kGuard) / (3 * std::size_t(shape.form().controls()));
   throw Error(shape.name + ": interpolation: found one value a corner; expected one a grid or point");
 }
 

@@ -69,7 +69,7 @@ T interpolate(const Primvar<T>& primvar, const GridMesh& shape, const GridTriang
     if (primvar.interpolation == Interpolation::kConstant) return values[0];
     if (primvar.interpolation == Interpolation::kTriangle) return values[triangle.grid];
     const Grid& grid = shape.grids[triangle.grid];
-    const T* first = values + shape.first_point(grid);
+    const T* first = values + first_point(shape, grid);
     const auto at = [&](const GridVertex& v) { return first[v.row * grid.row_stride() + v.column]; };
     const auto v = vertices_of(triangle);
     return at(v[0]) * b.b0 + at(v[1]) * b.b1 + at(v[2]) * b.b2;

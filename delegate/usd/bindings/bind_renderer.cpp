@@ -145,7 +145,7 @@ nb::dict accel_statistics(const BvhStatistics& s) {
   result["instance_bytes"] = s.instance_bytes;
   result["other_bytes"] = s.other_bytes;
   result["topology_bytes"] = s.topology_bytes;
-  result["total_bytes"] = s.total_bytes();
+  result["total_bytes"] = s.total_bytes() + s.grid_bytes;
   result["max_segments"] = s.max_segments;
   result["depth"] = s.depth;
   result["sah_cost"] = s.sah_cost;
