@@ -290,3 +290,81 @@ TEST_CASE("a map's largest stretch is that of the direction it lengthens most") 
     CHECK(found == doctest::Approx(searched).epsilon(1e-3));
   }
 }
+
+TEST_CASE("limit points are the mesh's own, with the normals of its surface, means at creases") {
+  for (const SubdivisionMesh& cage : {cube_cage(), prism_cage(5), sheet_cage(3, 4)}) {
+    const RefinedMesh mesh(cage, {}, uneven, kPlenty);
+    const RefinedMesh::LimitPoints limit = mesh.limit(cage.positions.data());
+    const std::vector<Vec3f> expected = positions(mesh, cage.positions.data());
+    const std::vector<Vec3f> normals = mesh.normals(cage.positions.data());
+    for (std::uint32_t p = 0; p < mesh.point_count(); ++p) {
+      CHECK(Vec3f(limit.positions[p]) == expected[p]);
+      CHECK(length(limit.normals[p] - Vec3d(normals[p])) < 1e-4);
+    }
+  }
+  SubdivisionMesh box = cube_cage();
+  box.scheme = SubdivisionScheme::kBilinear;
+  const RefinedMesh mesh(box, {}, everywhere(1), kPlenty);
+  const RefinedMesh::LimitPoints limit = mesh.limit(box.positions.data());
+  int corners = 0, edges = 0, inside = 0;
+  for (std::uint32_t p = 0; p < mesh.point_count(); ++p) {
+    // How many faces a point of a cube is on is how many of its coordinates are the largest.
+    const Vec3d size = abs(limit.positions[p]);
+    const double largest = std::max({size.x, size.y, size.z});
+    Vec3d expected;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (size[axis] > 0.999 * largest) expected[axis] = limit.positions[p][axis] > 0 ? 1.0 : -1.0;
+    }
+    const double faces = dot(expected, expected);
+    (faces == 3.0 ? corners : faces == 2.0 ? edges : inside)++;
+    CHECK(length(limit.normals[p] - normalize(expected)) < 1e-6);
+  }
+  CHECK(corners == 8);
+  CHECK(edges == 12);
+  CHECK(inside == 6);
+}
+
+TEST_CASE("a point that faces see has the mean of what they say, each once") {
+  const SubdivisionMesh cage = prism_cage(5);
+  for (const EdgeLevel& level : {everywhere(0), everywhere(2), EdgeLevel(uneven)}) {
+    const RefinedMesh mesh(cage, {}, level, kPlenty);
+    const std::vector<double> means =
+        mesh.means([](std::uint32_t face, std::span<const SquareLattice> squares, double* out) {
+          for (const SquareLattice& square : squares) out = std::fill_n(out, square.points.size(), face);
+        });
+    std::vector<std::set<std::uint32_t>> seen(mesh.point_count());
+    for (const std::uint32_t face : mesh.drawn_faces()) {
+      for (const FacePoint& p : mesh.points_of(face)) seen[p.id].insert(face);
+    }
+    for (std::uint32_t p = 0; p < mesh.point_count(); ++p) {
+      double sum = 0.0;
+      for (const std::uint32_t face : seen[p]) sum += face;
+      CHECK(means[p] == doctest::Approx(sum / double(seen[p].size())));
+    }
+  }
+}
+
+TEST_CASE("the layout of grids has the grids, and the points, that dicing makes") {
+  for (const SubdivisionMesh& cage : {cube_cage(), prism_cage(5), prism_cage(3), sheet_cage(3, 4)}) {
+    const GridMesh expected = dice(cage, {.level = 3});
+    const RefinedMesh mesh(cage, {}, everywhere(3), kPlenty);
+    const GridLayout layout = mesh.grid_layout();
+    const std::vector<Vec3f> at = positions(mesh, cage.positions.data());
+    REQUIRE(layout.grids.size() == expected.grids.size());
+    std::size_t next = 0;
+    for (std::size_t g = 0; g < layout.grids.size(); ++g) {
+      const Grid &found = layout.grids[g], &grid = expected.grids[g];
+      CHECK(found.face == grid.face);
+      CHECK(found.square == grid.square);
+      CHECK(found.rows == grid.rows);
+      CHECK(found.columns == grid.columns);
+      CHECK(found.first_quad == grid.first_quad);
+      CHECK(found.first_value == grid.first_value);
+      for (std::uint32_t r = 0; r <= grid.rows; ++r) {
+        for (std::uint32_t c = 0; c <= grid.columns; ++c)
+          CHECK(at[layout.points[next++]] == expected.control_point(grid, r, c, 0));
+      }
+    }
+    CHECK(next == layout.points.size());
+  }
+}

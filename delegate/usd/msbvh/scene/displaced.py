@@ -50,9 +50,10 @@ def _named_primvars(
                 message = "changes in steps within the shutter; displaced by the frame's values"
                 context.diagnostics.warning(str(prim.GetPath()), f"primvars:{each.primvar}", message)
             interpolation, values, indices = primvar
-            moving = isinstance(values, list)
-            padded = [(time01, _padded(each)) for time01, each in values] if moving else _padded(values)
-            primvars[each.primvar] = interpolation, padded, indices
+            if isinstance(values, list):
+                primvars[each.primvar] = interpolation, [(time01, _padded(v)) for time01, v in values], indices
+            else:
+                primvars[each.primvar] = interpolation, _padded(values), indices
     return primvars
 
 
