@@ -78,8 +78,9 @@ def primvar(
 def write(path: Path, texels: np.ndarray, **metadata: str) -> str:
     """float32[H, W] or [H, W, C], the uppermost row first."""
     texels = np.ascontiguousarray(texels, np.float32)
-    height, width = texels.shape[:2]
-    spec = oiio.ImageSpec(width, height, 1 if texels.ndim == 2 else texels.shape[2], oiio.FLOAT)
+    texels = texels.reshape(*texels.shape[:2], -1)
+    height, width, channels = texels.shape
+    spec = oiio.ImageSpec(width, height, channels, oiio.FLOAT)
     for name, value in metadata.items():
         spec.attribute(name, value)
     output = oiio.ImageOutput.create(str(path))
