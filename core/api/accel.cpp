@@ -92,6 +92,32 @@ std::uint32_t Accel::add_grids(std::shared_ptr<const GridMesh> mesh) {
   return static_cast<std::uint32_t>(grids.size() - 1);
 }
 
+std::uint32_t Accel::add_curves(CurveSet curves) {
+  open();
+  validate(curves);
+  return add_curves(std::make_shared<const CurveSet>(std::move(curves)));
+}
+
+std::uint32_t Accel::add_curves(std::shared_ptr<const CurveSet> curves) {
+  if (!curves) throw Error("accelerator: found no curves behind the pointer; expected some");
+  std::vector<std::shared_ptr<const CurveSet>>& sets = open().curves;
+  sets.push_back(std::move(curves));
+  return static_cast<std::uint32_t>(sets.size() - 1);
+}
+
+std::uint32_t Accel::add_points(PointSet points) {
+  open();
+  validate(points);
+  return add_points(std::make_shared<const PointSet>(std::move(points)));
+}
+
+std::uint32_t Accel::add_points(std::shared_ptr<const PointSet> points) {
+  if (!points) throw Error("accelerator: found no points behind the pointer; expected some");
+  std::vector<std::shared_ptr<const PointSet>>& sets = open().points;
+  sets.push_back(std::move(points));
+  return static_cast<std::uint32_t>(sets.size() - 1);
+}
+
 std::uint32_t Accel::add_instances(std::shared_ptr<const Accel> object, const TrackForm& form,
                                    std::span<const Affine3f> world_from_object, const TimeRemap& time_remap) {
   BvhInput& in = open();

@@ -27,7 +27,9 @@ namespace msbvh {
 
 class Bvh;  // core/bvh/bvh.h
 struct BvhInput;
+struct CurveSet;  // core/geometry/curve_set.h
 struct GridMesh;  // core/geometry/grid_mesh.h
+struct PointSet;  // core/geometry/point_set.h
 
 class Accel {
  public:
@@ -47,6 +49,13 @@ class Accel {
   std::uint32_t add_grids(GridMesh mesh);
   // Shares grids that have passed validate(), and does not look at them again.
   std::uint32_t add_grids(std::shared_ptr<const GridMesh> mesh);
+  // Curves, flat and turned to the ray. A hit's triangle is the span, u the place along it, v that across.
+  std::uint32_t add_curves(CurveSet curves);
+  // Shares curves that have passed validate(), and does not look at them again.
+  std::uint32_t add_curves(std::shared_ptr<const CurveSet> curves);
+  // Points as spheres. A hit's triangle is the point.
+  std::uint32_t add_points(PointSet points);
+  std::uint32_t add_points(std::shared_ptr<const PointSet> points);
   // Instances of another, committed Accel that holds no instances itself (two levels). `world_from_object`
   // holds form.controls() maps for each instance, instance-major; `time_remap` says when they are there and
   // what time their tracks are read at. Returns the id of the first one.

@@ -17,6 +17,10 @@ void share_geometry(const std::shared_ptr<const Scene>& scene, const std::vector
       accel.add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->mesh(id).shape));
     } else if (id.is(GeometryKind::kGridMesh)) {
       accel.add_grids(std::shared_ptr<const GridMesh>(scene, &scene->grids[id.index()].shape));
+    } else if (id.is(GeometryKind::kCurves)) {
+      accel.add_curves(std::shared_ptr<const CurveSet>(scene, &scene->curves[id.index()].shape));
+    } else {
+      accel.add_points(std::shared_ptr<const PointSet>(scene, &scene->points[id.index()].shape));
     }
   }
 }

@@ -15,13 +15,18 @@ namespace msbvh {
 // that the SAH peels one by one come here.
 inline constexpr std::uint32_t kMaxSahDepth = 56;
 
-// One instance, one patch, or so many triangles.
+// A piece of a curve costs about as much as a block of triangles.
+inline constexpr std::size_t kMaxLeafPieces = 2;
+
+// One instance, one patch, a few pieces of curves, or so many triangles and points.
 template <typename Ref>
 bool may_be_leaf(std::span<const Ref> references, const BuildSettings& settings) {
   if (references.size() == 1) return true;
   if (references.size() > settings.max_leaf_triangles) return false;
-  return std::none_of(references.begin(), references.end(),
-                      [](const Ref& r) { return r.is_instance() || r.is_grid(); });
+  const auto alone = [](const Ref& r) { return r.is_instance() || r.is_grid(); };
+  const auto curve = [](const Ref& r) { return r.is_curve(); };
+  if (std::any_of(references.begin(), references.end(), alone)) return false;
+  return references.size() <= kMaxLeafPieces || std::none_of(references.begin(), references.end(), curve);
 }
 
 // Not worth a look at its splits: half a block, which costs the same tests as a whole one.

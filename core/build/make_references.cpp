@@ -1,6 +1,7 @@
 #include "core/build/make_references.h"
 
 #include "core/build/reduce.h"
+#include "core/build/round_references.h"
 #include "core/motion/bezier.h"
 
 namespace msbvh {
@@ -81,6 +82,8 @@ AllReferences make_references(const CentrePose& pose) {
   std::size_t capacity = primitives.instances.size();
   for (const auto& mesh : primitives.meshes) capacity += mesh->triangles.size();
   for (const auto& mesh : primitives.grids) capacity += mesh->patches.size();
+  const std::vector<Reference> round = round_references(primitives);
+  capacity += round.size();
   AllReferences all;
   all.memory = std::make_shared<RawArray<Reference>>(capacity);
   for (std::uint32_t m = 0; m < primitives.meshes.size(); ++m) {
@@ -90,6 +93,10 @@ AllReferences make_references(const CentrePose& pose) {
   for (std::uint32_t m = 0; m < primitives.grids.size(); ++m) {
     all.bounds.grow(add_grids(primitives, m, all.memory->data() + all.count));
     all.count += primitives.grids[m]->patches.size();
+  }
+  for (const Reference& r : round) {
+    all.bounds.grow(Box4(r.box));
+    (*all.memory)[all.count++] = r;
   }
   for (std::uint32_t i = 0; i < primitives.instances.size(); ++i) {
     const InstanceBounds& bounds = primitives.instances[i];

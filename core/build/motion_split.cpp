@@ -16,6 +16,7 @@ void grow(Box3f& box, std::span<const Vec3f> points) {
 
 bool moves_in_a_corner(const Primitives& primitives, std::span<const Reference> references) {
   if (primitives.swept || !primitives.slice.whole() || !primitives.grids.empty()) return false;
+  if (!primitives.curves.empty() || !primitives.points.empty()) return false;
   std::size_t moving = 0;
   Box3f about, all;
   for (const auto& mesh : primitives.meshes) {

@@ -68,6 +68,8 @@ bool any_moves(const Primitives& primitives) {
   const auto moves = [](const auto& mesh) { return mesh->form().moving(); };
   return std::any_of(primitives.meshes.begin(), primitives.meshes.end(), moves) ||
          std::any_of(primitives.grids.begin(), primitives.grids.end(), moves) ||
+         std::any_of(primitives.curves.begin(), primitives.curves.end(), moves) ||
+         std::any_of(primitives.points.begin(), primitives.points.end(), moves) ||
          std::any_of(primitives.instances.begin(), primitives.instances.end(),
                      [](const InstanceBounds& b) { return b.form.moving(); });
 }
@@ -78,6 +80,8 @@ MeanArea::MeanArea(const Primitives& primitives) {
   const auto add = [this](const TrackForm& form) { one_segment_ &= form.controls() <= 2; };
   for (const auto& mesh : primitives.meshes) add(mesh->form());
   for (const auto& mesh : primitives.grids) add(mesh->form());
+  for (const auto& set : primitives.curves) add(set->form());
+  for (const auto& set : primitives.points) add(set->form());
   for (const InstanceBounds& b : primitives.instances) add(b.form);
 }
 
@@ -91,6 +95,10 @@ MovingReference ShutterPose::at_ends(const Reference& r) const {
     return {r, b.controls.front(), b.controls.back()};
   }
   if (!form_of(primitives, r).moving()) return {r, r.box, r.box};
+  if (r.is_round()) {
+    const std::uint32_t last = form_of(primitives, r).controls() - 1;
+    return {r, round_box(primitives, r, 0), round_box(primitives, r, last)};
+  }
   if (r.is_grid()) {
     const GridMesh& mesh = *primitives.grids[r.grid_mesh()];
     const GridPatch window = window_of(primitives, r);

@@ -1,5 +1,5 @@
-// What a tree is built over: references to triangles, to patches of grids, to fragments of either, and to
-// instances.
+// What a tree is built over: references to triangles, to patches of grids, to fragments of either, to pieces
+// of curves, to points, and to instances.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "core/base/box.h"
+#include "core/geometry/curve_set.h"
 #include "core/geometry/grid_mesh.h"
+#include "core/geometry/point_set.h"
 #include "core/geometry/triangle_mesh.h"
 
 namespace msbvh {
@@ -42,12 +44,15 @@ struct Primitives {
   std::span<const std::shared_ptr<const TriangleMesh>> meshes;
   std::span<const InstanceBounds> instances;  // of `parts`, which references to instances are indices of
   std::span<const std::shared_ptr<const GridMesh>> grids = {};
+  std::span<const std::shared_ptr<const CurveSet>> curves = {};
+  std::span<const std::shared_ptr<const PointSet>> points = {};
   std::span<const InstancePart> parts = {};
   // Refit: by mesh, the poses that fragments were cut from when the topology was built; empty for meshes
   // without fragments. Without any, fragments are cut from the meshes' own centre.
   std::span<const RestPose> rest = {};
   std::span<const std::shared_ptr<const GridMesh>> rest_grids = {};  // the same of grids: still, or null
   TimeSlice slice = {};  // the part of the shutter that the tree is for; "centre" means that part's
+  bool whole_spans = false;  // curves are not cut to pieces: the builder takes no partial primitives
   bool swept = false;    // boxes are those of the whole shutter, still (Builder::kSwept)
 };
 
@@ -59,19 +64,31 @@ struct Primitives {
 // built.)
 struct Reference {
   Box3f box;                // at the shutter's centre, u = 0.5
-  std::uint32_t owner = 0;  // mesh id, with kGridFlag for grids; kInstanceOwner for an instance
-  std::uint32_t index = 0;  // triangle or patch in the mesh, or position in Primitives::parts
+  std::uint32_t owner = 0;  // mesh id, with a flag for other kinds; kInstanceOwner for an instance
+  // Triangle or patch in the mesh, CurvePiece::code(), point, or position in Primitives::parts.
+  std::uint32_t index = 0;
 
   static constexpr std::uint32_t kClippedFlag = 0x80000000u;  // a fragment
   static constexpr std::uint32_t kGridFlag = 0x40000000u;
+  static constexpr std::uint32_t kCurveFlag = 0x20000000u;
+  static constexpr std::uint32_t kPointFlag = 0x10000000u;
   static constexpr std::uint32_t kInstanceOwner = 0x7fffffffu;
 
   std::uint32_t mesh() const { return owner & ~kClippedFlag; }
   std::uint32_t grid_mesh() const { return owner & ~(kClippedFlag | kGridFlag); }
   bool is_instance() const { return owner == kInstanceOwner; }
   bool is_grid() const { return (owner & kGridFlag) != 0 && !is_instance(); }
+  bool is_curve() const { return (owner & kCurveFlag) != 0 && !is_instance(); }
+  bool is_point() const { return (owner & kPointFlag) != 0 && !is_instance(); }
+  bool is_round() const { return (owner & (kCurveFlag | kPointFlag)) != 0 && !is_instance(); }
+  std::uint32_t round_set() const { return owner & ~(kCurveFlag | kPointFlag); }
+  bool may_be_cut() const { return (owner & (kCurveFlag | kPointFlag)) == 0; }  // an instance has them all
   bool is_clipped() const { return (owner & kClippedFlag) != 0; }
 };
+
+// Of a curve's piece or a point (is_round()), at a control of its own track, and at a time.
+Box3f round_box(const Primitives& primitives, const Reference& reference, std::uint32_t control);
+Box3f round_box_at(const Primitives& primitives, const Reference& reference, float u);
 
 // How what the reference stands for moves.
 TrackForm form_of(const Primitives& primitives, const Reference& reference);

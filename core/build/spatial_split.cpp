@@ -139,7 +139,7 @@ void add_parts(const CentrePatch& patch, const Box3f& box, const Planes& planes,
 
 void add(const CentrePose& pose, const Reference& r, const Planes& planes, SpatialBins& bins) {
   float lo = coordinate(r.box.lo, planes.axis), hi = coordinate(r.box.hi, planes.axis);
-  if (r.is_instance()) lo = hi = lo * 0.5f + hi * 0.5f;
+  if (!r.may_be_cut()) lo = hi = lo * 0.5f + hi * 0.5f;
   const int first = planes.bin(lo), last = planes.bin(hi);
   ++bins.enter[first];
   ++bins.leave[last];
@@ -179,7 +179,7 @@ SpatialSplit sweep(const SpatialBins& bins, const Planes& planes) {
 }
 
 bool is_cut(const Reference& r, const SpatialSplit& split) {
-  return !r.is_instance() && r.box.lo[split.axis] < split.plane && r.box.hi[split.axis] > split.plane;
+  return r.may_be_cut() && r.box.lo[split.axis] < split.plane && r.box.hi[split.axis] > split.plane;
 }
 
 // Whether the side of the reference's centre, grown to hold all of it, and the other side without it cost

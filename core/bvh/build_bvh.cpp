@@ -26,6 +26,8 @@ Movement movement_of(const Bvh& bvh) {
   Movement most = movement_of(bvh.root_form);  // still where the tree is swept
   for (const auto& mesh : bvh.meshes) most = std::max(most, movement_of(mesh->form()));
   for (const auto& mesh : bvh.grids) most = std::max(most, movement_of(mesh->form()));
+  for (const auto& set : bvh.curves) most = std::max(most, movement_of(set->form()));
+  for (const auto& set : bvh.points) most = std::max(most, movement_of(set->form()));
   for (const Instance& i : bvh.instances) {
     most = std::max({most, movement_of(i.form), i.object->movement});
     const bool remapped = i.time_remap != kNoTimeRemap || !i.object->time_remap.is_shutter();
@@ -39,6 +41,8 @@ Bvh opened(BvhInput input, const BuildSettings& settings) {
   Bvh bvh;
   bvh.meshes = std::move(input.meshes);
   bvh.grids = std::move(input.grids);
+  bvh.curves = std::move(input.curves);
+  bvh.points = std::move(input.points);
   bvh.instances = std::move(input.instances);
   bvh.instance_controls = std::move(input.instance_controls);
   bvh.time_remaps = std::move(input.time_remaps);
@@ -51,7 +55,10 @@ Primitives primitives_of(const Bvh& bvh, const InstanceParts& instances) {
   return {.meshes = bvh.meshes,
           .instances = instances.bounds,
           .grids = bvh.grids,
+          .curves = bvh.curves,
+          .points = bvh.points,
           .parts = instances.parts,
+          .whole_spans = bvh.builder != Builder::kMsbvh,
           .swept = bvh.builder == Builder::kSwept};
 }
 
@@ -64,13 +71,16 @@ void count_bytes(const Bvh& bvh, BvhStatistics& s) {
   s.instance_bytes = bytes_of(bvh.instances) + bytes_of(bvh.instance_controls) + bytes_of(bvh.time_remaps);
   for (const TimeRemap& time_remap : bvh.time_remaps) s.instance_bytes += bytes_of(time_remap.pieces);
   s.other_bytes = bvh.arena.size() - s.node_bytes - s.leaf_bytes + bytes_of(bvh.root_bounds) +
-                  bytes_of(bvh.slice_roots) + bytes_of(bvh.meshes) + bytes_of(bvh.grids) + sizeof(Bvh);
+                  bytes_of(bvh.slice_roots) + bytes_of(bvh.meshes) + bytes_of(bvh.grids) + bytes_of(bvh.curves) +
+                  bytes_of(bvh.points) + sizeof(Bvh);
 }
 
 LeafKinds leaf_kinds_of(const Bvh& bvh) {
   LeafKinds kinds;
   if (!bvh.meshes.empty()) kinds.add(LeafKind::kTriangles);
   if (!bvh.grids.empty()) kinds.add(LeafKind::kGrids);
+  if (!bvh.curves.empty()) kinds.add(LeafKind::kCurves);
+  if (!bvh.points.empty()) kinds.add(LeafKind::kPoints);
   for (const Instance& instance : bvh.instances) {
     kinds.add(LeafKind::kInstances);
     kinds.add(instance.object->leaf_kinds);
@@ -89,6 +99,14 @@ void finish(Bvh& bvh, const InstanceParts& instances, std::uint64_t references) 
     bvh.statistics.quads += mesh->quad_count;
     bvh.statistics.grid_bytes += mesh->values.size() * sizeof(float);
   }
+  for (const auto& set : bvh.curves) {
+    bvh.statistics.spans += set->spans.size();
+    bvh.statistics.round_bytes += bytes_of(set->vertices);
+  }
+  for (const auto& set : bvh.points) {
+    bvh.statistics.points += set->point_count;
+    bvh.statistics.round_bytes += bytes_of(set->vertices);
+  }
   bvh.statistics.instances = bvh.instances.size();
   bvh.statistics.references = references;
   count_bytes(bvh, bvh.statistics);
@@ -97,6 +115,7 @@ void finish(Bvh& bvh, const InstanceParts& instances, std::uint64_t references) 
 bool has_curves(const Bvh& bvh, std::span<const InstanceBounds> instance_bounds) {
   const auto curved = [](const auto& mesh) { return mesh->degree > 1; };
   return std::ranges::any_of(bvh.meshes, curved) || std::ranges::any_of(bvh.grids, curved) ||
+         std::ranges::any_of(bvh.curves, curved) || std::ranges::any_of(bvh.points, curved) ||
          std::ranges::any_of(instance_bounds, [](const InstanceBounds& b) { return b.form.degree > 1; });
 }
 

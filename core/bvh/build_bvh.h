@@ -18,6 +18,8 @@ struct BvhInput {
   std::vector<TimeRemap> time_remaps;                    // of instances, by their index
   TimeRemap time_remap;                                  // of the tree itself, where it is instanced
   std::vector<std::shared_ptr<const GridMesh>> grids{};  // validated()
+  std::vector<std::shared_ptr<const CurveSet>> curves{};
+  std::vector<std::shared_ptr<const PointSet>> points{};
 };
 
 // What the tree says of an instance, for the builder and for verify().

@@ -43,9 +43,11 @@ struct SliceRoot {
 
 class Bvh {
  public:
-  // Kept alive: indexed blocks and grids' blocks read the meshes' tracks.
+  // Kept alive: indexed blocks and those of grids, curves and points read their tracks.
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
   std::vector<std::shared_ptr<const GridMesh>> grids;
+  std::vector<std::shared_ptr<const CurveSet>> curves;
+  std::vector<std::shared_ptr<const PointSet>> points;
   std::vector<Instance> instances;
   std::vector<Affine3f> instance_controls;
   std::vector<TimeRemap> time_remaps;  // of instances

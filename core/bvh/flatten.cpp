@@ -196,6 +196,7 @@ class Flattener {
   }
   double block_units(std::uint32_t leaf) const {
     if (is_patch(leaf)) return kPatchBlocks;
+    if (topology_.references[topology_.nodes[leaf].first].is_curve()) return topology_.nodes[leaf].count;
     return (topology_.nodes[leaf].count + kBlockWidth - 1) / kBlockWidth;
   }
 

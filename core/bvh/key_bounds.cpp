@@ -251,6 +251,15 @@ void grow_by_patch(std::span<Box3f> out, const TrackForm& form, const Primitives
   grow_node(out, form, primitives, track.subspan(range.first, range.count), mesh.form());
 }
 
+void grow_by_round(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
+                   const Reference& reference) {
+  const TrackForm own = form_of(primitives, reference);
+  TrackBoxes boxes(own.controls());
+  for (std::uint32_t c = 0; c < own.controls(); ++c) boxes.span()[c] = round_box(primitives, reference, c);
+  const ControlRange range(primitives.slice, own);
+  grow_node(out, form, primitives, boxes.span().subspan(range.first, range.count), own);
+}
+
 float largest_coordinate(std::span<const Box3f> boxes) {
   float size = 0.0f;
   for (const Box3f& box : boxes) size = std::max(size, largest_coordinate(box));
@@ -352,6 +361,7 @@ void halve_segments(std::span<const Box3f> fine, std::span<Box3f> coarse) {
 void grow_by_reference(std::span<Box3f> out, const TrackForm& form, const Primitives& primitives,
                        const Reference& reference) {
   if (reference.is_grid()) return grow_by_patch(out, form, primitives, reference);
+  if (reference.is_round()) return grow_by_round(out, form, primitives, reference);
   if (!reference.is_instance()) return grow_by_triangle(out, form, primitives, reference);
   const InstanceBounds& bounds = primitives.instances[reference.index];
   const ControlRange range(primitives.slice, bounds.form);

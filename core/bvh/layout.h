@@ -15,7 +15,8 @@
 //                indexed: 4 bytes a vertex, into the mesh's own tracks; for many segments
 //
 // The block of an instance, or of a part of one, is a header alone, and alone in its leaf; that of a window
-// of a grid, alone in its leaf and on a cache line, is described in core/bvh/grid_block.h.
+// of a grid, alone in its leaf and on a cache line, is described in core/bvh/grid_block.h. That of up to 8 pieces
+// of curves or points of one set is a header and their ids; vertices are read in the set's own tracks.
 //
 // A ray reads two controls of a node (degree + 1 of a Bezier track), whatever their number. Every node and
 // block has as many controls as it needs, no more.
@@ -123,7 +124,7 @@ struct alignas(64) NodeHeader {
   NodeBounds* bounds() { return reinterpret_cast<NodeBounds*>(this + 1); }
 };
 
-enum class BlockKind : std::uint8_t { kGathered, kIndexed, kInstance, kGrid };
+enum class BlockKind : std::uint8_t { kGathered, kIndexed, kInstance, kGrid, kCurves, kPoints };
 
 struct alignas(16) BlockHeader {
   BlockKind kind;
@@ -133,18 +134,23 @@ struct alignas(16) BlockHeader {
   std::uint8_t last;          // 1: no block follows in this leaf
   std::uint8_t is_part;  // of an instance: 1 where a ray does not begin at the object's root, but at part()
   std::uint8_t unused[2];
-  std::uint32_t owner;  // mesh (of triangles or of grids) or instance id
+  std::uint32_t owner;  // mesh, set of curves or points, or instance id
   std::uint32_t units;  // of kUnit, header included: where the next block is; or the bits of part()
 
   TrackForm form() const { return form_code.form(); }
   // Not of an instance.
   GeometryId geometry() const {
-    return {kind == BlockKind::kGrid ? GeometryKind::kGridMesh : GeometryKind::kTriangleMesh, owner};
+    if (kind < BlockKind::kInstance) return {GeometryKind::kTriangleMesh, owner};
+    return {kind == BlockKind::kGrid     ? GeometryKind::kGridMesh
+            : kind == BlockKind::kCurves ? GeometryKind::kCurves
+                                         : GeometryKind::kPoints,
+            owner};
   }
   // Of an instance's part: a place in the object's tree, in the form `form_code`.
   ChildRef part() const { return {units}; }
 
   std::uint32_t lanes() const { return count <= kBlockWidth / 2 ? kBlockWidth / 2 : kBlockWidth; }
+  // Of triangles; of pieces of curves, CurvePiece::code(); of points.
   const std::uint32_t* triangles() const { return reinterpret_cast<const std::uint32_t*>(this + 1); }
   // Of vertex `v` of each triangle. May be read 8 bytes at a time.
   const std::uint8_t* corners(std::uint32_t v) const {
@@ -177,6 +183,9 @@ inline constexpr std::uint32_t kMaxGatheredLevel = 4;
 
 constexpr std::size_t node_bytes(const TrackForm& form) {
   return sizeof(NodeHeader) + form.controls() * sizeof(NodeBounds);
+}
+constexpr std::size_t round_block_bytes(std::uint32_t count) {
+  return sizeof(BlockHeader) + (count <= kBlockWidth / 2 ? kBlockWidth / 2 : kBlockWidth) * sizeof(std::uint32_t);
 }
 constexpr std::size_t triangle_block_bytes(BlockKind kind, const TrackForm& form, std::uint32_t count,
                                            std::uint32_t vertices) {

@@ -58,8 +58,14 @@ void write_triangles(const TriangleMesh& mesh, const LeafBlock& block, const Blo
   write_vertices(mesh, block, at + BlockHeader::fixed_bytes(block.count));
 }
 
+void write_ids(const LeafBlock& block, const BlockHeader& header, std::byte* at) {
+  auto* ids = reinterpret_cast<std::uint32_t*>(at + sizeof(BlockHeader));
+  for (std::uint32_t i = 0; i < header.lanes(); ++i) ids[i] = block.triangles[i < block.count ? i : 0];
+}
+
 BlockKind kind_of(const Primitives& primitives, const Reference& r, const TrackForm& form) {
   if (r.is_instance()) return BlockKind::kInstance;
+  if (r.is_round()) return r.is_curve() ? BlockKind::kCurves : BlockKind::kPoints;
   return r.is_grid() ? BlockKind::kGrid : triangle_block_kind(primitives, form);
 }
 
@@ -96,11 +102,20 @@ LeafBlock first_block(const Primitives& primitives, std::span<const Reference> l
     block.part = primitives.parts[first.index];
     block.owner = block.part.instance;
   }
+  if (block.is_round()) {
+    block.owner = first.round_set();
+    block.references = 0;
+    for (const Reference& r : leaf) {
+      if (r.owner != first.owner || block.count == kBlockWidth) break;
+      block.triangles[block.count++] = r.index;
+      ++block.references;
+    }
+  }
   if (!block.has_triangles()) return block;
   const TriangleMesh& mesh = *primitives.meshes[block.owner];
   add_triangle(mesh, first.index, block);
   for (const Reference& r : leaf.subspan(1)) {
-    if (r.is_instance() || r.is_grid() || r.mesh() != block.owner || !add_triangle(mesh, r.index, block))
+    if (r.is_instance() || r.is_grid() || r.is_round() || r.mesh() != block.owner || !add_triangle(mesh, r.index, block))
       break;
     ++block.references;
   }
@@ -123,6 +138,7 @@ void write_block(const Primitives& primitives, const LeafBlock& block, bool last
     header.units = block.part.child;
   }
   if (block.kind == BlockKind::kGrid) write_grid_block(primitives, block.first, header);
+  if (block.is_round()) write_ids(block, header, at);
   if (block.has_triangles()) write_triangles(*primitives.meshes[block.owner], block, header, at);
 }
 

@@ -12,8 +12,8 @@
 
 namespace msbvh {
 
-// What goes into one block: an instance, a patch or a fragment of one, or up to kBlockWidth triangles of one
-// mesh that have up to kBlockVertices vertices between them.
+// What goes into one block: an instance, a patch or a fragment of one, up to kBlockWidth pieces of curves or
+// points of one set, or as many triangles of one mesh that have up to kBlockVertices vertices between them.
 struct LeafBlock {
   BlockKind kind;
   std::uint32_t owner;  // mesh or instance id
@@ -27,8 +27,10 @@ struct LeafBlock {
   std::array<std::uint32_t, kBlockVertices> vertices;  // in the mesh
 
   bool has_triangles() const { return kind == BlockKind::kGathered || kind == BlockKind::kIndexed; }
+  bool is_round() const { return kind == BlockKind::kCurves || kind == BlockKind::kPoints; }
   std::size_t bytes() const {
     if (kind == BlockKind::kGrid) return grid_block_bytes(form);
+    if (is_round()) return round_block_bytes(count);
     return has_triangles() ? triangle_block_bytes(kind, form, count, vertex_count) : sizeof(BlockHeader);
   }
 };

@@ -7,7 +7,7 @@
 
 namespace msbvh {
 
-enum class LeafKind : std::uint8_t { kTriangles, kInstances, kGrids };
+enum class LeafKind : std::uint8_t { kTriangles, kInstances, kGrids, kCurves, kPoints };
 
 // A set of them, which may be a template's argument.
 struct LeafKinds {
@@ -39,7 +39,7 @@ inline constexpr LeafKinds kTrianglesAlone = {LeafKind::kTriangles};
 inline constexpr LeafKinds kKernelKinds[] = {
     kTrianglesAlone,
     {LeafKind::kTriangles, LeafKind::kInstances},
-    {LeafKind::kTriangles, LeafKind::kInstances, LeafKind::kGrids},
+    {LeafKind::kTriangles, LeafKind::kInstances, LeafKind::kGrids, LeafKind::kCurves, LeafKind::kPoints},
 };
 inline constexpr std::size_t kKernelSets = sizeof(kKernelKinds) / sizeof(LeafKinds);
 

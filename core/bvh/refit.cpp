@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/geometry/curve_piece.h"
+
 namespace msbvh {
 namespace {
 
@@ -35,6 +37,34 @@ bool same_grids(const GridMesh& a, const GridMesh& b) {
          same_bytes(a.values.data(), b.values.data(), a.values.size()) && same_patches(a, b);
 }
 
+// The vertices, as a tree reads them.
+template <typename Set>
+bool same_round(const Set& a, const Set& b) {
+  return a.form() == b.form() && a.vertices == b.vertices;
+}
+bool same_curves(const CurveSet& a, const CurveSet& b) { return same_round(a, b) && a.spans == b.spans; }
+
+// The same parts to refer to. What has no width has no reference.
+bool same_spans(const CurveSet& a, const CurveSet& b) {
+  if (a.spans != b.spans) return false;
+  for (std::uint32_t i = 0; i < a.span_count(); ++i) {
+    if (is_there(a, i) != is_there(b, i)) return false;
+  }
+  return true;
+}
+bool same_points(const PointSet& a, const PointSet& b) {
+  if (a.point_count != b.point_count) return false;
+  for (std::uint32_t i = 0; i < a.point_count; ++i) {
+    if (is_there(a, i) != is_there(b, i)) return false;
+  }
+  return true;
+}
+
+template <typename Sets, typename Same>
+bool all_sets(const Sets& a, const Sets& b, const Same& same) {
+  return std::ranges::equal(a, b, [&](const auto& x, const auto& y) { return same(*x, *y); });
+}
+
 template <typename Same>
 bool all_meshes(const Bvh& a, const Bvh& b, const Same& same) {
   return std::ranges::equal(a.meshes, b.meshes, [&](const auto& x, const auto& y) { return same(*x, *y); });
@@ -65,7 +95,9 @@ bool same_instances(const Bvh& a, const Bvh& b) {
 bool is_unchanged(const Bvh& previous, const Bvh& next, Builder builder) {
   return previous.builder == builder && previous.time_remap == next.time_remap &&
          previous.time_remaps == next.time_remaps && same_instances(previous, next) &&
-         all_meshes(previous, next, same_mesh) && all_grids(previous, next, same_grids);
+         all_meshes(previous, next, same_mesh) && all_grids(previous, next, same_grids) &&
+         all_sets(previous.curves, next.curves, same_curves) &&
+         all_sets(previous.points, next.points, same_round<PointSet>);
 }
 
 bool can_refit(const Bvh& previous, const KeptTopology& topology, const Bvh& next, Builder builder) {
@@ -73,7 +105,9 @@ bool can_refit(const Bvh& previous, const KeptTopology& topology, const Bvh& nex
   const bool braided = !std::ranges::all_of(topology.parts, &InstancePart::is_whole);
   return previous.builder == builder && previous.instances.size() == next.instances.size() &&
          (!braided || std::ranges::equal(previous.instances, next.instances, same)) &&
-         all_meshes(previous, next, same_triangles) && all_grids(previous, next, same_patches);
+         all_meshes(previous, next, same_triangles) && all_grids(previous, next, same_patches) &&
+         all_sets(previous.curves, next.curves, same_spans) &&
+         all_sets(previous.points, next.points, same_points);
 }
 
 bool is_there(const KeptTopology& topology, std::span<const InstanceBounds> next_parts) {
@@ -85,6 +119,8 @@ Bvh kept_tree(const Bvh& previous, Bvh next) {
   Bvh kept = previous;
   kept.meshes = std::move(next.meshes);
   kept.grids = std::move(next.grids);
+  kept.curves = std::move(next.curves);
+  kept.points = std::move(next.points);
   kept.instances = std::move(next.instances);
   BvhStatistics& s = kept.statistics;
   s.build_seconds = s.topology_seconds = s.bounds_seconds = s.refit_seconds = 0.0;

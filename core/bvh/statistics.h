@@ -11,8 +11,10 @@ struct BvhStatistics {
   std::uint64_t instances = 0;
   std::uint64_t patches = 0;  // of grids
   std::uint64_t quads = 0;    // in them
-  std::uint64_t references =
-      0;                    // leaf entries; references / (triangles + patches + instances) is the duplication
+  std::uint64_t spans = 0;    // of curves
+  std::uint64_t points = 0;
+  // Leaf entries; over triangles + patches + spans + points + instances it is the duplication.
+  std::uint64_t references = 0;
   std::uint64_t nodes = 0;  // 8-wide
   std::uint64_t leaves = 0;
   std::uint64_t node_bytes = 0;
@@ -22,6 +24,7 @@ struct BvhStatistics {
   std::uint64_t other_bytes = 0;     // what aligns the arena's parts, the root's boxes, the tree's own record
   std::uint64_t topology_bytes = 0;  // what keep_topology leaves for the next frame, until that takes it over
   std::uint64_t grid_bytes = 0;      // the grids' points, all keys; they are the meshes' own
+  std::uint64_t round_bytes = 0;     // vertices of curves and points, all keys; likewise
   std::uint32_t max_segments = 0;
   std::uint32_t depth = 0;
   double sah_cost = 0.0;       // averaged over the shutter, in units of one node test
@@ -55,6 +58,9 @@ struct BvhStatistics {
     leaf_bytes += tree.leaf_bytes;
     vertex_bytes += tree.vertex_bytes;
     grid_bytes += tree.grid_bytes;
+    round_bytes += tree.round_bytes;
+    spans += tree.spans;
+    points += tree.points;
     instance_bytes += tree.instance_bytes;
     other_bytes += tree.other_bytes;
     topology_bytes += tree.topology_bytes;

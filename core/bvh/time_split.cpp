@@ -76,6 +76,8 @@ std::uint32_t finest_segments(const Bvh& bvh, std::span<const InstanceBounds> in
     if (!mesh->triangles.empty()) finest = std::max(finest, mesh->segments);
   }
   for (const auto& mesh : bvh.grids) finest = std::max(finest, mesh->form().segments);
+  for (const auto& set : bvh.curves) finest = std::max(finest, set->segments);
+  for (const auto& set : bvh.points) finest = std::max(finest, set->segments);
   for (const InstanceBounds& bounds : instances) {
     if (!bounds.controls.empty()) finest = std::max(finest, bounds.form.segments);
   }
@@ -90,8 +92,11 @@ std::uint64_t build_time_split(Bvh& bvh, const InstanceParts& instances, std::ui
     const Primitives primitives{.meshes = bvh.meshes,
                                 .instances = instances.bounds,
                                 .grids = bvh.grids,
+                                .curves = bvh.curves,
+                                .points = bvh.points,
                                 .parts = instances.parts,
-                                .slice = {i, slices}};
+                                .slice = {i, slices},
+                                .whole_spans = bvh.builder != Builder::kMsbvh};
     Topology topology = build_topology(primitives, settings);
     flatten(primitives, topology, settings, trees[i]);
     references += topology.reference_count;

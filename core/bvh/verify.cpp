@@ -12,6 +12,7 @@
 #include "core/bvh/build_bvh.h"
 #include "core/bvh/rebraid.h"
 #include "core/bvh/verify_grids.h"
+#include "core/bvh/verify_round.h"
 #include "core/bvh/verify_slot.h"
 #include "core/motion/bezier.h"
 
@@ -32,7 +33,7 @@ struct Leaf {
 
 class Verifier {
  public:
-  explicit Verifier(const Bvh& bvh) : bvh_(bvh), grids_(bvh) {}
+  explicit Verifier(const Bvh& bvh) : bvh_(bvh), grids_(bvh), round_(bvh) {}
 
   void run() {
     const auto count = static_cast<std::uint32_t>(bvh_.slice_roots.size());
@@ -45,10 +46,12 @@ class Verifier {
     slice_ = slice;
     triangles_.clear();
     grids_ = GridVerifier(bvh_, slice);
+    round_ = RoundVerifier(bvh_, slice);
     instances_.clear();
     visit(root, {bvh_.root_form, bvh_.root_bounds}, 1);
     for (const auto& [id, slots] : triangles_) check_triangle(std::get<0>(id), std::get<1>(id), slots);
     grids_.finish();
+    round_.finish();
     check_complete();
   }
 
@@ -140,6 +143,9 @@ class Verifier {
         still = false;
       } else if (block->kind == BlockKind::kGrid) {
         grids_.add(*block, slot);
+        still = false;
+      } else if (block->kind == BlockKind::kCurves || block->kind == BlockKind::kPoints) {
+        round_.add(*block, slot);
         still = false;
       } else {
         check_block(ref, *block);
@@ -279,6 +285,7 @@ class Verifier {
   TimeSlice slice_;  // of the tree that is looked at
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Slot>> triangles_;
   GridVerifier grids_;
+  RoundVerifier round_;
   std::map<std::uint32_t, std::map<std::uint32_t, Leaf>> instances_;  // by id, by place in the object
 };
 

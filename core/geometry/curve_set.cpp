@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/geometry/curve_piece.h"
 #include "core/geometry/round_check.h"
 #include "core/geometry/triangle_mesh.h"
 
@@ -44,6 +45,10 @@ void validate(const CurveSet& curves) {
   check_vertices(curves.vertices, curves.form(), curves.vertex_count, part);
   check_normals(curves, part);
   check_spans(curves, part);
+  if (curves.spans.size() > kMaxSpans) {
+    throw Error(part + ": spans: found " + std::to_string(curves.spans.size()) + "; expected at most " +
+                std::to_string(kMaxSpans));
+  }
 }
 
 }  // namespace msbvh

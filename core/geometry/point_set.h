@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/box.h"
 #include "core/geometry/round_vertex.h"
 #include "core/motion/bezier.h"
 #include "core/motion/track.h"
@@ -36,5 +37,13 @@ struct PointSet {
 // (core/geometry/triangle_mesh.h) in size, radii at least 0. Throws Error naming the set, the array, what was
 // found and what is expected.
 void validate(const PointSet& points);
+
+// Whether there is anything to hit: a radius above 0 at some control.
+bool is_there(const PointSet& points, std::uint32_t point);
+
+// Encloses the sphere while it is as at a control, or as at a time; and padded so that interpolated between
+// controls it encloses the sphere as a kernel sees it.
+Box3f point_box(const PointSet& points, std::uint32_t point, std::uint32_t control);
+Box3f point_box_at(const PointSet& points, std::uint32_t point, float u);
 
 }  // namespace msbvh

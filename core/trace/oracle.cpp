@@ -3,34 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <sstream>
 
 #include "core/motion/bezier.h"
+#include "core/trace/verdict.h"
 
 namespace msbvh {
 namespace {
-
-struct RayD {
-  Vec3d org, dir;
-  double error;  // absolute, of a single-precision kernel in this space, without the vertices' share
-};
-
-struct Id {
-  std::uint32_t instance;
-  GeometryId geometry;
-  std::uint32_t triangle;
-  bool operator==(const Id&) const = default;
-};
-
-// What the oracle knows of one triangle and one ray.
-struct Verdict {
-  bool clear = false;     // hit, and farther from every edge than the error
-  bool possible = false;  // hit, or missed by less than the error
-  bool hit = false;       // in exact arithmetic, edges included
-  double t = 0.0, u = 0.0, v = 0.0;
-  double t_lo = 0.0, t_hi = 0.0;  // what a kernel may say of t
-};
 
 struct Vec2d {
   double x, y;
@@ -120,7 +99,8 @@ Vec3d point_at(const GridMesh& mesh, const Grid& grid, const GridVertex& v, doub
   return bezier(control, mesh.degree, scaled - key);
 }
 
-using Visitor = std::function<void(const Id&, const Verdict&)>;
+using Id = PrimitiveId;
+using Visitor = VerdictVisitor;
 
 void visit_meshes(const Bvh& bvh, const RayD& ray, double u, std::uint32_t instance, const Visitor& visit) {
   for (std::uint32_t m = 0; m < bvh.meshes.size(); ++m) {
@@ -165,7 +145,9 @@ std::optional<double> local_time(const TimeRemap* time_remap, double u) {
 
 void visit_all(const Bvh& bvh, const Ray& ray, const Visitor& visit) {
   const double u = std::clamp(double(ray.time), 0.0, 1.0);
-  visit_meshes(bvh, {Vec3d(ray.org), Vec3d(ray.dir), 0.0}, u, kNoInstance, visit);
+  const RayD in_world{Vec3d(ray.org), Vec3d(ray.dir), 0.0, ray.tnear, ray.tfar};
+  visit_meshes(bvh, in_world, u, kNoInstance, visit);
+  judge_round(bvh, in_world, u, kNoInstance, visit);
   for (std::uint32_t i = 0; i < bvh.instances.size(); ++i) {
     const Instance& instance = bvh.instances[i];
     const std::optional<double> own = local_time(bvh.time_remap_of(instance), u);
@@ -179,16 +161,19 @@ void visit_all(const Bvh& bvh, const Ray& ray, const Visitor& visit) {
     const Vec3d terms = abs(m.x) * std::abs(double(ray.org.x)) + abs(m.y) * std::abs(double(ray.org.y)) +
                         abs(m.z) * std::abs(double(ray.org.z)) + abs(m.t);
     const RayD local{m.point(Vec3d(ray.org)), m.vector(Vec3d(ray.dir)),
-                     kOracleError * std::max({terms.x, terms.y, terms.z})};
+                     kOracleError * std::max({terms.x, terms.y, terms.z}), ray.tnear, ray.tfar};
     visit_meshes(*instance.object, local, *inside, i, visit);
+    judge_round(*instance.object, local, *inside, i, visit);
   }
 }
 
 std::string describe(const Id& id) {
   std::ostringstream s;
   if (id.instance != kNoInstance) s << "instance " << id.instance << " ";
-  s << (id.geometry.is(GeometryKind::kGridMesh) ? "grids " : "mesh ") << id.geometry.index() << " triangle "
-    << id.triangle;
+  constexpr const char* kKinds[][2] = {
+      {"mesh", "triangle"}, {"grids", "triangle"}, {"curves", "span"}, {"points", "point"}};
+  const auto& [set, part] = kKinds[static_cast<std::size_t>(id.geometry.kind())];
+  s << set << " " << id.geometry.index() << " " << part << " " << id.triangle;
   return s.str();
 }
 
