@@ -15,8 +15,8 @@
 //                indexed: 4 bytes a vertex, into the mesh's own tracks; for many segments
 //
 // The block of an instance, or of a part of one, is a header alone, and alone in its leaf; that of a window
-// of a grid, alone in its leaf and on a cache line, is described in core/bvh/grid_block.h. That of up to 8 pieces
-// of curves or points of one set is a header and their ids; vertices are read in the set's own tracks.
+// of a grid, alone in its leaf and on a cache line, is described in core/bvh/grid_block.h. That of up to 8
+// pieces of curves or points of one set is a header and their ids; vertices are read in the set's own tracks.
 //
 // A ray reads two controls of a node (degree + 1 of a Bezier track), whatever their number. Every node and
 // block has as many controls as it needs, no more.
@@ -124,6 +124,7 @@ struct alignas(64) NodeHeader {
   NodeBounds* bounds() { return reinterpret_cast<NodeBounds*>(this + 1); }
 };
 
+// Curves and points are the last.
 enum class BlockKind : std::uint8_t { kGathered, kIndexed, kInstance, kGrid, kCurves, kPoints };
 
 struct alignas(16) BlockHeader {
@@ -185,7 +186,8 @@ constexpr std::size_t node_bytes(const TrackForm& form) {
   return sizeof(NodeHeader) + form.controls() * sizeof(NodeBounds);
 }
 constexpr std::size_t round_block_bytes(std::uint32_t count) {
-  return sizeof(BlockHeader) + (count <= kBlockWidth / 2 ? kBlockWidth / 2 : kBlockWidth) * sizeof(std::uint32_t);
+  return sizeof(BlockHeader) +
+         (count <= kBlockWidth / 2 ? kBlockWidth / 2 : kBlockWidth) * sizeof(std::uint32_t);
 }
 constexpr std::size_t triangle_block_bytes(BlockKind kind, const TrackForm& form, std::uint32_t count,
                                            std::uint32_t vertices) {

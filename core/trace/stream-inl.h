@@ -29,6 +29,7 @@ namespace msbvh::HWY_NAMESPACE {
 template <Movement kMovement, LeafKinds kKinds, bool kMixed, bool kAnyHit>
 class Stream {
   static constexpr bool kInstanced = kKinds.has(LeafKind::kInstances), kGrids = kKinds.has(LeafKind::kGrids);
+  static constexpr bool kRound = kKinds.has(LeafKind::kCurves) || kKinds.has(LeafKind::kPoints);
 
  public:
   using Setup = RaySetup<kMovement>;
@@ -185,7 +186,11 @@ class Stream {
       return !(kAnyHit && slot.query.found) && next(slot);
     }
     for (;; block = next_block(block)) {
-      test_triangles<kTree, kAnyHit>(*slot.bvh, *block, *slot.in, slot.instance, slot.query);
+      if (kRound && block->kind >= BlockKind::kCurves) {
+        visit_round<kTree>(slot, *block);
+      } else {
+        test_triangles<kTree, kAnyHit>(*slot.bvh, *block, *slot.in, slot.instance, slot.query);
+      }
       if (kAnyHit && slot.query.found) return false;
       if (block->last) break;
     }
@@ -195,6 +200,11 @@ class Stream {
   template <Movement kTree>
   HWY_INLINE static void visit_grid(Slot& slot, const BlockHeader& block) {
     if constexpr (kGrids) test_grid<kTree, kAnyHit>(*slot.bvh, block, *slot.in, slot.instance, slot.query);
+  }
+
+  template <Movement kTree>
+  HWY_INLINE static void visit_round(Slot& slot, const BlockHeader& block) {
+    if constexpr (kRound) test_round<kTree, kAnyHit>(*slot.bvh, block, *slot.in, slot.instance, slot.query);
   }
 
   // False: there is nothing to hit. Parts of one instance often follow each other: the ray in its space is

@@ -19,6 +19,7 @@ namespace msbvh::HWY_NAMESPACE {
 template <Movement kMovement, LeafKinds kKinds, bool kAnyHit, bool kCount>
 class Traversal {
   static constexpr bool kInstanced = kKinds.has(LeafKind::kInstances), kGrids = kKinds.has(LeafKind::kGrids);
+  static constexpr bool kRound = kKinds.has(LeafKind::kCurves) || kKinds.has(LeafKind::kPoints);
 
  public:
   // `setup` is that of `ray` for `bvh`.
@@ -93,6 +94,8 @@ class Traversal {
         enter_instance(*block);
       } else if (kGrids && block->kind == BlockKind::kGrid) {
         visit_grid(*block);
+      } else if (kRound && block->kind >= BlockKind::kCurves) {
+        visit_round(*block);
       } else {
         if constexpr (kCount) {
           ++counts_->blocks;
@@ -111,6 +114,13 @@ class Traversal {
         counts_->blocks += tiles;
         counts_->triangles += 2 * kTileQuads * tiles;
       }
+    }
+  }
+
+  HWY_INLINE void visit_round(const BlockHeader& block) {
+    if constexpr (kRound) {
+      test_round<kMovement, kAnyHit>(bvh_, block, setup_, instance_, query_);
+      if constexpr (kCount) ++counts_->blocks;
     }
   }
 

@@ -12,8 +12,10 @@
 #include <hwy/highway.h>
 
 #include "core/base/affine.h"
+#include "core/trace/curve_test-inl.h"
 #include "core/trace/grid_test-inl.h"
 #include "core/trace/node_test-inl.h"
+#include "core/trace/point_test-inl.h"
 #include "core/trace/triangle_test-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -158,6 +160,30 @@ HWY_NOINLINE std::uint32_t test_grid(const Bvh& bvh, const BlockHeader& block,
     if (kAnyHit && query.found) break;
   }
   return tested;
+}
+
+// Curves and points. Not inlined, as above.
+template <Movement kMovement, bool kAnyHit>
+HWY_NOINLINE void test_round(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& setup,
+                             std::uint32_t instance, Query& query) {
+  if (block.kind == BlockKind::kCurves) {
+    const bool found =
+        test_curves<kMovement>(bvh, block, setup, query.tfar, [&](std::uint32_t span, const CurveHit& hit) {
+          if (!kAnyHit) take({hit.t, hit.u, hit.v, span, block.geometry(), instance}, query);
+        });
+    if (kAnyHit) query.found |= found;
+    return;
+  }
+  BlockHit hit;
+  test_spheres<kMovement>(bvh, block, setup, query.tfar, hit);
+  if (kAnyHit) {
+    query.found |= hit.lanes != 0;
+    return;
+  }
+  for (std::uint32_t lanes = hit.lanes; lanes != 0; lanes &= lanes - 1) {
+    const int i = std::countr_zero(lanes);
+    take({hit.t[i], 0.0f, 0.0f, block.triangles()[i], block.geometry(), instance}, query);
+  }
 }
 
 // The ray in an instance's own space and time: matrix elements interpolated in single precision, inverted and

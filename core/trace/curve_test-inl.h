@@ -1,0 +1,229 @@
+// A ray against a piece of a curve that is a flat ribbon turned to the ray.
+//
+// The ray meets it where the foot of a perpendicular, in the plane across the ray, from the ray to the
+// projected centre line is no farther away than the radius there; t is the centre line's. Feet are roots of
+// the slope of the squared distance, of degree 5: the piece is cut to 8 parts, one a lane, and in those where
+// the slope changes its sign Newton's method, kept inside by bisection, finds the root. Where a span carries
+// on another, the end that they share counts as well if it is the nearest point of the span thereabouts:
+// joints are round and have no gaps. Free ends are cut straight.
+//
+// The parts are exact fractions of the span, and at their ends all pieces compute the same bits: what lies on
+// a boundary is found on one side of it. Two feet in one part are missed: they are at like distances, next to
+// an inflection that points at the ray.
+
+#if defined(MSBVH_CURVE_TEST_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef MSBVH_CURVE_TEST_INL_H
+#undef MSBVH_CURVE_TEST_INL_H
+#else
+#define MSBVH_CURVE_TEST_INL_H
+#endif
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <hwy/highway.h>
+
+#include "core/geometry/curve_piece.h"
+#include "core/trace/round_test-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace msbvh::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+struct CurveHit {
+  float t, u, v;
+};
+
+// A span as the ray sees it: control points across and along the ray, and radii, as polynomials in u.
+class SeenSpan {
+ public:
+  template <Movement kMovement>
+  HWY_INLINE SeenSpan(const VerticesAtTime<kMovement>& vertices, std::uint32_t first, const RayFrame& frame,
+                      const float* org) {
+    float c[kSpanVertices][4];
+    for (std::uint32_t i = 0; i < kSpanVertices; ++i) {
+      alignas(16) float v[4];
+      hn::Store(vertices[first + i], D4f(), v);
+      const float x = v[0] - org[0], y = v[1] - org[1], z = v[2] - org[2];
+      const auto dot3 = [&](const Vec3f& a) { return a.x * x + a.y * y + a.z * z; };
+      c[i][0] = dot3(frame.x);
+      c[i][1] = dot3(frame.y);
+      c[i][2] = dot3(frame.z);
+      c[i][3] = v[3];
+    }
+    for (int k = 0; k < 4; ++k) {
+      for (std::uint32_t i = 0; i < kSpanVertices; ++i) control_[k][i] = c[i][k];
+      for (std::uint32_t i = 0; i + 1 < kSpanVertices; ++i) slope_[k][i] = 3.0f * (c[i + 1][k] - c[i][k]);
+      for (std::uint32_t i = 0; i + 2 < kSpanVertices; ++i)
+        bend_[k][i] = 6.0f * (c[i + 2][k] - 2.0f * c[i + 1][k] + c[i][k]);
+    }
+  }
+
+  // Axes 0 to 2, and the radius. By Bernstein's polynomials: monotone in the controls, exact at both ends.
+  template <class D>
+  HWY_INLINE hn::Vec<D> at(D d, int k, hn::Vec<D> u, hn::Vec<D> v) const {
+    const auto c = [&](int i) { return hn::Set(d, control_[k][i]); };
+    const auto three = hn::Set(d, 3.0f), uv = hn::Mul(hn::Mul(u, v), three);
+    const auto ends = hn::MulAdd(hn::Mul(hn::Mul(u, u), u), c(3), hn::Mul(hn::Mul(hn::Mul(v, v), v), c(0)));
+    return hn::MulAdd(hn::Mul(uv, u), c(2), hn::MulAdd(hn::Mul(uv, v), c(1), ends));
+  }
+  template <class D>
+  HWY_INLINE hn::Vec<D> slope(D d, int k, hn::Vec<D> u, hn::Vec<D> v) const {
+    const auto c = [&](int i) { return hn::Set(d, slope_[k][i]); };
+    const auto uv = hn::Mul(hn::Add(u, u), v);
+    return hn::MulAdd(uv, c(1), hn::MulAdd(hn::Mul(u, u), c(2), hn::Mul(hn::Mul(v, v), c(0))));
+  }
+  template <class D>
+  HWY_INLINE hn::Vec<D> bend(D d, int k, hn::Vec<D> u, hn::Vec<D> v) const {
+    return hn::MulAdd(u, hn::Set(d, bend_[k][1]), hn::Mul(v, hn::Set(d, bend_[k][0])));
+  }
+
+ private:
+  float control_[4][4], slope_[4][3], bend_[4][2];
+};
+
+class CurveTest {
+ public:
+  // `joint_before`, `joint_after`: whether the span carries on another, and another carries it on.
+  HWY_INLINE CurveTest(const SeenSpan& span, float inverse_length, float tnear)
+      : span_(span), inverse_length_(inverse_length), tnear_(tnear) {}
+
+  // The nearest hit of the piece up to `hit.t`, which it replaces. Any will do: the first that is found.
+  HWY_INLINE bool run(const CurvePiece& piece, bool joint_before, bool joint_after, CurveHit& hit) const {
+    bool found = feet(piece, hit);
+    if (joint_before && piece.part == 0) found |= end(0.0f, hit);
+    if (joint_after && piece.part + 1 == piece.parts) found |= end(1.0f, hit);
+    return found;
+  }
+
+ private:
+  using D = hn::CappedTag<float, 8>;
+  using V = hn::Vec<D>;
+  static constexpr int kParts = 8, kSteps = 6;
+
+  // Half the slope of the squared distance from the ray.
+  template <class Tag>
+  HWY_INLINE hn::Vec<Tag> foot(Tag d, hn::Vec<Tag> u) const {
+    const auto v = hn::Sub(hn::Set(d, 1.0f), u);
+    return hn::MulAdd(span_.at(d, 0, u, v), span_.slope(d, 0, u, v),
+                      hn::Mul(span_.at(d, 1, u, v), span_.slope(d, 1, u, v)));
+  }
+  HWY_INLINE V foot_slope(V u) const {
+    const D d;
+    const V v = hn::Sub(hn::Set(d, 1.0f), u);
+    V sum = hn::Zero(d);
+    for (int k = 0; k < 2; ++k) {
+      const V s = span_.slope(d, k, u, v);
+      sum = hn::MulAdd(s, s, hn::MulAdd(span_.at(d, k, u, v), span_.bend(d, k, u, v), sum));
+    }
+    return sum;
+  }
+
+  HWY_INLINE bool feet(const CurvePiece& piece, CurveHit& hit) const {
+    const D d;
+    bool found = false;
+    const float begin = piece.begin(), step = 1.0f / static_cast<float>(kParts * piece.parts);
+    for (int lane = 0; lane < kParts; lane += static_cast<int>(hn::Lanes(d))) {
+      const V number = hn::Add(hn::Iota(d, 0.0f), hn::Set(d, static_cast<float>(lane)));
+      V lo = hn::MulAdd(number, hn::Set(d, step), hn::Set(d, begin)), hi = hn::Add(lo, hn::Set(d, step));
+      const V at_lo = foot(d, lo), at_hi = foot(d, hi), zero = hn::Zero(d);
+      const auto rises = hn::And(hn::Le(at_lo, zero), hn::Ge(at_hi, zero));
+      const auto falls = hn::And(hn::Ge(at_lo, zero), hn::Le(at_hi, zero));
+      const auto has = hn::Or(rises, falls);
+      if (hn::AllFalse(d, has)) continue;
+      const V u = root(lo, hi, at_lo, at_hi, rises);
+      found |= take(u, has, hit);
+    }
+    return found;
+  }
+
+  template <class M>
+  HWY_INLINE V root(V lo, V hi, V at_lo, V at_hi, M rises) const {
+    const D d;
+    const V half = hn::Set(d, 0.5f);
+    const V difference = hn::Sub(at_lo, at_hi);
+    V u = hn::IfThenElse(hn::Eq(difference, hn::Zero(d)), lo,
+                         hn::MulAdd(hn::Sub(hi, lo), hn::Div(at_lo, difference), lo));
+    for (int i = 0; i < kSteps; ++i) {
+      const V f = foot(d, u);
+      const auto before = hn::Xor(hn::Lt(f, hn::Zero(d)), hn::Not(rises));  // the root lies beyond
+      lo = hn::IfThenElse(before, u, lo);
+      hi = hn::IfThenElse(before, hi, u);
+      const V next = hn::Sub(u, hn::Div(f, foot_slope(u)));
+      const auto inside = hn::And(hn::Ge(next, lo), hn::Le(next, hi));
+      u = hn::IfThenElse(inside, next, hn::Mul(hn::Add(lo, hi), half));
+    }
+    return u;
+  }
+
+  template <class M>
+  HWY_INLINE bool take(V u, M candidates, CurveHit& hit) const {
+    const D d;
+    const V v = hn::Sub(hn::Set(d, 1.0f), u);
+    const V x = span_.at(d, 0, u, v), y = span_.at(d, 1, u, v), r = span_.at(d, 3, u, v);
+    const V t = hn::Mul(span_.at(d, 2, u, v), hn::Set(d, inverse_length_));
+    const V apart2 = hn::MulAdd(x, x, hn::Mul(y, y));
+    const auto near = hn::And(hn::Le(apart2, hn::Mul(r, r)), hn::Gt(r, hn::Zero(d)));
+    const auto in_range = hn::And(hn::Ge(t, hn::Set(d, tnear_)), hn::Le(t, hn::Set(d, hit.t)));
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, hn::And(candidates, hn::And(near, in_range)), bits);
+    if (bits[0] == 0) return false;
+    alignas(64) float us[8], ts[8], xs[8], ys[8], rs[8];
+    hn::Store(u, d, us), hn::Store(t, d, ts), hn::Store(x, d, xs), hn::Store(y, d, ys), hn::Store(r, d, rs);
+    for (std::uint32_t lanes = bits[0]; lanes != 0; lanes &= lanes - 1) {
+      const int i = std::countr_zero(lanes);
+      if (ts[i] <= hit.t) hit = {ts[i], us[i], across(us[i], xs[i], ys[i], rs[i])};
+    }
+    return true;
+  }
+
+  // The ray's place across the ribbon: -1 on its right edge, as seen along the curve, 1 on the left one.
+  HWY_INLINE float across(float u, float x, float y, float r) const {
+    const hn::CappedTag<float, 1> d;
+    const auto uu = hn::Set(d, u), vv = hn::Set(d, 1.0f - u);
+    const float sx = hn::GetLane(span_.slope(d, 0, uu, vv)), sy = hn::GetLane(span_.slope(d, 1, uu, vv));
+    const float share = std::min(std::sqrt(x * x + y * y) / r, 1.0f);
+    return sx * y - sy * x < 0.0f ? share : -share;
+  }
+
+  HWY_INLINE bool end(float u, CurveHit& hit) const {
+    const D d;
+    const V uu = hn::Set(d, u);
+    const float f = hn::GetLane(foot(d, uu));
+    if (u == 0.0f ? f < 0.0f : f > 0.0f) return false;  // nearer to the ray farther on
+    return take(uu, hn::FirstN(d, 1), hit);
+  }
+
+  const SeenSpan& span_;
+  const float inverse_length_, tnear_;
+};
+
+// The nearest of the block's pieces that the ray meets within [tnear, tfar]: `visit(code, hit)` for each that
+// is nearer than, or as near as, those before it. False: none.
+template <Movement kMovement, typename Visit>
+HWY_INLINE bool test_curves(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& setup,
+                            float tfar, const Visit& visit) {
+  const CurveSet& curves = *bvh.curves[block.owner];
+  const VerticesAtTime<kMovement> vertices(curves.vertices.data(), curves.vertex_count, block.form_code,
+                                           setup);
+  const RayFrame frame(direction_of(setup));
+  bool found = false;
+  for (std::uint32_t i = 0; i < block.count; ++i) {
+    const CurvePiece piece = CurvePiece::of(block.triangles()[i]);
+    const SeenSpan span(vertices, curves.spans[piece.span], frame, setup.org);
+    const bool goes_on = piece.span + 1 < curves.span_count() && curves.continues(piece.span + 1);
+    CurveHit hit{tfar, 0.0f, 0.0f};
+    if (!CurveTest(span, frame.inverse_length, setup.tnear)
+             .run(piece, curves.continues(piece.span), goes_on, hit))
+      continue;
+    tfar = hit.t;
+    visit(piece.span, hit);
+    found = true;
+  }
+  return found;
+}
+
+}  // namespace msbvh::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

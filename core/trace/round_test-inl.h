@@ -1,0 +1,88 @@
+// Tests of rays against curves and points: vertices at the ray's time, the ray's direction and frame.
+
+#if defined(MSBVH_ROUND_TEST_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef MSBVH_ROUND_TEST_INL_H
+#undef MSBVH_ROUND_TEST_INL_H
+#else
+#define MSBVH_ROUND_TEST_INL_H
+#endif
+
+#include <cmath>
+#include <cstdint>
+#include <hwy/highway.h>
+
+#include "core/bvh/bvh.h"
+#include "core/trace/ray_setup-inl.h"
+#include "core/trace/simd_lerp-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace msbvh::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D4f = hn::FixedTag<float, 4>;
+
+// Where a set's vertices are at a ray's time.
+template <Movement kMovement>
+class VerticesAtTime {
+ public:
+  // `count`: vertices at each control.
+  HWY_INLINE VerticesAtTime(const RoundVertex* vertices, std::size_t count, FormCode form,
+                            const RaySetup<kMovement>& setup)
+      : first_(vertices), stride_(count), moves_(kMovement != Movement::kStill && form.level() != 0) {
+    if (!moves_) return;
+    degree_ = kMovement == Movement::kPolynomial ? form.degree() : 1;
+    const SegmentTime at = setup.at_level[form.level()];
+    first_ += std::size_t(at.key) * degree_ * count;
+    w_ = at.w;
+  }
+  // x, y, z and radius.
+  HWY_INLINE hn::Vec<D4f> operator[](std::uint32_t vertex) const {
+    const D4f d;
+    const auto control = [&](std::size_t c) { return hn::LoadU(d, &first_[vertex + c * stride_].p.x); };
+    return moves_ ? simd_bezier(control, degree_, Weights<D4f>(d, w_)) : control(0);
+  }
+
+ private:
+  const RoundVertex* first_;
+  std::size_t stride_;
+  bool moves_;
+  std::uint32_t degree_ = 1;
+  float w_ = 0.0f;
+};
+
+// A ray's direction, from what its setup keeps of it: to a rounding or two, 0 where it is 0.
+HWY_INLINE Vec3f direction_of(const StillSetup& setup) {
+#if HWY_TARGET == HWY_AVX3
+  const auto along = [&](int axis) {
+    const float d = 1.0f / setup.signed_reciprocal[axis][0];
+    return setup.backwards[axis] ? -d : d;
+  };
+#else
+  const auto along = [&](int axis) { return 1.0f / setup.reciprocal[axis]; };
+#endif
+  return {along(0), along(1), along(2)};
+}
+
+// The ray as an axis: z along it, x and y across; all unit. T. Duff et al., "Building an Orthonormal Basis,
+// Revisited", JCGT 6(1), 2017.
+struct RayFrame {
+  Vec3f x, y, z;
+  float inverse_length;  // of the direction: t is z times it
+
+  HWY_INLINE explicit RayFrame(const Vec3f& dir) {
+    // Scaled first: squares of what is tiny or huge would be 0 or infinite.
+    const float most = std::max(std::max(std::abs(dir.x), std::abs(dir.y)), std::abs(dir.z));
+    const Vec3f d = dir * (1.0f / most);
+    const float length = std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    inverse_length = 1.0f / (length * most);
+    z = d * (1.0f / length);
+    const float sign = std::copysign(1.0f, z.z), a = -1.0f / (sign + z.z), b = z.x * z.y * a;
+    x = {1.0f + sign * z.x * z.x * a, sign * b, -sign * z.x};
+    y = {b, sign + z.y * z.y * a, -z.y};
+  }
+};
+
+}  // namespace msbvh::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
