@@ -17,6 +17,7 @@
 
 #include "core/base/vec.h"
 #include "core/scene/scene.h"
+#include "delegate/translate/round/curve_basis.h"
 
 namespace msbvh::translate {
 
@@ -108,6 +109,18 @@ struct SubdivisionInput {
   std::span<const float> corner_sharpnesses;
 };
 
+// What a point-based prim is that has no faces: curves, or points, with a width.
+struct RoundInput {
+  enum class Kind : std::uint8_t { kNone, kCurves, kPoints };
+
+  Kind kind = Kind::kNone;  // a mesh
+  CurveTopology topology;   // of curves
+  PrimvarInput<float>
+      widths;  // diameters, in the prim's space; of curves `varying` unless they say otherwise
+  bool has_normals = false;
+};
+
+// Of a mesh or, by `round`, of curves or points, which have no faces.
 struct MeshInput {
   std::string path;  // of the prim, for messages
   std::span<const int> face_vertex_counts;
@@ -115,6 +128,7 @@ struct MeshInput {
   std::span<const int> hole_indices;
   bool left_handed = false;
   SubdivisionInput subdivision{};
+  RoundInput round{};
   ArraySamples points;
   RateInput rates;
   RateTimes time_remap;

@@ -11,6 +11,7 @@
 #include "delegate/translate/normals.h"
 #include "delegate/translate/point_motion.h"
 #include "delegate/translate/primvars.h"
+#include "delegate/translate/round/round_shape.h"
 #include "delegate/translate/tessellation.h"
 #include "delegate/translate/transform_fit.h"
 #include "delegate/translate/triangulate.h"
@@ -21,7 +22,12 @@ namespace {
 constexpr const char* kTransform = "xformOpOrder";
 constexpr const char* kPoints = "points";
 
+bool is_round(const MeshInput& input) { return input.round.kind != RoundInput::Kind::kNone; }
+
 bool has_nothing_to_draw(const MeshInput& input) {
+  if (is_round(input)) {
+    return std::ranges::all_of(input.points.samples, [](const ArraySample& s) { return s.values.empty(); });
+  }
   return input.face_vertex_counts.empty() && input.face_vertex_indices.empty();
 }
 
@@ -131,6 +137,13 @@ Primvar<Vec3f> normals_of(const MeshInput& input, const Tessellation& topology, 
   return smooth_normals(shape.mesh, max_segments);
 }
 
+std::uint32_t material_of(const MeshInput& input, const MeshTarget& target, PrimLog& optional) {
+  if (input.material == kNone || input.material < target.material_count) return input.material;
+  optional.reject("material:binding",
+                  message("found material ", input.material, "; expected less than ", target.material_count));
+  return kNone;
+}
+
 void add_shape(const MeshInput& input, Tessellation& topology, const NormalMotion& motion,
                const MeshTarget& target, Shape shape, TranslatedMesh& result, PrimLog& log) {
   const std::uint32_t most = target.settings.max_segments;
@@ -144,12 +157,7 @@ void add_shape(const MeshInput& input, Tessellation& topology, const NormalMotio
   mesh.display_color = flattened(input.display_color, topology, "primvars:displayColor", optional, most);
   mesh.display_opacity =
       flattened(input.display_opacity, topology, "primvars:displayOpacity", optional, most);
-  mesh.material = input.material;
-  if (mesh.material != kNone && mesh.material >= target.material_count) {
-    optional.reject("material:binding", message("found material ", mesh.material, "; expected less than ",
-                                                target.material_count));
-    mesh.material = kNone;
-  }
+  mesh.material = material_of(input, target, optional);
   add_face_materials(input, topology, target.material_count, mesh, optional);
   if (target.keep_faces) mesh.triangle_faces = topology.faces();
   if (grids) result.grids = as_grids(std::exchange(mesh, {}), *topology.grids());
@@ -170,7 +178,36 @@ struct MeshMotion {
   const TransformTrack& transform;
   const Triangulation& polygons;
   const FaceDisplacements& displacements;
+  const RoundShape* round;  // null for a mesh
 };
+
+// False, with an error in the log, where its controls are too large.
+bool add_round(const MeshMotion& motion, const MovingArray& points, const Candidate& track,
+               const MeshTarget& target, TranslatedMesh& result, PrimLog& log) {
+  PrimLog optional = log.of_optional_part();
+  const std::uint32_t most = target.settings.max_segments;
+  Appearance* look;
+  if (motion.round->is_curves()) {
+    look = &result.curves.emplace(motion.round->curves(motion.input, points, track, most, optional));
+  } else {
+    look = &result.points.emplace(motion.round->points(motion.input, points, track, most, optional));
+  }
+  look->material = material_of(motion.input, target, optional);
+  return check_range(result.box(), log);
+}
+
+// With a key wherever widths that change have one, in even time.
+PointFit with_widths(PointFit fit, const MeshMotion& motion, const MovingArray& points,
+                     const ScreenMeasure& measure, FitSettings settings) {
+  const std::uint32_t needed = motion.round->width_segments();
+  const TrackForm form = fit.track.form();
+  if (needed == 0 || (fit.track.layout.is_even() && form.segments >= needed)) return fit;
+  settings.choice = {1, 1, std::max(needed, form.segments)};
+  PointFit finer = fit_points(points, measure, settings);
+  // Points that stand still need no keys of their own.
+  if (!finer.track.form().moving()) finer.track = {TimeLayout::even(settings.choice.segments), 1};
+  return finer;
+}
 
 ScreenMeasure measure_of(const MeshTarget& target, const Box3d& box) {
   if (target.measure) return *target.measure;
@@ -228,9 +265,23 @@ std::optional<DisplacedShape> displaced_shape(const MeshMotion& motion, const Mo
   return result;
 }
 
+// What is placed by the transform's own track.
+void set_moving(const MeshInput& input, const InstanceChain& chain, const TransformFitter& fitter,
+                const TransformFitter::Verdict& verdict, TranslatedMesh& result) {
+  const TrackForm form = fitter.form(verdict.track);
+  result.track = {input.path, "transform", chain.rule()};
+  result.track.set_form(form, fitter.time_remap(verdict.track));
+  result.track.moving_transform = true;
+  result.track.error_pixels = verdict.error;
+  result.track.bytes = form.controls() * sizeof(Affine3f);
+  result.world_from_mesh.resize(form.controls());
+  fitter.controls(0, verdict.track, result.world_from_mesh.data());
+  set_time_remap(input, fitter.time_remap(verdict.track), result);
+}
+
 std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, MeshTarget& target,
                                                   PrimLog& log) {
-  const auto& [input, points, transform, polygons, displacements] = motion;
+  const auto& [input, points, transform, polygons, displacements, round] = motion;
   const Vec3d shift = exact_origin(bounds({points.track, TransformTrack(Affine3d{})}));
   const MovingArray still{points.track, TransformTrack(rebased(Affine3d{}, {}, shift))};
   const Box3d own = bounds(still);
@@ -261,22 +312,20 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
   report_fit({form.segments, verdict.error}, target.settings, kTransform, "the motion", log);
 
   const MovingArray moving{points.track, transform.rebased({}, *target.origin)};
-  Tessellation topology = tessellated(motion, moving, *target.measure, 1, target, log);
-  if (topology.triangles().empty()) return std::nullopt;
   TranslatedMesh result;
   const TimeLayout unmoved = TimeLayout::even(0);
+  if (round) {
+    if (!add_round(motion, still, {unmoved, 1}, target, result, log)) return std::nullopt;
+    set_moving(input, *chain, fitter, verdict, result);
+    return result;
+  }
+  Tessellation topology = tessellated(motion, moving, *target.measure, 1, target, log);
+  if (topology.triangles().empty()) return std::nullopt;
   auto displaced = displaced_shape(motion, still, topology, *target.measure, target.settings, log);
   Shape shape = displaced ? std::move(displaced->shape) : shape_of(still, {unmoved, 1}, topology, input.path);
   add_shape(input, topology, {still.transform, unmoved, points.frame_only}, target, std::move(shape), result,
             log);
-  result.track = {input.path, "transform", chain->rule()};
-  result.track.set_form(form, fitter.time_remap(verdict.track));
-  result.track.moving_transform = true;
-  result.track.error_pixels = verdict.error;
-  result.track.bytes = form.controls() * sizeof(Affine3f);
-  result.world_from_mesh.resize(form.controls());
-  fitter.controls(0, verdict.track, result.world_from_mesh.data());
-  set_time_remap(input, fitter.time_remap(verdict.track), result);
+  set_moving(input, *chain, fitter, verdict, result);
   return result;
 }
 
@@ -286,14 +335,40 @@ std::string rule_of(const PointMotion& points, const TransformTrack& transform) 
   return points.track.is_still() ? moved : message(points.rule, "; ", moved);
 }
 
+std::size_t bytes_of(const TranslatedMesh& geometry) {
+  if (geometry.grids) return geometry.grids->shape.values.size() * sizeof(float);
+  if (geometry.curves) return geometry.curves->shape.vertices.size() * sizeof(RoundVertex);
+  if (geometry.points) return geometry.points->shape.vertices.size() * sizeof(RoundVertex);
+  return geometry.mesh.shape.position_count() * sizeof(Vec3f);
+}
+
+// What carries its motion itself.
+void set_baked(const MeshMotion& motion, const PointFit& fit, TranslatedMesh& result) {
+  const auto& [input, points, transform, polygons, displacements, round] = motion;
+  const bool by_transform = points.track.is_still() && !transform.is_still();
+  result.track = {input.path, by_transform ? "transform" : points.source, rule_of(points, transform)};
+  result.track.set_form(fit.track.form(), fit.track.layout.time_remap());
+  result.track.error_pixels = fit.error;
+  result.track.bytes = bytes_of(result);
+  set_time_remap(input, fit.track.layout.time_remap(), result);
+}
+
 std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target, PrimLog& log) {
-  const auto& [input, points, transform, polygons, displacements] = motion;
+  const auto& [input, points, transform, polygons, displacements, round] = motion;
   if (!target.origin) target.origin = exact_origin(bounds({points.track, transform}));
   const MovingArray moving{points.track, transform.rebased({}, *target.origin)};
   const Box3d box = bounds(moving);
   if (!check_range(box, log)) return std::nullopt;
   const ScreenMeasure measure = measure_of(target, box);
   PointFit fit = fit_points(moving, measure, target.settings);
+  if (round) {
+    fit = with_widths(std::move(fit), motion, moving, measure, target.settings);
+    report_fit({fit.track.form().segments, fit.error}, target.settings, kPoints, "the motion", log);
+    TranslatedMesh result;
+    if (!add_round(motion, moving, fit.track, target, result, log)) return std::nullopt;
+    set_baked(motion, fit, result);
+    return result;
+  }
   Tessellation topology = tessellated(motion, moving, measure, fit.track.form().controls(), target, log);
   if (topology.triangles().empty()) return std::nullopt;  // a boundary rule may leave no face a surface
   auto displaced = displaced_shape(motion, moving, topology, measure, target.settings, log);
@@ -306,13 +381,7 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
   if (!check_controls(shape.mesh, log)) return std::nullopt;
   add_shape(input, topology, {moving.transform, fit.track.layout, points.frame_only}, target,
             std::move(shape), result, log);
-  const bool by_transform = points.track.is_still() && !transform.is_still();
-  result.track = {input.path, by_transform ? "transform" : points.source, rule_of(points, transform)};
-  result.track.set_form(form, fit.track.layout.time_remap());
-  result.track.error_pixels = fit.error;
-  result.track.bytes = result.grids ? result.grids->shape.values.size() * sizeof(float)
-                                    : result.mesh.shape.position_count() * sizeof(Vec3f);
-  set_time_remap(input, fit.track.layout.time_remap(), result);
+  set_baked(motion, fit, result);
   return result;
 }
 
@@ -333,17 +402,55 @@ std::optional<TranslatedMesh> translate_mesh(const MeshInput& input, MeshTarget&
     return std::nullopt;
   }
   const std::optional<PointMotion> points = point_motion(input, log);
-  if (!points || !check_topology(input, points->track.size(), log)) return std::nullopt;
+  if (!points) return std::nullopt;
+  std::optional<RoundShape> round;
+  Triangulation polygons;
+  if (is_round(input)) {
+    round = RoundShape::make(input, points->track.size(), target.settings.max_segments, log);
+    if (!round) return std::nullopt;
+  } else {
+    if (!check_topology(input, points->track.size(), log)) return std::nullopt;
+    polygons = triangulate(input, points->track.size(), log);
+    if (polygons.triangles.empty()) return std::nullopt;
+  }
   const TransformTrack transform(input.world_from_object);
-  const Triangulation polygons = triangulate(input, points->track.size(), log);
-  if (polygons.triangles.empty()) return std::nullopt;
   const bool in_world = target.measure != nullptr;
   const FaceDisplacements displacements(input, target.displacements, log);
-  const MeshMotion motion{input, *points, transform, polygons, displacements};
-  const bool still = points->track.is_still() && displacements.is_still();
+  const MeshMotion motion{input, *points, transform, polygons, displacements, round ? &*round : nullptr};
+  const bool still =
+      points->track.is_still() && displacements.is_still() && (!round || round->width_segments() == 0);
   const bool keeps_transform =
       in_world && still && !transform.is_still() && !transform.is_singular_somewhere();
   return keeps_transform ? in_moving_transform(motion, target, log) : baked(motion, target, log);
+}
+
+const std::string& TranslatedMesh::name() const {
+  return grids    ? grids->shape.name
+         : curves ? curves->shape.name
+         : points ? points->shape.name
+                  : mesh.shape.name;
+}
+
+Box3d TranslatedMesh::box() const {
+  Box3d box;
+  const auto add = [&](const Box3f& b) {
+    box.grow(Vec3d(b.lo));
+    box.grow(Vec3d(b.hi));
+  };
+  const auto add_round = [&](const std::vector<RoundVertex>& vertices) {
+    for (const RoundVertex& v : vertices) {
+      const Vec3f r{v.radius, v.radius, v.radius};
+      add({v.p - r, v.p + r});
+    }
+  };
+  if (curves) add_round(curves->shape.vertices);
+  if (points) add_round(points->shape.vertices);
+  for (std::size_t i = 0; i < mesh.shape.position_count(); ++i) box.grow(Vec3d(mesh.shape.positions[i]));
+  if (!grids) return box;
+  for (const GridPatch& patch : grids->shape.patches) {
+    for (std::uint32_t c = 0; c < grids->shape.form().controls(); ++c) add(grids->shape.bounds(patch, c));
+  }
+  return box;
 }
 
 }  // namespace msbvh::translate

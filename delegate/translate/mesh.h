@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/affine.h"
+#include "core/base/box.h"
 #include "core/base/vec.h"
 #include "core/scene/scene.h"
 #include "delegate/translate/diagnostics.h"
@@ -34,9 +36,12 @@ struct MeshTarget {
   bool patches = false;             // displaced subdivision surfaces become grids
 };
 
+// One of `mesh`, `grids`, `curves` and `points` is what it became: the mesh where the others are not.
 struct TranslatedMesh {
   Mesh mesh;
   std::optional<Grids> grids{};  // in place of the mesh
+  std::optional<Curves> curves{};
+  std::optional<Points> points{};
   TrackReport track;
   // In a moving transform: the mesh stays in its object's space and these are the track's controls. Empty:
   // baked into the target.
@@ -44,6 +49,9 @@ struct TranslatedMesh {
   // Of whichever of both moves, with visibility; the shutter's own where neither asks for another.
   TimeRemap time_remap;
   bool never_seen = false;  // invisible throughout the shutter
+
+  const std::string& name() const;
+  Box3d box() const;  // around all that it draws, at all of its controls
 };
 
 // The motion of a mesh is kept in one of three ways, the first that is exact:

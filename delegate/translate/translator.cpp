@@ -45,24 +45,6 @@ struct PrototypeState {
   std::vector<std::uint32_t> parts{};
 };
 
-Box3d box_of(const TriangleMesh& shape) {
-  Box3d box;
-  for (std::size_t i = 0; i < shape.position_count(); ++i) box.grow(Vec3d(shape.positions[i]));
-  return box;
-}
-
-Box3d box_of(const GridMesh& shape) {
-  Box3d box;
-  for (const GridPatch& patch : shape.patches) {
-    for (std::uint32_t c = 0; c < shape.form().controls(); ++c) {
-      const Box3f of_patch = shape.bounds(patch, c);
-      box.grow(Vec3d(of_patch.lo));
-      box.grow(Vec3d(of_patch.hi));
-    }
-  }
-  return box;
-}
-
 // Trees number each kind apart.
 void sort_by_kind(std::vector<GeometryId>& geometry) {
   std::ranges::stable_sort(geometry, {}, [](GeometryId id) { return id.kind(); });
@@ -146,6 +128,14 @@ GeometryId Translator::Data::add(TranslatedMesh& translated) {
     scene.grids.push_back(std::move(*translated.grids));
     return {GeometryKind::kGridMesh, std::uint32_t(scene.grids.size() - 1)};
   }
+  if (translated.curves) {
+    scene.curves.push_back(std::move(*translated.curves));
+    return curves_id(std::uint32_t(scene.curves.size() - 1));
+  }
+  if (translated.points) {
+    scene.points.push_back(std::move(*translated.points));
+    return points_id(std::uint32_t(scene.points.size() - 1));
+  }
   scene.meshes.push_back(std::move(translated.mesh));
   return mesh_id(std::uint32_t(scene.meshes.size() - 1));
 }
@@ -153,7 +143,7 @@ GeometryId Translator::Data::add(TranslatedMesh& translated) {
 // One instance, which carries the transform's track or, of a baked mesh, only brings it into the time remap's
 // time.
 void Translator::Data::add_instanced(TranslatedMesh translated) {
-  const std::string name = translated.grids ? translated.grids->shape.name : translated.mesh.shape.name;
+  const std::string name = translated.name();
   const auto prototype = std::uint32_t(scene.prototypes.size());
   const bool baked = translated.world_from_mesh.empty();
   scene.prototypes.push_back({name, {add(translated)}, baked ? translated.time_remap : TimeRemap{}});
@@ -222,7 +212,7 @@ void Translator::add_prototype_mesh(std::uint32_t prototype, const MeshInput& in
   PrototypeState& state = data_->prototypes[prototype];
   std::optional<TranslatedMesh> translated = data_->translated(input, state.target);
   if (!translated || translated->never_seen) return;
-  state.box.grow(translated->grids ? box_of(translated->grids->shape) : box_of(translated->mesh.shape));
+  state.box.grow(translated->box());
   const std::uint32_t part = data_->part_with(translated->time_remap, state);
   data_->scene.prototypes[part].geometry.push_back(data_->add(*translated));
 }

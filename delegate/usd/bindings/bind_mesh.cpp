@@ -50,6 +50,13 @@ constexpr Attribute<MeshObject> kAttributes[] = {
     {"displaced", &MeshObject::displaced},
     {"material", &MeshObject::material},
     {"face_materials", &MeshObject::face_materials},
+    {"round", &MeshObject::round},
+    {"curve_type", &MeshObject::curve_type},
+    {"curve_basis", &MeshObject::curve_basis},
+    {"curve_wrap", &MeshObject::curve_wrap},
+    {"curve_vertex_counts", &MeshObject::curve_vertex_counts},
+    {"widths", &MeshObject::widths},
+    {"has_normals", &MeshObject::has_normals},
 };
 
 const nb::object& needed(const nb::object& given, const char* name) {
@@ -67,6 +74,26 @@ SubdivisionInput subdivision_from(const MeshObject& mesh, Borrowed& borrowed) {
   result.crease_sharpnesses = borrowed.scalars(mesh.crease_sharpnesses, "crease_sharpnesses");
   result.corner_indices = borrowed.ints(mesh.corner_indices, "corner_indices");
   result.corner_sharpnesses = borrowed.scalars(mesh.corner_sharpnesses, "corner_sharpnesses");
+  return result;
+}
+
+RoundInput::Kind round_kind_from(const nb::object& given) {
+  if (given.is_none()) return RoundInput::Kind::kNone;
+  const auto kind = value_from<std::string>(given, "round", "a str");
+  if (kind == "curves") return RoundInput::Kind::kCurves;
+  if (kind == "points") return RoundInput::Kind::kPoints;
+  throw nb::value_error(("round: found '" + kind + "'; expected curves or points").c_str());
+}
+
+RoundInput round_from(const MeshObject& mesh, Borrowed& borrowed) {
+  RoundInput result;
+  result.kind = round_kind_from(mesh.round);
+  take(result.topology.type, mesh.curve_type, "curve_type", "a str");
+  take(result.topology.basis, mesh.curve_basis, "curve_basis", "a str");
+  take(result.topology.wrap, mesh.curve_wrap, "curve_wrap", "a str");
+  result.topology.vertex_counts = borrowed.ints(mesh.curve_vertex_counts, "curve_vertex_counts");
+  result.widths = borrowed.primvar<float>(mesh.widths, "widths");
+  take(result.has_normals, mesh.has_normals, "has_normals", "a bool");
   return result;
 }
 
@@ -89,10 +116,13 @@ MeshObject::MeshObject() { set_to_none(*this, kAttributes); }
 MeshInput MeshObject::input(Borrowed& borrowed) const {
   MeshInput mesh;
   mesh.path = value_from<std::string>(needed(path, "path"), "path", "a str");
-  mesh.face_vertex_counts =
-      borrowed.ints(needed(face_vertex_counts, "face_vertex_counts"), "face_vertex_counts");
-  mesh.face_vertex_indices =
-      borrowed.ints(needed(face_vertex_indices, "face_vertex_indices"), "face_vertex_indices");
+  mesh.round = round_from(*this, borrowed);
+  if (mesh.round.kind == RoundInput::Kind::kNone) {
+    mesh.face_vertex_counts =
+        borrowed.ints(needed(face_vertex_counts, "face_vertex_counts"), "face_vertex_counts");
+    mesh.face_vertex_indices =
+        borrowed.ints(needed(face_vertex_indices, "face_vertex_indices"), "face_vertex_indices");
+  }
   mesh.hole_indices = borrowed.ints(hole_indices, "hole_indices");
   take(mesh.left_handed, left_handed, "left_handed", "a bool");
   mesh.subdivision = subdivision_from(*this, borrowed);

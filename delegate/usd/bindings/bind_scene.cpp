@@ -26,6 +26,15 @@ nb::dict statistics(const SceneHandle& handle) {
     triangles += grids.shape.triangle_count();
     keys += grids.shape.form().controls();
   }
+  std::size_t spans = 0, points = 0;
+  for (const Curves& curves : scene.curves) {
+    spans += curves.shape.span_count();
+    keys += curves.shape.form().controls();
+  }
+  for (const msbvh::Points& set : scene.points) {
+    points += set.shape.point_count;
+    keys += set.shape.form().controls();
+  }
   for (const InstanceSet& set : scene.instances) {
     instances += instance_count(set);
     keys += set.world_from_prototype.size();
@@ -33,6 +42,8 @@ nb::dict statistics(const SceneHandle& handle) {
   nb::dict result;
   result["meshes"] = scene.meshes.size() + scene.grids.size();
   result["triangles"] = triangles;
+  result["spans"] = spans;
+  result["points"] = points;
   result["keys"] = keys;
   result["instances"] = instances;
   result["lights"] = scene.lights.size();
@@ -44,7 +55,7 @@ struct Posed {
   std::vector<Vec3d> vertices;  // in the geometry's own space
 };
 
-// Of a mesh its vertices, of grids their points.
+// Of a mesh its vertices, of grids their points, of curves their Bezier vertices.
 Posed posed(const Scene& scene, GeometryId id, float time) {
   Posed result;
   if (id.is(GeometryKind::kGridMesh)) {
@@ -57,6 +68,19 @@ Posed posed(const Scene& scene, GeometryId id, float time) {
       }
     }
     return result;
+  }
+  const auto add_round = [&](const auto& shape, std::uint32_t count) {
+    result.name = shape.name;
+    for (std::uint32_t v = 0; v < count; ++v) result.vertices.push_back(Vec3d(shape.vertex(v, time).p));
+    return result;
+  };
+  if (id.is(GeometryKind::kCurves)) {
+    const CurveSet& shape = scene.curves[id.index()].shape;
+    return add_round(shape, shape.vertex_count);
+  }
+  if (id.is(GeometryKind::kPoints)) {
+    const PointSet& shape = scene.points[id.index()].shape;
+    return add_round(shape, shape.point_count);
   }
   const TriangleMesh& shape = scene.mesh(id).shape;
   result.name = shape.name;
@@ -136,6 +160,8 @@ std::vector<std::string> mesh_names(const SceneHandle& handle) {
   std::vector<std::string> names;
   for (const Mesh& mesh : handle.scene->meshes) names.push_back(mesh.shape.name);
   for (const Grids& grids : handle.scene->grids) names.push_back(grids.shape.name);
+  for (const Curves& curves : handle.scene->curves) names.push_back(curves.shape.name);
+  for (const msbvh::Points& points : handle.scene->points) names.push_back(points.shape.name);
   return names;
 }
 

@@ -19,6 +19,7 @@ struct MeshObject {
   nanobind::object topology_varies, computed_points, visible, transform;
   nanobind::object normals, normals_interpolation, normals_indices, computed_normals;
   nanobind::object display_color, display_opacity, named_primvars, displaced, material, face_materials;
+  nanobind::object round, curve_type, curve_basis, curve_wrap, curve_vertex_counts, widths, has_normals;
 
   MeshObject();
 

@@ -16,10 +16,20 @@ Samples: TypeAlias = Sequence[tuple[float | None, F32]]
 not as a time sample."""
 
 class MeshInput:
-    """A mesh for Translator.add_mesh(), attribute by attribute. None stands for what is not given; without a path, faces,
-    points and a transform there is no mesh."""
+    """A mesh for Translator.add_mesh(), or curves or points, attribute by attribute. None stands for what is not given;
+    without a path, points, a transform and, of a mesh, faces there is none."""
 
     path: str
+    round: Literal["curves", "points"] | None
+    """What it is if no mesh. Neither has faces."""
+    curve_type: str | None
+    curve_basis: str | None
+    curve_wrap: str | None
+    curve_vertex_counts: I32 | None
+    widths: tuple[str, F32 | list[tuple[float, F32]], I32 | None] | None
+    """As display_color: of curves and points."""
+    has_normals: bool | None
+    """Curves have normals of their own."""
     face_vertex_counts: I32
     face_vertex_indices: I32
     hole_indices: I32 | None

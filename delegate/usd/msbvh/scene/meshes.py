@@ -17,6 +17,7 @@ from ..stage.values import might_vary, required, value
 from .implicit import IMPLICIT_TYPES, ImplicitShape, read_implicit
 from .part import Part
 from .primvars import MovingPrimvar, find_primvar, held_by, sample_primvar
+from .round import read_round
 from .subdivision import add_subdivision
 
 PRIMVARS = (("display_color", "displayColor", 3), ("display_opacity", "displayOpacity", None))
@@ -43,6 +44,11 @@ def read_shape(part: Part, context: FrameContext) -> tuple[MeshInput, Samples | 
         if not len(mesh.face_vertex_counts) and not any(len(points) for _, points in shape.values):
             context.diagnostics.group(path, "", "empty: it has neither faces nor points at this frame", "note")
             return None
+    elif part.is_round:
+        shape = read_round(mesh, prim, context, part)
+        if not any(len(points) for _, points in shape.values):
+            context.diagnostics.group(path, "", "empty: it has no points at this frame", "note")
+            return None
     else:
         shape = read_implicit(prim, context)
         if shape is None:
@@ -51,7 +57,8 @@ def read_shape(part: Part, context: FrameContext) -> tuple[MeshInput, Samples | 
         if part.authors(f"primvars:{name}"):
             found = find_primvar(prim, name, columns, part.authored)
             primvar = sample_primvar(found, context) if found else None
-            setattr(mesh, keyword, primvar if part.is_mesh else _constant(primvar, name, path, context))
+            own = part.is_mesh or part.is_round
+            setattr(mesh, keyword, primvar if own else _constant(primvar, name, path, context))
     return mesh, shape
 
 
@@ -114,7 +121,7 @@ def held_attributes(part: Part, mesh: MeshInput, context: FrameContext) -> list[
     for keyword, name, columns in PRIMVARS:
         primvar = getattr(mesh, keyword)
         # A mesh says itself whether its primvar is indexed, which most are not.
-        if primvar is not None and (context.held or primvar[2] is not None or not part.is_mesh):
+        if primvar is not None and (context.held or primvar[2] is not None or not (part.is_mesh or part.is_round)):
             found = find_primvar(part.prim, name, columns, part.authored)
             held += held_by(found, context) if found else []
     if part.is_mesh:
@@ -148,7 +155,8 @@ def held_at(part: Part, whole: MeshInput, stretch: Stretch, context: FrameContex
         if getattr(whole, keyword) is not None:
             found = find_primvar(prim, name, columns, part.authored)
             primvar = sample_primvar(found, context, stretch) if found else None
-            setattr(mesh, keyword, primvar if part.is_mesh else _constant(primvar, name, whole.path, context))
+            own = part.is_mesh or part.is_round
+            setattr(mesh, keyword, primvar if own else _constant(primvar, name, whole.path, context))
     if part.is_mesh:
         mesh.hole_indices = _holes(UsdGeom.Mesh(prim), stretch.code)
     if whole.normals_indices is not None:

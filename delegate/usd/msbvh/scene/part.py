@@ -30,6 +30,8 @@ class Part:
     is_mesh: bool = False
     """A Mesh, not an implicit shape."""
     has_children: bool = True
+    is_round: bool = False
+    """Curves or points."""
 
     def authors(self, name: str) -> bool:
         """Whether a primvar is authored at the prim or above."""

@@ -117,6 +117,10 @@ class Shapes:
         if part.blinking:
             mesh.visible = visible_intervals(part.blinking, self._context.shutter)
         binding = read_binding(part.prim, context, part.authored)
+        if binding is not None and part.is_round:
+            message = "curves and points are not skinned yet; drawn in their rest pose"
+            context.diagnostics.group(mesh.path, "skel:skeleton", message)
+            binding = None
         placed_by, course = part.prim, (part.varying, part.breakpoints, context.shutter)
         if binding is not None and binding.placed_by != part.prim:
             placed_by = binding.placed_by

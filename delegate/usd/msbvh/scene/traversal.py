@@ -29,6 +29,7 @@ from .meshes import is_shape
 from .part import Part
 from .point_instancers import prototypes
 from .primvars import primvar_source
+from .round import is_round
 
 WORLD: tuple[Hashable, ...] = ("world",)
 DEEPEST_NESTING = 100
@@ -76,15 +77,16 @@ class _Type:
     instancer: bool
     mesh: bool
     shape: bool
+    round: bool
 
     @staticmethod
     def of(prim: Usd.Prim) -> _Type:
         is_a = prim.IsA
         instancer, mesh = is_a(UsdGeom.PointInstancer), is_a(UsdGeom.Mesh)
-        return _Type(is_a(UsdGeom.Imageable), is_a(UsdGeom.Xformable), instancer, mesh, is_shape(prim))
+        return _Type(is_a(UsdGeom.Imageable), is_a(UsdGeom.Xformable), instancer, mesh, is_shape(prim), is_round(prim))
 
 
-_NO_TYPE = _Type(False, False, False, False, False)
+_NO_TYPE = _Type(False, False, False, False, False, False)
 
 
 @dataclass(slots=True)
@@ -259,6 +261,7 @@ class Traversal:
             state.inherited,
             kind.mesh,
             state.has_children,
+            kind.round,
         )
         if is_light(prim):
             group.lights.append(part)
@@ -267,7 +270,7 @@ class Traversal:
         elif kind.instancer:
             if state.purpose in self._purposes:
                 self._add_instancer(part, group)
-        elif kind.shape:
+        elif kind.shape or kind.round:
             if state.purpose in self._purposes:
                 group.shapes.append(part)
         elif prim.IsA(UsdGeom.Gprim) or prim.GetTypeName() == "Volume":

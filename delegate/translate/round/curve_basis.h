@@ -1,0 +1,58 @@
+// Curves of every basis as chains of cubic Bezier spans, without loss: each Bezier vertex is a fixed mix of
+// authored ones, so that whatever is authored a vertex (points, widths, colours) is converted alike, at every
+// time. UsdGeomBasisCurves' documentation says which curves there are and what they are made of; G. Farin,
+// Curves and Surfaces for CAGD, 5th ed., chapters 8 and 9, has the conversions.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "delegate/translate/diagnostics.h"
+
+namespace msbvh::translate {
+
+// UsdGeomBasisCurves' tokens.
+struct CurveTopology {
+  std::string type = "cubic";        // linear, cubic
+  std::string basis = "bezier";      // of cubic ones: bezier, bspline, catmullRom
+  std::string wrap = "nonperiodic";  // nonperiodic, periodic, pinned
+  std::span<const int> vertex_counts;
+};
+
+// A share of an authored value.
+struct Term {
+  std::uint32_t index;
+  double weight;
+};
+
+// Bezier vertices as mixes of what is authored.
+struct CurveBasis {
+  std::vector<std::uint32_t> first_term;  // of each Bezier vertex in `terms`, and the end
+  std::vector<Term> terms;                // of authored vertices
+  // Of `varying` values, one a span's end: which two each Bezier vertex lies between, and how far.
+  struct Between {
+    std::uint32_t from, to;
+    double w;
+  };
+  std::vector<Between> varying;
+  std::vector<std::uint32_t> spans;        // the first Bezier vertex of each; see core/geometry/curve_set.h
+  std::vector<std::uint32_t> span_curves;  // the authored curve of each span
+  std::vector<std::uint32_t> vertex_curves;
+  std::size_t curves = 0, authored_vertices = 0, authored_varying = 0;
+
+  std::size_t vertex_count() const { return vertex_curves.size(); }
+  std::span<const Term> terms_of(std::size_t vertex) const {
+    return {terms.data() + first_term[vertex], first_term[vertex + 1] - first_term[vertex]};
+  }
+};
+
+// Nothing, with an error in the log, for tokens that there are not, counts that are negative, and counts that
+// do not add up to `points`. Curves of too few vertices, or of a number that their basis does not have, are
+// left out with one warning; their values are skipped.
+std::optional<CurveBasis> curve_basis(const CurveTopology& topology, std::size_t points, PrimLog& log);
+
+}  // namespace msbvh::translate

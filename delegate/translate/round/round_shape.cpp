@@ -1,0 +1,243 @@
+#include "delegate/translate/round/round_shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "delegate/translate/primvar_track.h"
+#include "delegate/translate/primvars.h"
+
+namespace msbvh::translate {
+namespace {
+
+// As usdview draws curves that have none.
+constexpr float kDefaultWidth = 1.0f;
+
+float mixed(const std::vector<float>& values, std::span<const Term> terms) {
+  double sum = 0.0;
+  for (const Term& term : terms) sum += term.weight * double(values[term.index]);
+  return float(sum);
+}
+template <typename Values>
+Vec3f mixed(const Values& values, std::span<const Term> terms) {
+  if (terms.size() == 1 && terms[0].weight == 1.0) return values[terms[0].index];  // keeps every bit
+  Vec3d sum;
+  for (const Term& term : terms) sum += Vec3d(values[term.index]) * term.weight;
+  return Vec3f(sum);
+}
+
+float between(float a, float b, double w) { return float(lerp(double(a), double(b), w)); }
+Vec3f between(const Vec3f& a, const Vec3f& b, double w) { return Vec3f(lerp(Vec3d(a), Vec3d(b), w)); }
+
+bool is_bad_width(float width) { return !(width >= 0.0f && width <= kMaxCoordinate); }
+
+double mean_scale(const Affine3d& map) { return (length(map.x) + length(map.y) + length(map.z)) / 3.0; }
+
+// A linear track of even keys at a time of the shutter.
+float value_at(const Primvar<float>& track, std::size_t count, std::size_t i, double time01) {
+  const SegmentTime at = locate(float(time01), track.segments);
+  const float first = track.values[at.key * count + i];
+  if (track.segments == 0) return first;
+  return lerp(first, track.values[(at.key + 1) * count + i], at.w);
+}
+
+template <typename T>
+bool check_values(const PrimvarInput<T>& input, std::size_t expected, const std::string& attribute,
+                  PrimLog& log) {
+  const std::size_t found = input.indices.empty() ? input.values.size() : input.indices.size();
+  if (found != expected) {
+    return log.reject(attribute,
+                      message("found ", found, input.indices.empty() ? " values" : " indices", "; expected ",
+                              expected, " for the interpolation ", input.interpolation));
+  }
+  const auto bad = std::ranges::find_if(
+      input.indices, [&](int index) { return index < 0 || std::size_t(index) >= input.values.size(); });
+  if (bad == input.indices.end()) return true;
+  return log.reject(attribute,
+                    message("index ", bad - input.indices.begin(), " is ", *bad, "; expected less than ",
+                            input.values.size(), ", the number of values"));
+}
+
+template <typename T>
+bool check_colors(const PrimvarInput<T>& input, const std::string& attribute, PrimLog& log) {
+  const auto bad = std::ranges::find_if_not(input.values, [](const T& value) { return is_color(value); });
+  if (bad == input.values.end()) return true;
+  return log.reject(attribute,
+                    message("value ", bad - input.values.begin(),
+                            " is not finite or too large; expected finite numbers of at most 65504 in size"));
+}
+
+}  // namespace
+
+std::optional<RoundShape> RoundShape::make(const MeshInput& input, std::size_t points,
+                                           std::uint32_t max_segments, PrimLog& log) {
+  RoundShape shape(points);
+  if (input.round.kind == RoundInput::Kind::kCurves) {
+    shape.curves_ = curve_basis(input.round.topology, points, log);
+    if (!shape.curves_) return std::nullopt;
+    if (input.round.has_normals) {
+      log.warn_in_common("normals", "curves are drawn turned to each ray, whatever their normals say");
+    }
+  }
+  if (shape.vertex_count() == 0 || !shape.read_widths(input, max_segments, log)) return std::nullopt;
+  return shape;
+}
+
+// 0: there is no such interpolation.
+std::size_t RoundShape::expected(const std::string& interpolation) const {
+  if (interpolation == "constant") return 1;
+  if (interpolation == "uniform") return curves_ ? curves_->curves : 1;
+  if (interpolation == "vertex") return point_count_;
+  if (interpolation == "varying" || interpolation == "faceVarying")
+    return curves_ ? curves_->authored_varying : point_count_;
+  return 0;
+}
+
+template <typename T>
+void RoundShape::expand(const std::string& interpolation, const std::vector<T>& authored,
+                        std::vector<T>& out) const {
+  if (authored.size() == 1 && (interpolation == "constant" || !curves_)) {
+    out.push_back(authored[0]);
+  } else if (!curves_) {
+    out.insert(out.end(), authored.begin(), authored.end());
+  } else if (interpolation == "uniform") {
+    for (const std::uint32_t curve : curves_->span_curves) out.push_back(authored[curve]);
+  } else {
+    for (std::size_t v = 0; v < vertex_count(); ++v) {
+      const CurveBasis::Between& at = curves_->varying[v];
+      out.push_back(interpolation == "vertex" ? mixed(authored, curves_->terms_of(v))
+                                              : between(authored[at.from], authored[at.to], at.w));
+    }
+  }
+}
+
+template <typename T>
+Primvar<T> RoundShape::expanded(const PrimvarInput<T>& input, const std::string& attribute,
+                                std::uint32_t max_segments, PrimLog& log) const {
+  if (input.values.empty() || !check_values(input, expected(input.interpolation), attribute, log)) return {};
+  const PrimvarTrack<T> track = fit_primvar(input, max_segments, attribute, log);
+  const std::size_t count = input.values.size();
+  Primvar<T> result{Interpolation::kVertex, track.segments, {}};
+  for (std::uint32_t key = 0; key < key_count(track.segments); ++key) {
+    const T* values = track.values.data() + key * count;
+    std::vector<T> authored(values, values + count);
+    if (!input.indices.empty()) {
+      authored.clear();
+      for (const int index : input.indices) authored.push_back(values[index]);
+    }
+    expand(input.interpolation, authored, result.values);
+  }
+  const std::size_t each = result.values.size() / key_count(track.segments);
+  if (input.interpolation == "constant" || (!curves_ && each == 1)) {
+    result.interpolation = Interpolation::kConstant;
+  } else if (!curves_ || input.interpolation == "uniform") {
+    result.interpolation = Interpolation::kTriangle;
+  }
+  return result;
+}
+
+bool RoundShape::read_widths(const MeshInput& input, std::uint32_t max_segments, PrimLog& log) {
+  const PrimvarInput<float>& given = input.round.widths;
+  const std::size_t count = vertex_count();
+  if (given.values.empty()) {
+    log.warn_in_common("widths", message("not authored; drawn ", kDefaultWidth, " wide"));
+    widths_ = {Interpolation::kVertex, 0, std::vector<float>(count, kDefaultWidth)};
+    return true;
+  }
+  Primvar<float> found = expanded(given, "widths", max_segments, log);
+  if (!found.authored()) return false;
+  const std::size_t each = found.values.size() / key_count(found.segments);
+  widths_ = {Interpolation::kVertex, found.segments, {}};
+  for (std::uint32_t key = 0; key < key_count(found.segments); ++key) {
+    const float* values = found.values.data() + key * each;
+    std::vector<float> by_curve(curves_ && found.interpolation == Interpolation::kTriangle ? curves_->curves
+                                                                                           : 0);
+    for (std::size_t s = 0; s < (by_curve.empty() ? 0 : each); ++s)
+      by_curve[curves_->span_curves[s]] = values[s];
+    for (std::size_t v = 0; v < count; ++v) {
+      const float width = !by_curve.empty() ? by_curve[curves_->vertex_curves[v]] : values[each == 1 ? 0 : v];
+      widths_.values.push_back(width);
+    }
+  }
+  drop_bad_widths(log);
+  return true;
+}
+
+// A curve or point with a width that is none is not drawn: it has no width at all.
+void RoundShape::drop_bad_widths(PrimLog& log) {
+  const std::size_t count = vertex_count();
+  const auto owner = [&](std::size_t v) { return curves_ ? curves_->vertex_curves[v] : std::uint32_t(v); };
+  std::vector<bool> dropped(curves_ ? curves_->curves : point_count_, false);
+  const float* first = nullptr;
+  std::size_t dropped_count = 0, first_owner = 0;
+  for (std::size_t i = 0; i < widths_.values.size(); ++i) {
+    if (!is_bad_width(widths_.values[i]) || dropped[owner(i % count)]) continue;
+    if (!first) first = &widths_.values[i], first_owner = owner(i % count);
+    dropped[owner(i % count)] = true;
+    ++dropped_count;
+  }
+  if (!first) return;
+  log.warn("widths", message(dropped_count, " of ", dropped.size(), curves_ ? " curves" : " points",
+                             " are not drawn: ", curves_ ? "curve " : "point ", first_owner,
+                             " has the width ", *first, "; expected finite ones that are not negative"));
+  for (std::size_t i = 0; i < widths_.values.size(); ++i) {
+    if (dropped[owner(i % count)]) widths_.values[i] = 0.0f;
+  }
+}
+
+std::vector<RoundVertex> RoundShape::vertices(const MovingArray& points, const Candidate& track) const {
+  const std::vector<Vec3f> authored = point_controls(points, track);
+  const std::size_t count = vertex_count();
+  const TrackForm form = track.form();
+  std::vector<RoundVertex> out;
+  out.reserve(form.controls() * count);
+  for (std::uint32_t c = 0; c < form.controls(); ++c) {
+    // Between keys radii are linear, hence at even places of a curve's controls.
+    double time01 = 0.0, within = 0.0;
+    if (form.moving()) {
+      const TimeLayout::Place place = track.layout.place(double(c) / (form.controls() - 1));
+      time01 = place.time01, within = place.segment.middle();
+    }
+    const double half = 0.5 * mean_scale(points.transform.at(time01, within));
+    const Vec3f* p = authored.data() + c * point_count_;
+    for (std::size_t v = 0; v < count; ++v) {
+      const double width = value_at(widths_, count, v, time01);
+      out.push_back({curves_ ? mixed(p, curves_->terms_of(v)) : p[v], float(half * width)});
+    }
+  }
+  return out;
+}
+
+Curves RoundShape::curves(const MeshInput& input, const MovingArray& points, const Candidate& track,
+                          std::uint32_t max_segments, PrimLog& optional) const {
+  Curves out;
+  out.shape.name = input.path;
+  out.shape.segments = track.form().segments;
+  out.shape.degree = track.form().degree;
+  out.shape.vertex_count = std::uint32_t(vertex_count());
+  out.shape.vertices = vertices(points, track);
+  out.shape.spans = curves_->spans;
+  out.span_curves = curves_->span_curves;
+  if (check_colors(input.display_color, "primvars:displayColor", optional))
+    out.display_color = expanded(input.display_color, "primvars:displayColor", max_segments, optional);
+  if (check_colors(input.display_opacity, "primvars:displayOpacity", optional))
+    out.display_opacity = expanded(input.display_opacity, "primvars:displayOpacity", max_segments, optional);
+  return out;
+}
+
+Points RoundShape::points(const MeshInput& input, const MovingArray& points, const Candidate& track,
+                          std::uint32_t max_segments, PrimLog& optional) const {
+  Points out;
+  out.shape.name = input.path;
+  out.shape.segments = track.form().segments;
+  out.shape.degree = track.form().degree;
+  out.shape.point_count = std::uint32_t(point_count_);
+  out.shape.vertices = vertices(points, track);
+  if (check_colors(input.display_color, "primvars:displayColor", optional))
+    out.display_color = expanded(input.display_color, "primvars:displayColor", max_segments, optional);
+  if (check_colors(input.display_opacity, "primvars:displayOpacity", optional))
+    out.display_opacity = expanded(input.display_opacity, "primvars:displayOpacity", max_segments, optional);
+  return out;
+}
+
+}  // namespace msbvh::translate
