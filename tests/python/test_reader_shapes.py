@@ -301,15 +301,15 @@ def test_another_renderers_material_leaves_a_warning_and_display_color():
 def test_what_is_not_supported_is_named_once_a_type():
     shot = Shot()
     for index in range(4):
-        shot.stage.DefinePrim(f"/Curve_{index}", "BasisCurves")
-    shot.stage.DefinePrim("/Cloud", "Points")
+        shot.stage.DefinePrim(f"/Curve_{index}", "HermiteCurves")
+    shot.stage.DefinePrim("/Wire", "NurbsCurves")
     shot.stage.DefinePrim("/Smoke", "Volume")
     shot.stage.DefinePrim("/Patch", "NurbsPatch")
     shot.stage.DefinePrim("/Alien", "ProprietaryThing")
     warnings = messages(shot.read(), "warning")
-    assert "/Curve_0: prims of type BasisCurves are not supported yet; not drawn (and 3 more prims)" in warnings
+    assert "/Curve_0: prims of type HermiteCurves are not supported yet; not drawn (and 3 more prims)" in warnings
     for text in (
-        "/Cloud: prims of type Points",
+        "/Wire: prims of type NurbsCurves",
         "/Smoke: prims of type Volume",
         "/Patch: prims of type NurbsPatch",
     ):
