@@ -45,6 +45,9 @@ void validate(const CurveSet& curves) {
   check_vertices(curves.vertices, curves.form(), curves.vertex_count, part);
   check_normals(curves, part);
   check_spans(curves, part);
+  if (curves.shape != CurveShape::kRibbon)
+    throw Error(part +
+                ": shape: found tubes, or ribbons with normals; expected ribbons, which alone are traced");
   if (curves.spans.size() > kMaxSpans) {
     throw Error(part + ": spans: found " + std::to_string(curves.spans.size()) + "; expected at most " +
                 std::to_string(kMaxSpans));

@@ -110,7 +110,8 @@ RoundHit ribbon_hit(const CurvePlace& place, const LocalRay& ray, double t) {
   const Vec3d aside = at - place.centre, across = aside - front * dot(aside, front);
   const double share = place.radius > 0.0 ? std::min(length(across) / place.radius, 1.0) : 0.0;
   const Vec3d round = front * std::sqrt(1.0 - share * share) + unit_or(across, front) * share;
-  return {place.centre, place.radius, unit_or(round, front), front, place.size, true};
+  const Vec3d normal = unit_or(round, front);
+  return {place.centre, place.radius, normal, normal, place.size, true};
 }
 
 RoundHit tube_hit(const CurvePlace& place, const LocalRay& ray, double t) {

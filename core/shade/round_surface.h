@@ -8,7 +8,7 @@ namespace msbvh {
 
 // A ribbon that is turned to the ray is shaded as the tube that it stands for: its normal follows the tube's
 // round, from edge to edge, and rays leave from the tube's surface, so that they do not meet the ribbon that
-// is turned to them where they start. Its geometric normal is the flat one.
+// is turned to them where they start.
 SurfaceHit curve_surface(const HitSource& source, const Hit& hit, const Ray& ray);
 
 SurfaceHit point_surface(const HitSource& source, const Hit& hit, const Ray& ray);

@@ -8,8 +8,8 @@
 // joints are round and have no gaps. Free ends are cut straight.
 //
 // The parts are exact fractions of the span, and at their ends all pieces compute the same bits: what lies on
-// a boundary is found on one side of it. Two feet in one part are missed: they are at like distances, next to
-// an inflection that points at the ray.
+// a boundary is found on one side of it. Where the slope has the same sign at both ends of a part and turns
+// between them, there may be two feet: the part is cut where it turns. Of three in one part one is found.
 
 #if defined(MSBVH_CURVE_TEST_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef MSBVH_CURVE_TEST_INL_H
@@ -59,6 +59,17 @@ class SeenSpan {
     }
   }
 
+  float largest_radius() const {
+    return std::max(std::max(control_[3][0], control_[3][1]), std::max(control_[3][2], control_[3][3]));
+  }
+  // Across the ray, by the hull of the slopes' own control points.
+  float largest_speed() const {
+    float most = 0.0f;
+    for (int i = 0; i < 3; ++i)
+      most = std::max(most, slope_[0][i] * slope_[0][i] + slope_[1][i] * slope_[1][i]);
+    return std::sqrt(most);
+  }
+
   // Axes 0 to 2, and the radius. By Bernstein's polynomials: monotone in the controls, exact at both ends.
   template <class D>
   HWY_INLINE hn::Vec<D> at(D d, int k, hn::Vec<D> u, hn::Vec<D> v) const {
@@ -100,6 +111,8 @@ class CurveTest {
   using D = hn::CappedTag<float, 8>;
   using V = hn::Vec<D>;
   static constexpr int kParts = 8, kSteps = 6;
+  // Of a part, next to a span's ends.
+  static constexpr float kAside = 0x1p-12f;
 
   // Half the slope of the squared distance from the ray.
   template <class Tag>
@@ -107,6 +120,11 @@ class CurveTest {
     const auto v = hn::Sub(hn::Set(d, 1.0f), u);
     return hn::MulAdd(span_.at(d, 0, u, v), span_.slope(d, 0, u, v),
                       hn::Mul(span_.at(d, 1, u, v), span_.slope(d, 1, u, v)));
+  }
+  HWY_INLINE V distance2(V u) const {
+    const D d;
+    const V v = hn::Sub(hn::Set(d, 1.0f), u), x = span_.at(d, 0, u, v), y = span_.at(d, 1, u, v);
+    return hn::MulAdd(x, x, hn::Mul(y, y));
   }
   HWY_INLINE V foot_slope(V u) const {
     const D d;
@@ -123,18 +141,48 @@ class CurveTest {
     const D d;
     bool found = false;
     const float begin = piece.begin(), step = 1.0f / static_cast<float>(kParts * piece.parts);
+    // No point of a part is farther from the nearer one of its ends than half of its length.
+    const float reach = 1.001f * (span_.largest_radius() + 0.5f * step * span_.largest_speed());
+    const V most2 = hn::Set(d, reach * reach);
     for (int lane = 0; lane < kParts; lane += static_cast<int>(hn::Lanes(d))) {
       const V number = hn::Add(hn::Iota(d, 0.0f), hn::Set(d, static_cast<float>(lane)));
       V lo = hn::MulAdd(number, hn::Set(d, step), hn::Set(d, begin)), hi = hn::Add(lo, hn::Set(d, step));
+      const auto near = hn::Le(hn::Min(distance2(lo), distance2(hi)), most2);
+      if (hn::AllFalse(d, near)) continue;
+      // Where control points coincide, the slope is 0 at the span's end whatever is near: that is no foot,
+      // and would hide one in the same part.
+      const V aside = hn::Set(d, kAside * step);
+      if (piece.part == 0) lo = hn::IfThenElse(hn::Eq(lo, hn::Zero(d)), aside, lo);
+      if (piece.part + 1 == piece.parts)
+        hi = hn::IfThenElse(hn::Eq(hi, hn::Set(d, 1.0f)), hn::Sub(hi, aside), hi);
       const V at_lo = foot(d, lo), at_hi = foot(d, hi), zero = hn::Zero(d);
       const auto rises = hn::And(hn::Le(at_lo, zero), hn::Ge(at_hi, zero));
       const auto falls = hn::And(hn::Ge(at_lo, zero), hn::Le(at_hi, zero));
       const auto has = hn::Or(rises, falls);
-      if (hn::AllFalse(d, has)) continue;
-      const V u = root(lo, hi, at_lo, at_hi, rises);
-      found |= take(u, has, hit);
+      if (!hn::AllFalse(d, hn::And(has, near)))
+        found |= take(root(lo, hi, at_lo, at_hi, rises), hn::And(has, near), hit);
+      found |= pairs(lo, hi, at_lo, at_hi, hn::AndNot(has, near), hit);
     }
     return found;
+  }
+
+  // Two feet in a part: the slope turns between them.
+  template <class M>
+  HWY_INLINE bool pairs(V lo, V hi, V at_lo, V at_hi, M candidates, CurveHit& hit) const {
+    const D d;
+    if (hn::AllFalse(d, candidates)) return false;
+    const V zero = hn::Zero(d), turn_lo = foot_slope(lo), turn_hi = foot_slope(hi);
+    const auto above = hn::Gt(at_lo, zero);
+    const auto dips = hn::And(hn::Lt(turn_lo, zero), hn::Gt(turn_hi, zero));
+    const auto peaks = hn::And(hn::Gt(turn_lo, zero), hn::Lt(turn_hi, zero));
+    candidates = hn::And(candidates, hn::Or(hn::And(above, dips), hn::AndNot(above, peaks)));
+    if (hn::AllFalse(d, candidates)) return false;
+    const V middle = hn::MulAdd(hn::Sub(hi, lo), hn::Div(turn_lo, hn::Sub(turn_lo, turn_hi)), lo);
+    const V at_middle = foot(d, middle);
+    candidates = hn::And(candidates, hn::Xor(hn::Gt(at_middle, zero), above));
+    if (hn::AllFalse(d, candidates)) return false;
+    const bool first = take(root(lo, middle, at_lo, at_middle, hn::Not(above)), candidates, hit);
+    return take(root(middle, hi, at_middle, at_hi, above), candidates, hit) || first;
   }
 
   template <class M>

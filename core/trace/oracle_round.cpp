@@ -1,8 +1,9 @@
 // The oracle's part for curves and points: their definitions, in double precision.
 //
 // A ray meets a ribbon where the foot of a perpendicular, in the plane across the ray, from the ray to the
-// projected centre line is no farther away than the radius there; t is the centre line's. Where a span carries
-// on another, the end that they share counts as well if it is the nearest point of the span thereabouts.
+// projected centre line is no farther away than the radius there; t is the centre line's. Where a span
+// carries on another, the end that they share counts as well if it is the nearest point of the span
+// thereabouts.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,7 +19,7 @@ namespace {
 
 // Parts of a span in which roots are told apart, and how near each other two may be that a kernel must find.
 constexpr int kParts = 512;
-constexpr double kApart = 1.0 / 24;
+constexpr double kApart = 1.0 / 16;
 
 struct RoundD {
   Vec3d p;
