@@ -149,13 +149,18 @@ class CurveTest {
       V lo = hn::MulAdd(number, hn::Set(d, step), hn::Set(d, begin)), hi = hn::Add(lo, hn::Set(d, step));
       const auto near = hn::Le(hn::Min(distance2(lo), distance2(hi)), most2);
       if (hn::AllFalse(d, near)) continue;
+      V at_lo = foot(d, lo), at_hi = foot(d, hi);
+      const V zero = hn::Zero(d);
       // Where control points coincide, the slope is 0 at the span's end whatever is near: that is no foot,
       // and would hide one in the same part.
-      const V aside = hn::Set(d, kAside * step);
-      if (piece.part == 0) lo = hn::IfThenElse(hn::Eq(lo, hn::Zero(d)), aside, lo);
-      if (piece.part + 1 == piece.parts)
-        hi = hn::IfThenElse(hn::Eq(hi, hn::Set(d, 1.0f)), hn::Sub(hi, aside), hi);
-      const V at_lo = foot(d, lo), at_hi = foot(d, hi), zero = hn::Zero(d);
+      const auto stuck_lo = hn::And(hn::Eq(lo, zero), hn::Eq(at_lo, zero));
+      const auto stuck_hi = hn::And(hn::Eq(hi, hn::Set(d, 1.0f)), hn::Eq(at_hi, zero));
+      if (!hn::AllFalse(d, hn::Or(stuck_lo, stuck_hi))) {
+        const V aside = hn::Set(d, kAside * step);
+        lo = hn::IfThenElse(stuck_lo, aside, lo);
+        hi = hn::IfThenElse(stuck_hi, hn::Sub(hi, aside), hi);
+        at_lo = foot(d, lo), at_hi = foot(d, hi);
+      }
       const auto rises = hn::And(hn::Le(at_lo, zero), hn::Ge(at_hi, zero));
       const auto falls = hn::And(hn::Ge(at_lo, zero), hn::Le(at_hi, zero));
       const auto has = hn::Or(rises, falls);
