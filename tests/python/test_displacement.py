@@ -314,6 +314,15 @@ def test_a_constant_that_is_no_distance(amount: float, found: str) -> None:
     ]
 
 
+def test_coordinates_that_come_out_too_large() -> None:
+    shot = Displaced(1e12)
+    flat(shot).AddScaleOp().Set(Gf.Vec3f(1, 1, 1e7))
+    result = shot.read()
+    assert (result.scene.points("/Sheet", 0.5)[:, 2] == 0.0).all()
+    (said,) = messages(result, "warning")
+    assert said.startswith("/Sheet.material:binding: displaced to (") and said.endswith("drawn without displacement")
+
+
 @pytest.mark.parametrize("bad", [1e30, float("nan"), float("-inf")])
 def test_a_primvar_with_what_is_no_distance(bad: float) -> None:
     shot = Displaced()
