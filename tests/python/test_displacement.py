@@ -184,6 +184,21 @@ def test_the_file_may_say_how_it_wraps_else_it_is_black_outside(tmp_path: Path) 
     assert (found[1][:, 2] == 1.0).all()
 
 
+def test_tiles_of_a_udim_texture(tmp_path: Path) -> None:
+    shot = Displaced()
+    for number, value in ((1001, 0.25), (1002, 0.5), (1012, 1.0)):
+        write(tmp_path / f"tile.{number}.exr", np.full((4, 4), value))
+    shot.read_texture(str(tmp_path / "tile.<UDIM>.exr"))
+    mesh = flat(shot, "bilinear")
+    primvar(mesh, "st", 2 * square(np.array(mesh.GetPointsAttr().Get())), "vertex")
+    result = shot.read(displacement="tessellate")
+    assert messages(result, "warning") == []
+    x, y, z = result.scene.points("/Sheet", 0.5).T
+    beside = (np.abs(x) > 1e-4) & (np.abs(y) > 1e-4)
+    expected = np.where(y < 0, np.where(x < 0, 0.25, 0.5), np.where(x < 0, 0.0, 1.0))
+    assert np.abs(z - expected)[beside].max() < ROUNDING
+
+
 def test_a_fine_texture_is_filtered_at_the_dicing_rate(tmp_path: Path) -> None:
     """Noise of one texel that is far finer than the edges averages out."""
     noise = np.random.default_rng(1).random((1024, 1024)).astype(np.float32)
