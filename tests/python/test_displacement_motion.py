@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from displaced_stages import SIDE, Displaced, flat, primvar, turning
+from displaced_stages import ROUNDING, SIDE, Displaced, flat, primvar, turning
 from pxr import Vt
 from recording import DENSE_TIMES01, messages
 from subdivision_stages import CORNERS, cube
@@ -82,3 +82,22 @@ def test_a_primvar_that_changes_within_the_shutter_moves_the_surface() -> None:
         expected = np.interp(9.0 + 2.0 * time01, [9.0, 9.5, 11.0], [0.0, 1.0, 0.25])
         poses = [points[0] for _, _, points in result.scene.poses(time01)]
         assert np.abs(poses[0][:, 2] - expected).max() < 2e-3
+
+
+def test_velocities_carry_a_displaced_surface() -> None:
+    shot = Displaced(0.5, (-0.5, 0.5))
+    mesh = flat(shot)
+    points = np.array(mesh.GetPointsAttr().Get())
+    mesh.GetPointsAttr().Clear()
+    mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(points), 10.0)
+    velocities = np.full_like(points, (24.0, 0.0, 12.0))  # One unit a frame, and a half.
+    mesh.CreateVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(velocities), 10.0)
+    result = shot.read(displacement="tessellate")
+    assert messages(result, "warning") == []
+    track = next(track for track in result.tracks if track.path == "/Sheet")
+    assert (track.segments, track.degree) == (1, 1)  # It does not turn.
+    first = result.scene.points("/Sheet", 0.0)
+    for time01 in DENSE_TIMES01:
+        found = result.scene.points("/Sheet", time01)
+        assert np.abs(found - first - time01 * np.array([1.0, 0.0, 0.5])).max() < 2 * ROUNDING
+        assert np.abs(found[:, 2] - 0.5 - 0.5 * (time01 - 0.5)).max() < 2 * ROUNDING
