@@ -90,7 +90,8 @@ void expect_geometry(const std::vector<GeometryId>& list, const Scene& scene, co
   for (std::size_t i = 0; i < list.size(); ++i) {
     expect_index(list[i].index(), count_of(list[i].kind(), scene), part, attribute);
     expect(i == 0 || list[i - 1].kind() <= list[i].kind(), part, attribute,
-           "kinds in another order in element " + std::to_string(i), "meshes before grids before curves before points");
+           "kinds in another order in element " + std::to_string(i),
+           "meshes before grids before curves before points");
   }
 }
 

@@ -26,7 +26,7 @@ struct Scene {
   std::vector<Grids> grids;
   std::vector<Curves> curves;
   std::vector<Points> points;
-  // What stands in the world directly: in `meshes`, `grids`, `curves` or `points`, ordered by kind as GeometryKind is,
+  // What stands in the world directly: in one of the lists above, ordered by kind as GeometryKind is,
   // so that an id in a tree is a place in this list (core/shade/scene_index.h).
   std::vector<GeometryId> world;
   std::vector<Prototype> prototypes;

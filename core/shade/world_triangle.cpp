@@ -96,9 +96,9 @@ InstancePose::InstancePose(const HitSource& source, float shutter_time) {
 WorldTriangle world_triangle(const HitSource& source, const std::optional<InstancePose>& pose,
                              std::uint32_t triangle, float shutter_time) {
   const float time = source.own_time(shutter_time);
-  const TrianglePose own = source.mesh
-                               ? TrianglePose(source.mesh->shape, triangle, time)
-                               : TrianglePose(source.grids->shape, source.grids->shape.triangle(triangle), time);
+  const TrianglePose own =
+      source.mesh ? TrianglePose(source.mesh->shape, triangle, time)
+                  : TrianglePose(source.grids->shape, source.grids->shape.triangle(triangle), time);
   const float margin = own.margin(source.mesh ? source.mesh->shape.form() : source.grids->shape.form());
   const Vec3d a(own.vertex[0]), b(own.vertex[1]), c(own.vertex[2]);
   if (!pose) return {{a, b, c}, margin * kRootOfThree};

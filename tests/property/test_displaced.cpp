@@ -52,8 +52,7 @@ struct Cage {
       }
       mesh.add_points(time01, std::move(points));
     }
-    for (int face = 0; face < 6; ++face)
-      st.insert(st.end(), {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+    for (int face = 0; face < 6; ++face) st.insert(st.end(), {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
   }
 
   Vec3d centre(double time01) const { return from + (to - from) * time01; }
@@ -66,10 +65,14 @@ struct Cage {
   }
 };
 
-std::shared_ptr<const Scene> translated(const Cage& cage, const std::string& scheme, std::uint32_t max_degree) {
+using Displaced = TranslatorSettings::Displaced;
+
+std::shared_ptr<const Scene> translated(const Cage& cage, const std::string& scheme, std::uint32_t max_degree,
+                                        Displaced kept) {
   TranslatorSettings settings = settings_of(300);
   settings.choice.max_degree = max_degree;
   settings.edge_length_pixels = 4.0;
+  settings.displaced = kept;
   Translator translator(camera_at(cage.from + Vec3d{1, 0, 8}), settings);
   translator.add_material(Material{}, by_texture());
   translator.add_mesh(cage.input(scheme));
@@ -80,14 +83,22 @@ std::shared_ptr<const Scene> translated(const Cage& cage, const std::string& sch
   return translator.finish();
 }
 
-void check_no_leak(const std::string& scheme, std::uint32_t max_degree, double position, std::uint64_t rays) {
-  const Cage cage({position, position, -position});
-  const std::shared_ptr<const Scene> scene = translated(cage, scheme, max_degree);
-  REQUIRE(scene->meshes.size() == 1);
-  const TriangleMesh& shape = scene->meshes[0].shape;
-  CHECK(shape.segments > 1);
-  const Accel accel = property::accel_of({shape});
+Accel accel_of(const Scene& scene, Displaced kept) {
+  const bool patches = kept == Displaced::kAsPatches;
+  REQUIRE(scene.meshes.size() == (patches ? 0u : 1u));
+  REQUIRE(scene.grids.size() == (patches ? 1u : 0u));
+  CHECK((patches ? scene.grids[0].shape.segments : scene.meshes[0].shape.segments) > 1);
+  Accel accel;
+  patches ? accel.add_grids(scene.grids[0].shape) : accel.add_mesh(scene.meshes[0].shape);
+  accel.commit();
   accel.verify();
+  return accel;
+}
+
+void check_no_leak(const std::string& scheme, std::uint32_t max_degree, Displaced kept, double position,
+                   std::uint64_t rays) {
+  const Cage cage({position, position, -position});
+  const Accel accel = accel_of(*translated(cage, scheme, max_degree, kept), kept);
   const Vec3d origin = cage.from + Vec3d{1, 0, 8};
   Random random(7);
   for (const InstructionSet set : supported_instruction_sets()) {
@@ -111,11 +122,14 @@ void check_no_leak(const std::string& scheme, std::uint32_t max_degree, double p
 TEST_CASE("closed displaced moving surfaces do not leak, whatever their texture's seams") {
   for (const char* scheme : {"catmullClark", "bilinear"}) {
     for (const std::uint32_t degree : {1u, 3u}) {
-      for (const double position : {0.0, 1e4}) {
-        CAPTURE(scheme);
-        CAPTURE(degree);
-        CAPTURE(position);
-        check_no_leak(scheme, degree, position, 30'000);
+      for (const Displaced kept : {Displaced::kAsTriangles, Displaced::kAsPatches}) {
+        for (const double position : {0.0, 1e4}) {
+          CAPTURE(scheme);
+          CAPTURE(degree);
+          CAPTURE(int(kept));
+          CAPTURE(position);
+          check_no_leak(scheme, degree, kept, position, 20'000);
+        }
       }
     }
   }
@@ -123,6 +137,7 @@ TEST_CASE("closed displaced moving surfaces do not leak, whatever their texture'
 
 TEST_SUITE("slow") {
   TEST_CASE("ten million rays inside a closed displaced moving surface: no leak") {
-    check_no_leak("catmullClark", 3, 1e4, 10'000'000);
+    for (const Displaced kept : {Displaced::kAsTriangles, Displaced::kAsPatches})
+      check_no_leak("catmullClark", 3, kept, 1e4, 10'000'000);
   }
 }

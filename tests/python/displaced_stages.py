@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import OpenImageIO as oiio
 from pxr import Sdf, Usd, UsdGeom, UsdShade, Vt
 from recording import Shot
+from subdivision_stages import sheet
 
 TYPES = Sdf.ValueTypeNames
 
@@ -93,3 +95,36 @@ def ramp(width: int = 64, height: int = 32) -> np.ndarray:
     s = (np.arange(width) + 0.5) / width
     t = 1.0 - (np.arange(height) + 0.5) / height
     return (s[None] + 2.0 * t[:, None]).astype(np.float32)
+
+
+ROUNDING = 4e-6
+"""Points are single precision, relative to the camera, 20 units away: two steps there."""
+SIDE = 4
+"""Quads along the sides of the sheet, which reaches from -2 to 2."""
+
+
+def flat(shot: Displaced, scheme: str = "catmullClark") -> UsdGeom.Mesh:
+    mesh = shot.bound(sheet(shot, SIDE))
+    mesh.CreateSubdivisionSchemeAttr(scheme)
+    return mesh
+
+
+def corners(mesh: UsdGeom.Mesh, values: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Values at the corners of the faces."""
+    points = np.array(mesh.GetPointsAttr().Get())
+    return values(points[np.array(mesh.GetFaceVertexIndicesAttr().Get())])
+
+
+def slope(points: np.ndarray) -> np.ndarray:
+    return 0.5 + 0.25 * points[:, 0] - 0.125 * points[:, 1]
+
+
+def square(points: np.ndarray) -> np.ndarray:
+    """Texture coordinates that cover the sheet once."""
+    return points[:, :2] / SIDE + 0.5
+
+
+def turning(degrees: float) -> np.ndarray:
+    """Row vectors, about z."""
+    a = np.radians(degrees)
+    return np.array([[np.cos(a), np.sin(a), 0], [-np.sin(a), np.cos(a), 0], [0, 0, 1]])

@@ -14,6 +14,7 @@ MESH = f"""
 def Scope "Looks" {{
     def Material "Red" {{
         token outputs:surface.connect = </Looks/Red/Surface.outputs:surface>
+        token outputs:displacement.connect = </Looks/Red/Surface.outputs:displacement>
         def Shader "Surface" {{
             uniform token info:id = "UsdPreviewSurface"
             color3f inputs:diffuseColor = (1, 0, 0)
@@ -23,6 +24,7 @@ def Scope "Looks" {{
             normal3f inputs:normal = (0, 0, 1)
             float inputs:displacement = 0
             token outputs:surface
+            token outputs:displacement
         }}
         def Shader "Reader" {{
             uniform token info:id = "UsdPrimvarReader_float3"

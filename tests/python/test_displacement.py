@@ -1,44 +1,17 @@
-"""Displacement from a stage to points: constants, primvars, textures; what moves; what is wrong with it."""
+"""Displacement from a stage to points: constants, primvars, textures, and what they are read on."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
-from displaced_stages import TYPES, Displaced, primvar, ramp, write
+from displaced_stages import ROUNDING, SIDE, TYPES, Displaced, corners, flat, primvar, ramp, slope, square, write
 from msbvh import _core
 from msbvh.scene.reader import ReadSettings, read_frame
 from pxr import Gf, Sdf, UsdGeom, UsdShade, Vt
-from recording import DENSE_TIMES01, messages
+from recording import messages
 from subdivision_stages import CORNERS, FACES, cube, sheet
-
-ROUNDING = 4e-6
-"""Points are single precision, relative to the camera, 20 units away: two steps there."""
-SIDE = 4
-"""Quads along the sides of the sheet, which reaches from -2 to 2."""
-
-
-def flat(shot: Displaced, scheme: str = "catmullClark") -> UsdGeom.Mesh:
-    mesh = shot.bound(sheet(shot, SIDE))
-    mesh.CreateSubdivisionSchemeAttr(scheme)
-    return mesh
-
-
-def corners(mesh: UsdGeom.Mesh, values: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-    """Values at the corners of the faces."""
-    points = np.array(mesh.GetPointsAttr().Get())
-    return values(points[np.array(mesh.GetFaceVertexIndicesAttr().Get())])
-
-
-def slope(points: np.ndarray) -> np.ndarray:
-    return 0.5 + 0.25 * points[:, 0] - 0.125 * points[:, 1]
-
-
-def square(points: np.ndarray) -> np.ndarray:
-    """Texture coordinates that cover the sheet once."""
-    return points[:, :2] / SIDE + 0.5
 
 
 @pytest.mark.parametrize("amount", [0.5, -0.25])
@@ -156,17 +129,6 @@ def test_indexed_and_inherited_primvars() -> None:
     assert np.abs(shot.points("/Group/Sheet")[:, 2] - 1.5).max() < ROUNDING
 
 
-def test_a_missing_primvar_is_its_fallback_and_said() -> None:
-    shot = Displaced()
-    shot.read_primvar("height", 0.5)
-    flat(shot)
-    result = shot.read(displacement="tessellate")
-    assert np.abs(result.scene.points("/Sheet", 0.5)[:, 2] - 0.5).max() < ROUNDING
-    assert messages(result, "warning") == [
-        "/Sheet.primvars:height: is not there, or empty; displaced by what its reader falls back to"
-    ]
-
-
 @pytest.mark.parametrize("interpolation", ["vertex", "faceVarying"])
 def test_a_ramp_of_a_texture(tmp_path: Path, interpolation: str) -> None:
     shot = Displaced()
@@ -220,6 +182,21 @@ def test_the_file_may_say_how_it_wraps_else_it_is_black_outside(tmp_path: Path) 
     assert (found[0][outside, 2] == 0.0).all() and (found[0][~outside, 2] == 1.0).all()
     assert 0.5 < outside.mean() < 1.0
     assert (found[1][:, 2] == 1.0).all()
+
+
+def test_tiles_of_a_udim_texture(tmp_path: Path) -> None:
+    shot = Displaced()
+    for number, value in ((1001, 0.25), (1002, 0.5), (1012, 1.0)):
+        write(tmp_path / f"tile.{number}.exr", np.full((4, 4), value))
+    shot.read_texture(str(tmp_path / "tile.<UDIM>.exr"))
+    mesh = flat(shot, "bilinear")
+    primvar(mesh, "st", 2 * square(np.array(mesh.GetPointsAttr().Get())), "vertex")
+    result = shot.read(displacement="tessellate")
+    assert messages(result, "warning") == []
+    x, y, z = result.scene.points("/Sheet", 0.5).T
+    beside = (np.abs(x) > 1e-4) & (np.abs(y) > 1e-4)
+    expected = np.where(y < 0, np.where(x < 0, 0.25, 0.5), np.where(x < 0, 0.0, 1.0))
+    assert np.abs(z - expected)[beside].max() < ROUNDING
 
 
 def test_a_fine_texture_is_filtered_at_the_dicing_rate(tmp_path: Path) -> None:
@@ -283,71 +260,10 @@ def test_polygons_move_at_their_vertices_with_one_warning() -> None:
     ]
 
 
-def test_only_where_the_materials_output_is_connected() -> None:
-    shot = Displaced(0.5)
-    flat(shot)
-    shot.material.GetDisplacementOutput().ClearSources()
-    result = shot.read(displacement="tessellate")
-    assert (result.scene.points("/Sheet", 0.5)[:, 2] == 0.0).all()
-    said = "/Look/Surface.inputs:displacement: the material's outputs:displacement is not connected"
-    assert [text for text in messages(result, "note") if text.startswith(said)] != []
-    assert messages(result, "warning") == []
-
-
 def test_off_by_option() -> None:
     shot = Displaced(0.5)
     flat(shot)
     assert (shot.undisplaced("/Sheet")[:, 2] == 0.0).all()
-
-
-@pytest.mark.parametrize(
-    ("amount", "found"), [(1e30, "1e+30"), (float("nan"), "nan"), (float("inf"), "inf"), (-1e13, "-1e+13")]
-)
-def test_a_constant_that_is_no_distance(amount: float, found: str) -> None:
-    shot = Displaced(amount)
-    flat(shot)
-    result = shot.read(displacement="tessellate")
-    assert (result.scene.points("/Sheet", 0.5)[:, 2] == 0.0).all()
-    assert messages(result, "warning") == [
-        f"/Look/Surface.inputs:displacement: found {found}, expected a finite number of at most 2^40 in size; drawn"
-        " without displacement"
-    ]
-
-
-@pytest.mark.parametrize("bad", [1e30, float("nan"), float("-inf")])
-def test_a_primvar_with_what_is_no_distance(bad: float) -> None:
-    shot = Displaced()
-    shot.read_primvar("height")
-    mesh = flat(shot)
-    primvar(mesh, "height", [0.5] * 7 + [bad] + [0.5] * 17, "vertex")
-    result = shot.read(displacement="tessellate")
-    assert (result.scene.points("/Sheet", 0.5)[:, 2] == 0.0).all()
-    (said,) = messages(result, "warning")
-    assert said.startswith("/Sheet.primvars:height: value 7 is ") and "drawn without displacement" in said
-
-
-@pytest.mark.parametrize("bad", [float("nan"), float("inf"), 3e38])
-def test_a_texture_with_what_is_no_distance(tmp_path: Path, bad: float) -> None:
-    shot = Displaced()
-    texels = ramp()
-    texels[3, 5] = bad
-    shot.read_texture(write(tmp_path / "bad.exr", texels))
-    mesh = flat(shot)
-    primvar(mesh, "st", square(np.array(mesh.GetPointsAttr().Get())), "vertex")
-    result = shot.read(displacement="tessellate")
-    assert (result.scene.points("/Sheet", 0.5)[:, 2] == 0.0).all()
-    (said,) = messages(result, "warning")
-    assert said.startswith("/Look/") and "drawn without displacement" in said
-
-
-def test_an_implicit_shape_stays_as_it_is() -> None:
-    shot = Displaced(0.5)
-    shot.bound(UsdGeom.Sphere.Define(shot.stage, "/Ball"))
-    result = shot.read(displacement="tessellate")
-    assert np.linalg.norm(result.scene.points("/Ball", 0.5), axis=1).max() < 1.0001
-    assert messages(result, "warning") == [
-        "/Ball.material:binding: displacement of an implicit shape is not supported; drawn without it"
-    ]
 
 
 def test_instances_of_a_displaced_prototype() -> None:
@@ -376,87 +292,6 @@ def test_a_displaced_surface_is_shaded_as_it_lies() -> None:
     normal = renderer.render_with_aovs()[1]["normal"]
     middle = normal[size["height"] // 2, size["width"] // 2]
     assert np.abs(middle - np.array([-1, 0, 1]) / np.sqrt(2.0)).max() < 1e-3
-
-
-def turning(degrees: float) -> np.ndarray:
-    """Row vectors, about z."""
-    a = np.radians(degrees)
-    return np.array([[np.cos(a), np.sin(a), 0], [-np.sin(a), np.cos(a), 0], [0, 0, 1]])
-
-
-def test_moving_points_are_displaced_where_the_surface_is_at_each_time() -> None:
-    """Points that turn by 40 degrees between samples go straight in between: the surface is squeezed there, and its normals
-    are those of the squeezed one."""
-    shot = Displaced(0.4, (-1.0, 1.0))
-    mesh = shot.bound(cube(shot))
-    samples = {9.0: -40.0, 10.0: 0.0, 11.0: 40.0}
-    for time, degrees in samples.items():
-        mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy((CORNERS @ turning(degrees)).astype(np.float32)), time)
-    tolerance = 0.02
-    scene = shot.read(width=400, edge_length=4.0, motion_tolerance=tolerance, displacement="tessellate").scene
-    rest = shot.undisplaced("/Cube", 0.5, width=400, edge_length=4.0, motion_tolerance=tolerance)
-    normals = (scene.points("/Cube", 0.5) - rest) / 0.4
-    assert np.abs(np.linalg.norm(normals, axis=1) - 1.0).max() < 1e-4
-    pixels_per_unit = 400 * 50.0 / 20.955 / (20.0 - 1.4)
-    worst = 0.0
-    for time01 in DENSE_TIMES01:
-        time = 9.0 + 2.0 * time01
-        before = min(float(np.floor(time)), 10.0)
-        w = time - before
-        map_ = (1 - w) * turning(samples[before]) + w * turning(samples[before + 1])
-        moved = normals @ np.linalg.inv(map_).T
-        moved /= np.linalg.norm(moved, axis=1, keepdims=True)
-        expected = rest @ map_ + 0.4 * moved
-        worst = max(worst, np.linalg.norm(scene.points("/Cube", time01) - expected, axis=1).max())
-    assert worst * pixels_per_unit < tolerance
-    # The cage alone needs no more than its samples.
-    assert shot.undisplaced("/Cube", 0.25, width=400, edge_length=4.0) is not None
-
-
-def test_turning_surfaces_get_the_keys_they_need() -> None:
-    segments = {}
-    for amount in (0.0, 0.05, 1.0):
-        shot = Displaced(amount, (-1.0, 1.0))
-        mesh = shot.bound(cube(shot))
-        for time in (9.0, 11.0):
-            turned = CORNERS @ turning(60.0 * (time - 10.0))
-            mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(turned.astype(np.float32)), time)
-        result = shot.read(edge_length=8.0, interpolation="linear")
-        track = next(track for track in result.tracks if track.path == "/Cube")
-        segments[amount] = track.segments
-        assert track.error_pixels <= 0.1
-    assert segments[0.0] == 1
-    assert segments[0.0] < segments[0.05] < segments[1.0]
-
-
-def test_under_a_moving_transform_the_displaced_mesh_is_still() -> None:
-    shot = Displaced(0.5, (-0.5, 0.5))
-    mesh = flat(shot)
-    turn = mesh.AddRotateYOp()
-    turn.Set(0.0, 9.5)
-    turn.Set(90.0, 10.5)
-    result = shot.read(displacement="tessellate")
-    track = next(track for track in result.tracks if track.path == "/Sheet")
-    assert track.moving_transform
-    for time01 in (0.0, 0.31, 1.0):
-        (found,) = [points[0] for _, place, points in result.scene.poses(time01) if place == "/Sheet"]
-        a = np.radians(90.0 * time01)
-        distance = found @ np.array([np.sin(a), 0, np.cos(a)])  # Along the turned normal.
-        assert np.abs(distance - 0.5).max() < 2e-3
-
-
-def test_a_primvar_that_changes_within_the_shutter_moves_the_surface() -> None:
-    shot = Displaced(shutter=(-1.0, 1.0))
-    shot.read_primvar("height")
-    mesh = flat(shot)
-    for time, height in ((9.0, 0.0), (9.5, 1.0), (11.0, 0.25)):
-        primvar(mesh, "height", np.full((SIDE + 1) ** 2, height), "vertex", time)
-    result = shot.read(displacement="tessellate")
-    assert messages(result, "warning") == []
-    for time01 in DENSE_TIMES01:
-        expected = np.interp(9.0 + 2.0 * time01, [9.0, 9.5, 11.0], [0.0, 1.0, 0.25])
-        poses = [points[0] for _, _, points in result.scene.poses(time01)]
-        assert np.abs(poses[0][:, 2] - expected).max() < 2e-3
 
 
 def test_the_plan_names_it() -> None:

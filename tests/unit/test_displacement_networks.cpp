@@ -208,8 +208,7 @@ TEST_CASE("a texture that cannot be read is its fallback, without scale and bias
   CHECK(look.messages(Severity::kWarning, "it names no file: displaced by its fallback, 1") == 1);
 }
 
-TEST_CASE(
-    "texels that are no numbers, distances beyond all scenes and tiles displace nothing, with one message") {
+TEST_CASE("texels that are no numbers and distances beyond all scenes displace nothing, with one message") {
   Network look;
   look.textures.bad = std::numeric_limits<float>::quiet_NaN();
   look.texture({kFile});
@@ -220,8 +219,30 @@ TEST_CASE(
   CHECK_FALSE(look.read());
   CHECK(look.messages(Severity::kWarning, "found up to 1e+30, expected a finite number") == 1);
   CHECK(look.said.size() == 1);
-  look.network.nodes.pop_back();
-  look.texture({constant("file", Asset{"ramp.<UDIM>.exr", {"/ramp.1001.exr"}})});
-  CHECK_FALSE(look.read());
-  CHECK(look.messages(Severity::kWarning, "tiles of a UDIM texture is not supported yet") == 1);
+}
+
+TEST_CASE("tiles lie where their numbers say; what is no tile is left out") {
+  struct Tiles : TextureSource {
+    std::optional<Rgba> mean(const Asset&, std::string_view) const override { return std::nullopt; }
+    std::optional<ScalarImage> channel(const Asset& asset, std::string_view, std::size_t) const override {
+      if (asset.files.front().find("1002") != std::string::npos) return ScalarImage{1, 1, {2.0f}};
+      return asset.files.front().find("1011") != std::string::npos ? std::optional(ScalarImage{1, 1, {3.0f}})
+                                                                   : std::nullopt;
+    }
+  } tiles;
+  Network look;
+  look.texture({constant("file", Asset{"a/rough.<UDIM>.exr",
+                                       {"/a/rough.1001.exr", "/a/rough.1002.exr", "/p.usdz[a/rough.1011.exr]",
+                                        "/a/rough.0002.exr", "/a/rough.exr"}})});
+  const Displacement found = *displacement_of(look.network, tiles, look.said);
+  CHECK(look.is_silent());
+  const ScalarTexture& texture = *found.texture;
+  CHECK(texture.at(1.5, 0.5, 0, 0) == 2.0);
+  CHECK(texture.at(0.5, 1.5, 0, 0) == 3.0);
+  CHECK(texture.at(0.5, 0.5, 0, 0) == 0.0);  // cannot be read
+  CHECK(texture.at(2.0, 1.0, 0, 0) == 2.0);  // an edge belongs to its tile
+  CHECK(texture.at(2.1, 0.5, 0, 0) == 0.0);
+  CHECK(texture.at(1e30, -1e30, 0, 0) == 0.0);
+  CHECK(texture.least() == 0.0);
+  CHECK(texture.largest() == 3.0);
 }

@@ -1,5 +1,6 @@
 // UsdPreviewSurface networks, built by hand: what their inputs are drawn as, and what is said of the rest.
 #include <algorithm>
+#include <array>
 #include <doctest/doctest.h>
 #include <limits>
 #include <optional>
@@ -7,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "delegate/translate/look/displacement.h"
 #include "delegate/translate/look/preview_surface.h"
 
 using namespace msbvh;
@@ -275,44 +277,86 @@ TEST_CASE("the first connection counts, and more than a value does") {
   CHECK(look.warnings("connected to a Mix, which is not evaluated yet; drawn as 0.75") == 1);
 }
 
+namespace {
+
+// Reads raw textures otherwise than others.
+struct SomeTexture : TextureSource {
+  std::optional<Rgba> mean(const Asset&, std::string_view space) const override {
+    return space == "raw" ? Rgba{0.1, 0.2, 0.3, 0.4} : Rgba{0.5, 0.6, 0.7, 0.8};
+  }
+  std::optional<ScalarImage> channel(const Asset&, std::string_view, std::size_t) const override {
+    return ScalarImage{2, 2, {0.125f, 0.25f, 0.5f, 1.0f}};
+  }
+};
+
+// All that a node makes of a surface and of its displacement, and what is said.
+std::string outcome(const ShaderNode& node) {
+  Network look;
+  look.network.terminals["displacement"] = {"/Look/Surface", "displacement"};
+  look.surface().inputs = {connected("emissiveColor", "/Look/Node", "rgb"),
+                           connected("displacement", "/Look/Node", "r")};
+  if (node.identifier == "UsdPreviewSurface") {
+    for (auto& [name, terminal] : look.network.terminals) terminal.node = node.path;
+  }
+  if (node.identifier == "UsdTransform2d") {
+    look.surface().inputs.back() = connected("displacement", "/Look/Image", "r");
+    look.network.nodes.push_back(
+        {"/Look/Image",
+         "UsdUVTexture",
+         {constant("file", Asset{"wood.png"}), connected("st", "/Look/Node", "result")}});
+  }
+  look.network.nodes.push_back(node);
+  const SomeTexture textures;
+  const Material material = *look.read(textures);
+  const Displacement displaced = displacement_of(look.network, textures, look.said).value_or(Displacement{});
+  std::string all = message(material.emissive_color.x, " ", material.diffuse_color.x, " ", displaced.constant,
+                            " ", displaced.primvar, " ", displaced.scale, " ", displaced.bias);
+  for (const auto& [s, t] : {displaced.coordinates.fallback, std::array{1.3, -0.6}}) {
+    const auto st = displaced.coordinates.mapped(s, t);
+    all += message(" ", st[0], " ", st[1]);
+    if (displaced.texture) all += message(" ", displaced.texture->at(st[0], st[1], 0.0, 0.0));
+  }
+  for (const Diagnostic& d : look.said) all += "; " + d.attribute + ": " + d.message;
+  return all;
+}
+
+ShaderData unusual_data(const std::string& identifier, const std::string& name) {
+  if (name == "file") return Asset{"wood.png"};
+  if (name == "varname" || name == "sourceColorSpace") return std::string("raw");
+  if (name == "wrapS" || name == "wrapT") return std::string("repeat");
+  if (name == "rotation" || name == "displacement") return 0.5;
+  const bool pair = name == "st" || (identifier == "UsdTransform2d" && name != "fallback");
+  return pair ? numbers({0.5, 0.75}) : numbers({0.5, 0.5, 0.5, 0.5});
+}
+
+bool differs(const std::string& identifier, const std::string& name) {
+  ShaderNode node{"/Look/Node", identifier};
+  if (identifier == "UsdUVTexture" && name != "file" && name != "fallback") {
+    node.inputs = {constant("file", Asset{"wood.png"})};
+  }
+  // What is outside in one direction is black, however it wraps in the other.
+  if (name == "wrapS") node.inputs.push_back(constant("wrapT", std::string("repeat")));
+  if (name == "wrapT") node.inputs.push_back(constant("wrapS", std::string("repeat")));
+  const std::string bare = outcome(node);
+  node.inputs.push_back(constant(name, unusual_data(identifier, name)));
+  return outcome(node) != bare;
+}
+
+}  // namespace
+
 // A front-end that reads the listed inputs alone must get what one that reads all gets.
 TEST_CASE("of a node's inputs, those that are listed make a difference and others do not") {
-  const auto outcome = [](const ShaderNode& node) {
-    Network look;
-    look.surface().inputs = {connected("emissiveColor", "/Look/Node", "rgb")};
-    if (node.identifier == "UsdPreviewSurface") look.network.terminals["surface"].node = node.path;
-    look.network.nodes.push_back(node);
-    struct : TextureSource {
-      std::optional<Rgba> mean(const Asset&, std::string_view space) const override {
-        return space == "raw" ? Rgba{0.1, 0.2, 0.3, 0.4} : Rgba{0.5, 0.6, 0.7, 0.8};
-      }
-    } textures;
-    const Material material = *look.read(textures);
-    std::string all = message(material.emissive_color.x, " ", material.diffuse_color.x);
-    for (const Diagnostic& d : look.said) all += "; " + d.attribute + ": " + d.message;
-    return all;
-  };
-  const auto differs = [&](const std::string& identifier, const std::string& name) {
-    ShaderNode node{"/Look/Node", identifier};
-    if (identifier == "UsdUVTexture" && name != "file" && name != "fallback") {
-      node.inputs = {constant("file", Asset{"wood.png"})};
-    }
-    const std::string bare = outcome(node);
-    const bool text = name == "varname" || name == "sourceColorSpace";
-    const ShaderData data = text             ? ShaderData(std::string("raw"))
-                            : name == "file" ? ShaderData(Asset{"wood.png"})
-                                             : ShaderData(numbers({0.5, 0.5, 0.5, 0.5}));
-    node.inputs.push_back(constant(name, data));
-    return outcome(node) != bare;
-  };
-  for (const std::string identifier :
-       {"UsdPreviewSurface", "UsdUVTexture", "UsdPrimvarReader_float3", "Mix"}) {
+  for (const std::string identifier : {"UsdPreviewSurface", "UsdUVTexture", "UsdTransform2d",
+                                       "UsdPrimvarReader_float", "UsdPrimvarReader_float3", "Mix"}) {
     CAPTURE(identifier);
-    for (const std::string_view name : evaluated_inputs(identifier)) {
+    const auto listed = evaluated_inputs(identifier);
+    for (const std::string_view name : listed) {
       CAPTURE(std::string(name));
       const bool of_the_surface_itself = identifier == "UsdPreviewSurface" && name == "fallback";
       CHECK(differs(identifier, std::string(name)) != of_the_surface_itself);
     }
-    for (const char* other : {"roughness", "st", "wrapS", "in"}) CHECK_FALSE(differs(identifier, other));
+    for (const char* other : {"roughness", "st", "wrapS", "in"}) {
+      if (std::ranges::count(listed, other) == 0) CHECK_FALSE(differs(identifier, other));
+    }
   }
 }

@@ -36,6 +36,27 @@ double finite_number_or(double standard, const ShaderNode& node, std::string_vie
   return found && std::isfinite(*found) ? *found : standard;
 }
 
+// UDIM: tile 1001 covers the unit square, ten of them make a row.
+constexpr int kFirstTile = 1001, kTilesARow = 10, kLastTile = 1100;
+constexpr std::string_view kTileToken = "<UDIM>";
+
+bool is_tiled(const Asset& asset) { return asset.path.find(kTileToken) != std::string::npos; }
+
+// The number of a tile's file, from the digits that stand for the token: those before what follows it.
+std::optional<int> tile_of(const std::string& path, std::string_view file) {
+  const std::string_view after = std::string_view(path).substr(path.find(kTileToken) + kTileToken.size());
+  while (file.ends_with(']') && !after.ends_with(']')) file.remove_suffix(1);  // in a package
+  constexpr std::size_t kDigits = 4;
+  if (!file.ends_with(after) || file.size() < after.size() + kDigits) return std::nullopt;
+  file.remove_suffix(after.size());
+  int number = 0;
+  for (const char c : file.substr(file.size() - kDigits)) {
+    if (c < '0' || c > '9') return std::nullopt;
+    number = 10 * number + (c - '0');
+  }
+  return number >= kFirstTile && number <= kLastTile ? std::optional(number) : std::nullopt;
+}
+
 bool is_distance(double value) { return std::abs(value) <= kMaxDistance; }
 const char* expected_distance() { return ", expected a finite number of at most 2^40 in size"; }
 
@@ -51,6 +72,8 @@ class DisplacementReader {
   std::optional<Displacement> constant(const ShaderInput& input);
   std::optional<Displacement> connected(const ShaderInput& input);
   std::optional<Displacement> textured(const ShaderInput& input, const ShaderNode& texture);
+  std::vector<ScalarTile> images_of(const ShaderNode& texture, const Asset& asset, std::size_t channel) const;
+  bool check_texels(const ShaderNode& texture, const Asset& asset, const std::vector<ScalarTile>& images);
   std::optional<Displacement> fallback(const ShaderInput& input, const ShaderNode& texture,
                                        const std::string& why);
   TextureCoordinates coordinates_of(const ShaderNode& texture);
@@ -114,32 +137,56 @@ std::optional<Displacement> DisplacementReader::textured(const ShaderInput& inpu
   const ShaderValue* file = constant_of(texture, "file");
   const auto* asset = file ? std::get_if<Asset>(&file->data) : nullptr;
   if (!asset || asset->path.empty()) return fallback(input, texture, "it names no file");
-  if (asset->path.find("<UDIM>") != std::string::npos) {
-    log_at(texture.path)
-        .warn("inputs:file",
-              "displacement by the tiles of a UDIM texture is not supported yet; drawn without "
-              "displacement");
-    return std::nullopt;
-  }
   const std::size_t channel = channel_of(input.connections.front().output);
-  const std::string space = text_of(texture, "sourceColorSpace");
-  std::optional<ScalarImage> image = textures_.channel(*asset, space.empty() ? "auto" : space, channel);
-  if (!image) return fallback(input, texture, "@" + asset->path + "@ cannot be read");
-  const auto bad = std::ranges::find_if(image->values, [](float v) { return !std::isfinite(v); });
-  if (bad != image->values.end()) {
-    log_at(texture.path)
-        .warn("inputs:file", "@" + asset->path + "@ has a texel of " + text(double(*bad)) +
-                                 ", expected finite numbers; drawn without displacement");
-    return std::nullopt;
-  }
+  std::vector<ScalarTile> images = images_of(texture, *asset, channel);
+  if (images.empty()) return fallback(input, texture, "@" + asset->path + "@ cannot be read");
+  if (!check_texels(texture, *asset, images)) return std::nullopt;
   Displacement found{.coordinates = coordinates_of(texture)};
   found.scale = finite_or(kScale, constant_of(texture, "scale"))[channel];
   found.bias = finite_or(kBias, constant_of(texture, "bias"))[channel];
-  const Wrap wrap_s = wrap_of(texture, "wrapS", image->wrap_s),
-             wrap_t = wrap_of(texture, "wrapT", image->wrap_t);
-  found.texture = std::make_shared<const ScalarTexture>(std::move(*image), wrap_s, wrap_t);
+  if (is_tiled(*asset)) {
+    found.texture = std::make_shared<const ScalarTexture>(std::move(images));
+  } else {
+    ScalarImage& image = images.front().image;
+    const Wrap wrap_s = wrap_of(texture, "wrapS", image.wrap_s);
+    const Wrap wrap_t = wrap_of(texture, "wrapT", image.wrap_t);
+    found.texture = std::make_shared<const ScalarTexture>(std::move(image), wrap_s, wrap_t);
+  }
   const double size = std::max(std::abs(found.texture->least()), std::abs(found.texture->largest()));
   return checked(std::move(found), size * std::abs(found.scale) + std::abs(found.bias));
+}
+
+// The one, or the tiles; those that can be read.
+std::vector<ScalarTile> DisplacementReader::images_of(const ShaderNode& texture, const Asset& asset,
+                                                      std::size_t channel) const {
+  const std::string named = text_of(texture, "sourceColorSpace"), space = named.empty() ? "auto" : named;
+  std::vector<ScalarTile> images;
+  if (!is_tiled(asset)) {
+    if (auto image = textures_.channel(asset, space, channel)) images.push_back({0, 0, std::move(*image)});
+    return images;
+  }
+  for (const std::string& file : asset.files) {
+    const std::optional<int> number = tile_of(asset.path, file);
+    if (!number) continue;
+    auto image = textures_.channel({asset.path, {file}}, space, channel);
+    const int index = *number - kFirstTile;
+    if (image) images.push_back({index % kTilesARow, index / kTilesARow, std::move(*image)});
+  }
+  return images;
+}
+
+bool DisplacementReader::check_texels(const ShaderNode& texture, const Asset& asset,
+                                      const std::vector<ScalarTile>& images) {
+  for (const ScalarTile& tile : images) {
+    const std::vector<float>& values = tile.image.values;
+    const auto bad = std::ranges::find_if(values, [](float v) { return !std::isfinite(v); });
+    if (bad == values.end()) continue;
+    log_at(texture.path)
+        .warn("inputs:file", "@" + asset.path + "@ has a texel of " + text(double(*bad)) +
+                                 ", expected finite numbers; drawn without displacement");
+    return false;
+  }
+  return true;
 }
 
 // As the texture's, its output is not scaled.

@@ -78,6 +78,33 @@ ScalarTexture::ScalarTexture(ScalarImage image, Wrap wrap_s, Wrap wrap_t) : wrap
   while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(halved(levels_.back()));
 }
 
+ScalarTexture::ScalarTexture(std::vector<ScalarTile> tiles) {
+  for (ScalarTile& tile : tiles) {
+    tile_places_.push_back({tile.s, tile.t});
+    tiles_.emplace_back(std::move(tile.image), Wrap::kClamp, Wrap::kClamp);
+    least_ = std::min(least_, tiles_.back().least());
+    largest_ = std::max(largest_, tiles_.back().largest());
+  }
+}
+
+const ScalarTexture* ScalarTexture::tile(int s, int t) const {
+  const auto found = std::ranges::find(tile_places_, std::array{s, t});
+  return found == tile_places_.end() ? nullptr : &tiles_[std::size_t(found - tile_places_.begin())];
+}
+
+// A tile's edges belong to it, where no other begins.
+double ScalarTexture::in_tiles(double s, double t, double size_s, double size_t) const {
+  constexpr double kFarthest = 1000.0;  // there are ten tiles a row, and ten rows
+  if (!(std::abs(s) < kFarthest && std::abs(t) < kFarthest)) return 0.0;
+  const double left = std::floor(s), lower = std::floor(t);
+  for (const double u : {left, s == left ? left - 1.0 : left}) {
+    for (const double v : {lower, t == lower ? lower - 1.0 : lower}) {
+      if (const ScalarTexture* found = tile(int(u), int(v))) return found->at(s - u, t - v, size_s, size_t);
+    }
+  }
+  return 0.0;
+}
+
 // Each value is the mean over what it covers, also of sides that are odd.
 ScalarTexture::Level ScalarTexture::halved(const Level& level) {
   Level half{std::max(1u, level.width / 2), std::max(1u, level.height / 2), {}};
@@ -112,6 +139,7 @@ double ScalarTexture::bilinear(const Level& level, double s, double t) const {
 
 double ScalarTexture::at(double s, double t, double size_s, double size_t) const {
   if (!std::isfinite(s) || !std::isfinite(t)) return 0.0;
+  if (!tiles_.empty()) return in_tiles(s, t, size_s, size_t);
   const std::optional<double> u = wrapped(s, wrap_s_), v = wrapped(t, wrap_t_);
   if (!u || !v) return 0.0;
   const Level& image = levels_.front();

@@ -41,6 +41,11 @@ class Materials:
         except (Tf.ErrorException, UnicodeDecodeError):
             return [self.bound_to(prim) for prim in prims]
 
+    @property
+    def displace(self) -> bool:
+        """Whether one of them does."""
+        return bool(self._displacements)
+
     def displacement(self, material: int | None) -> Displacement | None:
         """How a material displaces what is bound to it; None: not at all."""
         return None if material is None else self._displacements.get(material)

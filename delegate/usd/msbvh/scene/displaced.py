@@ -17,6 +17,8 @@ def add_displacement(
     mesh: MeshInput, prim: Usd.Prim, is_mesh: bool, materials: Materials, context: FrameContext
 ) -> None:
     """After the mesh's materials. An implicit shape stays as it is, with a warning."""
+    if not materials.displace:
+        return
     numbers = {mesh.material} if mesh.face_materials is None else set(np.unique(mesh.face_materials).tolist())
     found = [each for number in numbers if (each := materials.displacement(number)) is not None]
     if not found:
