@@ -109,10 +109,10 @@ class Packet {
   std::int64_t saved = 0;
 
  private:
-  static constexpr std::int64_t kOwnNode = 8, kSharedNode = 40, kAlone = 14;
+  static constexpr std::int64_t kOwnNode = 8, kSharedNode = 28, kAlone = 14;
   static constexpr bool kMoving = kMovement != Movement::kStill;
   // Rays that go on alone.
-  static constexpr int kFew = 3;
+  static constexpr int kFew = 2;
 
   struct Entry {
     alignas(64) float enter[kPacket];
