@@ -1,11 +1,12 @@
 // Coherent rays: kPacket of them go down the tree together, a child's box against all of them at once.
 //
 // A node's boxes are read, and a child is chosen, once for all rays that are there; what 16 rays share is
-// paid once. Where few are left, each goes on alone (C. Benthin, I. Wald, S. Woop, M. Ernst, W. Mark,
-// "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture",
-// TVCG 18(9), 2012). Rays have times of their own: boxes are interpolated for all rays in one segment at
-// once, and ray by ray where rays are in more than two. Triangles are tested a ray at a time, eight at once,
-// by the same code in the same arithmetic as everywhere: same hits to the bit.
+// paid once. Children that the rays' intervals miss (core/trace/beam-inl.h) are held against no ray. Where
+// few are left, each goes on alone (C. Benthin, I. Wald, S. Woop, M. Ernst, W. Mark, "Combining Single and
+// Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture", TVCG 18(9), 2012). Rays
+// have times of their own: boxes are interpolated for all rays in one segment at once, and ray by ray where
+// rays are in more than two. Triangles are tested a ray at a time, eight at once, by the same code in the
+// same arithmetic as everywhere: same hits to the bit.
 
 #if defined(MSBVH_PACKET_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef MSBVH_PACKET_INL_H
@@ -21,6 +22,7 @@
 #include <limits>
 #include <memory>
 
+#include "core/trace/beam-inl.h"
 #include "core/trace/traverse-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -42,6 +44,7 @@ struct PacketSetup {
   RaySetup<kMovement> ray[kPacket];
   // Up to this level all rays are in the same segment.
   std::uint32_t common_level = 0;
+  Beam beam;
 
   void set(std::uint32_t i, const Ray& r, const Bvh& bvh) {
     std::construct_at(&ray[i], r, bvh);
@@ -52,6 +55,12 @@ struct PacketSetup {
     time[i] = clamped_time(r.time);
   }
   // Once all rays are set.
+  void join() {
+    beam.set(org, reciprocal, tnear, time);
+    find_common_level();
+  }
+
+ private:
   void find_common_level() {
     if constexpr (kMovement == Movement::kStill) return;
     const auto [first, last] = std::minmax_element(time, time + kPacket);
@@ -77,12 +86,14 @@ class Packet {
     Place at{bvh.root, bvh.root_form_code};
     RayMask rays = kAllRays;
     top_ = stack_;
+    find_farthest();
     for (;;) {
       if (std::popcount(rays) <= kFew) {
         go_alone(at, rays);
       } else if (at.ref.is_leaf()) {
         fetch_own_keys(at, rays);
         visit_leaf(at, rays);
+        find_farthest();
       } else if (descend(at, rays)) {
         continue;
       }
@@ -98,10 +109,10 @@ class Packet {
   std::int64_t saved = 0;
 
  private:
-  static constexpr std::int64_t kOwnNode = 8, kSharedNode = 40, kAlone = 14;
+  static constexpr std::int64_t kOwnNode = 8, kSharedNode = 28, kAlone = 14;
   static constexpr bool kMoving = kMovement != Movement::kStill;
   // Rays that go on alone.
-  static constexpr int kFew = 3;
+  static constexpr int kFew = 2;
 
   struct Entry {
     alignas(64) float enter[kPacket];
@@ -146,8 +157,13 @@ class Packet {
     const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
     const auto segments = static_cast<float>(kMoves ? segments_of_level(form.level()) : 0);
     const NodeBounds& bounds = node.bounds()[key * degree];
+    std::uint32_t met = setup.beam.template meets<kMoves, kMovement == Movement::kPolynomial>(
+                            &bounds, degree, kMoves ? segments_of_level(form.level()) : 0, key, farthest_) &
+                        ((1u << node.child_count) - 1u);
     std::uint32_t children = 0;
-    for (std::uint32_t c = 0; c < node.child_count; ++c) {
+    if (!kMore) std::fill_n(entered_, kWidth, 0);
+    for (; met != 0; met &= met - 1) {
+      const auto c = static_cast<std::uint32_t>(std::countr_zero(met));
       RayMask entered = 0;
       for (std::size_t lane = 0; lane < kPacket; lane += kRayLanes) {
         // As locate() has it.
@@ -269,6 +285,15 @@ class Packet {
     return false;
   }
 
+  // Nothing is found beyond: what was found bounds all of the rays together.
+  HWY_INLINE void find_farthest() {
+    const DR d;
+    VR farthest = hn::Set(d, -std::numeric_limits<float>::infinity());
+    for (std::size_t lane = 0; lane < kPacket; lane += kRayLanes)
+      farthest = hn::Max(hn::Load(d, setup.tfar + lane), farthest);
+    farthest_ = hn::GetLane(hn::MaxOfLanes(d, farthest));
+  }
+
   // What a ray has found bounds its way. One that is done, since any hit will do, enters nothing any more.
   HWY_INLINE void take_answer(std::uint32_t i) {
     constexpr float kNowhere = -std::numeric_limits<float>::infinity();
@@ -314,6 +339,7 @@ class Packet {
   // Of the node that was tested last: the rays that enter each child, and where.
   alignas(64) float enter_[kWidth][kPacket];
   RayMask entered_[kWidth];
+  float farthest_;
   Entry* top_;
   Entry stack_[(kWidth - 1) * kMaxDepth + 1];
 };
@@ -343,7 +369,7 @@ class Packets {
       queries[i].tfar = rays[i].tfar;
       packet_.setup.set(i, rays[i], bvh);
     }
-    packet_.setup.find_common_level();
+    packet_.setup.join();
     packet_.run(bvh, rays, queries);
     for (std::uint32_t i = 0; i < kPacket; ++i) finish(i, queries[i]);
     packet_.saved -= kSetup;
