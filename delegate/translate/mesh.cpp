@@ -68,8 +68,8 @@ Shape shape_of(const MovingArray& points, const Candidate& track, const Tessella
   mesh.triangles = faces.triangles();
   if (const Refinement* refinement = faces.refinement()) {
     shape.cage = std::move(mesh.positions);
-    mesh.vertex_count = refinement->mesh.point_count();
-    mesh.positions = refined_controls(refinement->mesh, shape.cage, mesh.form().controls());
+    mesh.vertex_count = refinement->mesh->point_count();
+    mesh.positions = refined_controls(*refinement->mesh, shape.cage, mesh.form().controls());
   }
   return shape;
 }
@@ -101,7 +101,7 @@ void add_face_materials(const MeshInput& input, const Tessellation& topology, st
 Primvar<Vec3f> normals_of(const MeshInput& input, const Tessellation& topology, const NormalMotion& motion,
                           const Shape& shape, std::uint32_t max_segments, PrimLog& log) {
   if (const Refinement* refinement = topology.refinement())
-    return limit_normals(refinement->mesh, shape.cage, shape.mesh.form(), max_segments);
+    return limit_normals(*refinement->mesh, shape.cage, shape.mesh.form(), max_segments);
   Primvar<Vec3f> authored = authored_normals(input, topology.polygons(), motion, max_segments, log);
   if (authored.authored() || input.computed_normals != Normals::kSmooth) return authored;
   return smooth_normals(shape.mesh, max_segments);
@@ -152,7 +152,7 @@ ScreenMeasure measure_of(const MeshTarget& target, const Box3d& box) {
 Tessellation tessellated(const MeshMotion& motion, const MovingArray& points, const ScreenMeasure& measure,
                          std::uint32_t controls, const MeshTarget& target, PrimLog& log) {
   return tessellated(motion.input, motion.polygons, points, {target.edge_length_pixels, measure}, controls,
-                     log);
+                     *target.refinements, log);
 }
 
 std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, MeshTarget& target,

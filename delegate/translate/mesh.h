@@ -7,6 +7,7 @@
 
 #include "core/base/affine.h"
 #include "core/base/vec.h"
+#include "core/geometry/subdivision/refinement_cache.h"
 #include "core/scene/scene.h"
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/fit.h"
@@ -29,6 +30,7 @@ struct MeshTarget {
   std::uint32_t material_count = 0;
   bool keep_faces = false;
   double edge_length_pixels = 0.0;  // of subdivided surfaces; 0: their cages are drawn as polygons
+  RefinementCache* refinements = nullptr;  // not null; of all meshes and frames of a front-end
 };
 
 struct TranslatedMesh {

@@ -135,12 +135,12 @@ Primvar<T> refined(const PrimvarInput<T>& input, const PrimvarMap& map, PrimvarT
     case Interpolation::kVertex: {
       const bool varying = input.interpolation == "varying";
       return refined({varying ? ValueKind::kVarying : ValueKind::kVertex, 0}, map.source.size(),
-                     gathered(map.interpolation, map.source, track, count), refinement.mesh);
+                     gathered(map.interpolation, map.source, track, count), *refinement.mesh);
     }
     case Interpolation::kFaceVarying: {
       const std::uint32_t channel = refinement.channels.at(attribute);
       const Primvar<T> values{map.interpolation, track.segments, std::move(track.values)};
-      return refined({ValueKind::kFaceVarying, channel}, count, values, refinement.mesh);
+      return refined({ValueKind::kFaceVarying, channel}, count, values, *refinement.mesh);
     }
     default:
       return gathered(map.interpolation, map.source, track, count);

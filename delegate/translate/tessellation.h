@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "core/geometry/subdivision/refined_mesh.h"
+#include "core/geometry/subdivision/refinement_cache.h"
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/inputs.h"
 #include "delegate/translate/moving_array.h"
@@ -20,7 +22,7 @@ namespace msbvh::translate {
 
 // A cage refined.
 struct Refinement {
-  RefinedMesh mesh;
+  std::shared_ptr<const RefinedMesh> mesh;
   std::vector<std::uint32_t> faces;  // of each triangle, the input's face
   std::map<std::string, std::uint32_t>
       channels;  // of face-varying primvars, by attribute: ValueKind::channel
@@ -36,7 +38,7 @@ class Tessellation {
   const Triangulation& polygons() const { return polygons_; }
   const Refinement* refinement() const { return refinement_ ? &*refinement_ : nullptr; }
   const std::vector<Triangle>& triangles() const {
-    return refinement_ ? refinement_->mesh.triangles() : polygons_.triangles;
+    return refinement_ ? refinement_->mesh->triangles() : polygons_.triangles;
   }
   const std::vector<std::uint32_t>& faces() const {
     return refinement_ ? refinement_->faces : polygons_.faces;
@@ -66,8 +68,9 @@ inline constexpr ComplexityEdge kComplexityEdges[] = {
 inline constexpr std::uint64_t kMostRefinedPoints = std::uint64_t(1) << 25;
 
 // `points`: the cage's, in the world. Polygons, with a warning, for a cage that cannot be subdivided.
-// `controls`: of the track that the points will have.
+// `controls`: of the track that the points will have. Takes again what `kept` has of an equal cage.
 Tessellation tessellated(const MeshInput& input, Triangulation polygons, const MovingArray& points,
-                         const EdgeLength& edges, std::uint32_t controls, PrimLog& log);
+                         const EdgeLength& edges, std::uint32_t controls, RefinementCache& kept,
+                         PrimLog& log);
 
 }  // namespace msbvh::translate

@@ -25,8 +25,11 @@ constexpr int kSharpLevels = 10;
 // OpenSubdiv's own default for smooth features. Less saves nothing that matters.
 constexpr std::uint32_t kLeastSmoothLevels = 2;
 
-using Cache = Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
-                                               std::unique_lock<std::shared_mutex>>;
+class Cache final : public Bfr::SurfaceFactoryCacheThreaded<
+                        std::shared_mutex, std::shared_lock<std::shared_mutex>, std::unique_lock<std::shared_mutex>> {
+ public:
+  std::size_t size() const { return Size(); }
+};
 using Factory = Bfr::RefinerSurfaceFactory<Cache>;
 
 std::vector<int> ints(const std::vector<std::uint32_t>& v) { return {v.begin(), v.end()}; }
@@ -145,10 +148,11 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& mesh) {
       ": faceVertexIndices: found a topology that OpenSubdiv refuses; expected faces of distinct vertices");
 }
 
-Factory::Options factory_options(std::uint32_t level) {
+Factory::Options factory_options(std::uint32_t level, Cache& cache) {
   const auto smooth = static_cast<int>(std::max(level, kLeastSmoothLevels));
   Factory::Options options;
   options.SetApproxLevelSmooth(smooth).SetApproxLevelSharp(std::max(smooth, kSharpLevels));
+  options.SetExternalCache(&cache);
   return options;
 }
 
@@ -156,19 +160,29 @@ Factory::Options factory_options(std::uint32_t level) {
 
 struct LimitSurface::Data {
   const Cage& cage;
-  std::unique_ptr<Far::TopologyRefiner> refiner;
+  std::shared_ptr<const Far::TopologyRefiner> refiner;
+  std::unique_ptr<Cache> cache{};  // outlives the factory
   std::optional<Factory> factory{};
 
-  explicit Data(const Cage& c) : cage(c), refiner(make_refiner(c)) {}
+  Data(const Cage& c, std::shared_ptr<const Far::TopologyRefiner> r) : cage(c), refiner(std::move(r)) {}
   const Far::TopologyLevel& level() const { return refiner->GetLevel(0); }
 };
 
-LimitSurface::LimitSurface(const Cage& cage) : data_(std::make_unique<Data>(cage)) {}
+LimitSurface::LimitSurface(const Cage& cage)
+    : data_(std::make_unique<Data>(cage, make_refiner(cage))) {}
+LimitSurface::LimitSurface(const LimitSurface& same, std::uint32_t level)
+    : data_(std::make_unique<Data>(same.data_->cage, same.data_->refiner)) {
+  prepare(level);
+}
 LimitSurface::~LimitSurface() = default;
 
 void LimitSurface::prepare(std::uint32_t level) {
-  data_->factory.emplace(*data_->refiner, factory_options(level));
+  auto cache = std::make_unique<Cache>();
+  data_->factory.emplace(*data_->refiner, factory_options(level, *cache));
+  data_->cache = std::move(cache);
 }
+
+std::size_t LimitSurface::irregular_patches() const { return data_->cache ? data_->cache->size() : 0; }
 
 const Cage& LimitSurface::cage() const { return data_->cage; }
 std::uint32_t LimitSurface::face_count() const {
