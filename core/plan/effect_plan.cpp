@@ -10,7 +10,7 @@
 namespace msbvh {
 namespace {
 
-constexpr std::array<std::pair<Effect, const char*>, 15> kNames{{
+constexpr std::array<std::pair<Effect, const char*>, 16> kNames{{
     {Effect::kDeformingKeys, "deforming keys"},
     {Effect::kInstances, "instances"},
     {Effect::kMovingInstances, "moving instances"},
@@ -26,6 +26,7 @@ constexpr std::array<std::pair<Effect, const char*>, 15> kNames{{
     {Effect::kAovs, "AOVs"},
     {Effect::kCurves, "curves"},
     {Effect::kPoints, "points"},
+    {Effect::kSubdivision, "subdivision"},
 }};
 
 // Collects the first reason of each effect.
@@ -120,6 +121,11 @@ void plan_kind(const Scene& scene, const Shown& shown, Planner& planner) {
                 parts + shape_phrase(scene.curves[shown.id.index()].shape.shape));
   }
   if (shown.id.is(GeometryKind::kPoints)) planner.add(Effect::kPoints, shown.name, parts + " spheres");
+  if (!shown.id.is(GeometryKind::kTriangleMesh)) return;
+  const std::uint32_t faces = scene.mesh(shown.id).cage_faces;
+  if (faces > 0)
+    planner.add(Effect::kSubdivision, shown.name,
+                "limit surface of " + std::to_string(faces) + " faces, " + parts + " triangles");
 }
 
 void plan_geometry(const Scene& scene, Planner& planner) {

@@ -26,7 +26,8 @@ enum class Effect : std::uint32_t {
   kTimeRemaps = 1u << 11,        // breakpoints, jumps or visibility at times between even keys
   kAovs = 1u << 12,              // more than colour and alpha is asked for
   kCurves = 1u << 13,            // leaves of their own
-  kPoints = 1u << 14             // likewise
+  kPoints = 1u << 14,            // likewise
+  kSubdivision = 1u << 15        // a cage's limit surface is drawn, as triangles
 };
 
 // A set of effects; usable as a template argument.

@@ -19,6 +19,8 @@ struct Mesh : Appearance {
   std::vector<std::uint32_t> triangle_materials{};
   // For AOVs: the face that each triangle is of; empty: each is one.
   std::vector<std::uint32_t> triangle_faces{};
+  // For the plan: of the cage whose limit surface this is; 0: it is what the scene has.
+  std::uint32_t cage_faces = 0;
 };
 
 }  // namespace msbvh

@@ -124,6 +124,7 @@ void add_shape(const MeshInput& input, const Tessellation& topology, const Norma
   }
   add_face_materials(input, topology, target.material_count, mesh, optional);
   if (target.keep_faces) mesh.triangle_faces = topology.faces();
+  if (topology.refinement()) mesh.cage_faces = std::uint32_t(topology.polygons().face_count);
 }
 
 void set_time_remap(const MeshInput& input, const TimeRemap& time_remap, TranslatedMesh& result) {

@@ -29,7 +29,7 @@ struct MeshTarget {
   FitSettings settings;
   std::uint32_t material_count = 0;
   bool keep_faces = false;
-  double edge_length_pixels = 0.0;  // of subdivided surfaces; 0: their cages are drawn as polygons
+  double edge_length_pixels = 0.0;         // of subdivided surfaces; 0: their cages are drawn as polygons
   RefinementCache* refinements = nullptr;  // not null; of all meshes and frames of a front-end
 };
 

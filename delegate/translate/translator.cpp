@@ -68,8 +68,7 @@ Material checked_material(const Material& material, PrimLog& log) {
 }  // namespace
 
 struct Translator::Data {
-  Data(const CameraInput& camera, const TranslatorSettings& settings_,
-       std::shared_ptr<RefinementCache> kept)
+  Data(const CameraInput& camera, const TranslatorSettings& settings_, std::shared_ptr<RefinementCache> kept)
       : settings(settings_),
         fit{settings.motion_tolerance_pixels, settings.max_segments, settings.choice},
         origin(frame_origin(camera)),

@@ -25,8 +25,9 @@ constexpr int kSharpLevels = 10;
 // OpenSubdiv's own default for smooth features. Less saves nothing that matters.
 constexpr std::uint32_t kLeastSmoothLevels = 2;
 
-class Cache final : public Bfr::SurfaceFactoryCacheThreaded<
-                        std::shared_mutex, std::shared_lock<std::shared_mutex>, std::unique_lock<std::shared_mutex>> {
+class Cache final
+    : public Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
+                                              std::unique_lock<std::shared_mutex>> {
  public:
   std::size_t size() const { return Size(); }
 };
@@ -168,8 +169,7 @@ struct LimitSurface::Data {
   const Far::TopologyLevel& level() const { return refiner->GetLevel(0); }
 };
 
-LimitSurface::LimitSurface(const Cage& cage)
-    : data_(std::make_unique<Data>(cage, make_refiner(cage))) {}
+LimitSurface::LimitSurface(const Cage& cage) : data_(std::make_unique<Data>(cage, make_refiner(cage))) {}
 LimitSurface::LimitSurface(const LimitSurface& same, std::uint32_t level)
     : data_(std::make_unique<Data>(same.data_->cage, same.data_->refiner)) {
   prepare(level);

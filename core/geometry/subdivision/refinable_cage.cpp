@@ -61,7 +61,9 @@ std::uint64_t points_at(const LimitSurface& surface, const std::vector<std::uint
 
 }  // namespace
 
-std::uint32_t EdgeLevels::finest() const { return of_edges.empty() ? 0 : *std::ranges::max_element(of_edges); }
+std::uint32_t EdgeLevels::finest() const {
+  return of_edges.empty() ? 0 : *std::ranges::max_element(of_edges);
+}
 
 RefinableCage::RefinableCage(Cage cage)
     : cage_(validated(std::move(cage))), coarse_(std::make_shared<LimitSurface>(cage_, kLevelForLengths)) {

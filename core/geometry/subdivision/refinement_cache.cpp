@@ -110,7 +110,8 @@ std::shared_ptr<const RefinedMesh> RefinementCache::mesh(Cage cage, std::span<co
   ++(found == items_.end() ? counts_.meshes_made : counts_.meshes_kept);
   if (found == items_.end()) {
     auto made = std::make_shared<const RefinedMesh>(kept->cage, levels);
-    found = add({.hash = mesh_hash, .cage = kept->cage, .levels = std::move(levels), .mesh = std::move(made)});
+    found =
+        add({.hash = mesh_hash, .cage = kept->cage, .levels = std::move(levels), .mesh = std::move(made)});
   }
   std::shared_ptr<const RefinedMesh> result = found->mesh;
   use(found);

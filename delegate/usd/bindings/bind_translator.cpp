@@ -114,7 +114,8 @@ TranslatorSettings settings_from(Arguments& arguments) {
 std::shared_ptr<RefinementCache> refinements_from(Arguments& arguments) {
   const nb::object given = arguments.optional("refinements");
   if (given.is_none()) return nullptr;
-  if (!nb::isinstance<RefinementCache>(given)) arguments.fail("refinements", given, "a RefinementCache or None");
+  if (!nb::isinstance<RefinementCache>(given))
+    arguments.fail("refinements", given, "a RefinementCache or None");
   return nb::cast<std::shared_ptr<RefinementCache>>(given);
 }
 
