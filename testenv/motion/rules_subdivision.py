@@ -194,14 +194,11 @@ def subdivision_semi_sharp_creases(scene: Scene) -> None:
 
 @rule(TOPIC, "A crease has one sharpness or one an edge", "its first one counts for all")
 def subdivision_sharpness_of_edges(scene: Scene) -> None:
-    """A chain around the face to the viewer: sharp at the left and the right alone."""
+    """A chain around the face to the viewer, of which two edges are sharp."""
     mesh = cube(scene, size=(2.4, 2.4, 0.2))
-    front = [1, 5, 7, 3, 1]
-    if scene.mistaken:
-        creased(mesh, CUBE_EDGES, 10.0)
-    else:
+    if not scene.mistaken:
         mesh.CreateCreaseLengthsAttr([5])
-        mesh.CreateCreaseIndicesAttr(front)
+        mesh.CreateCreaseIndicesAttr([1, 5, 7, 3, 1])
         mesh.CreateCreaseSharpnessesAttr([0.0, 10.0, 0.0, 10.0])
     slide(mesh, {9.0: (-1, 0), 11.0: (1, 0)})
 

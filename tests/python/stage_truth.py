@@ -8,6 +8,7 @@ rule of its documentation is applied: motion:blurScale, motion:velocityScale, to
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -260,11 +261,14 @@ def cage_of(mesh: UsdGeom.Mesh, count: int, holes: tuple[int, ...], frame: float
     ends = np.cumsum(found("faceVertexCounts"))
     indices = found("faceVertexIndices")
     faces = [tuple(indices[end - n : end]) for end, n in zip(ends, found("faceVertexCounts"), strict=True)]
-    creases: dict[tuple[int, int], float] = {}
-    chain = found("creaseIndices")
-    for length, sharpness in zip(found("creaseLengths"), found("creaseSharpnesses"), strict=True):
-        creases |= dict.fromkeys(zip(chain[: length - 1], chain[1:length], strict=True), sharpness)
+    edges, chain = [], found("creaseIndices")
+    lengths, sharpnesses = found("creaseLengths"), found("creaseSharpnesses")
+    for length in lengths:
+        edges.append(list(itertools.pairwise(chain[:length])))
         chain = chain[length:]
+    if len(sharpnesses) == len(lengths):  # one a crease; else one an edge
+        sharpnesses = [sharpness for sharpness, of_crease in zip(sharpnesses, edges, strict=True) for _ in of_crease]
+    creases = dict(zip(itertools.chain(*edges), sharpnesses, strict=True))
     corners = dict(zip(found("cornerIndices"), found("cornerSharpnesses"), strict=True))
     scheme, boundary = mesh.GetSubdivisionSchemeAttr().Get(), mesh.GetInterpolateBoundaryAttr().Get(frame)
     return Cage.of(faces, count, str(scheme), str(boundary), creases, corners, holes)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from limit_surface import INFINITE, Cage
@@ -73,7 +75,7 @@ def test_a_cube_goes_where_halstead_says() -> None:
     distances = [np.abs(cage.refined(n).weights[:8] @ CORNERS - VERTEX_LIMIT * CORNERS).max() for n in range(2, 6)]
     assert distances[-1] < 1e-3
     # By the eigenvalue of a vertex of three faces that has no direction.
-    assert [b / a for a, b in zip(distances, distances[1:], strict=False)] == pytest.approx([7 / 24] * 3, rel=0.02)
+    assert [b / a for a, b in itertools.pairwise(distances)] == pytest.approx([7 / 24] * 3, rel=0.02)
 
 
 def test_bilinear_is_its_polygons() -> None:
@@ -121,6 +123,7 @@ def test_creases_run_down(sharpness: float, stays_for: int) -> None:
 
 def test_half_a_sharpness_is_half_way() -> None:
     points = [
-        Cage.of(FACES, 8, creases=dict.fromkeys(edges_of(FACES), s)).refined(1).weights @ CORNERS for s in (0.0, 0.5, 1.0)
+        Cage.of(FACES, 8, creases=dict.fromkeys(edges_of(FACES), s)).refined(1).weights @ CORNERS
+        for s in (0.0, 0.5, 1.0)
     ]
     assert points[1] == pytest.approx((points[0] + points[2]) / 2.0)
