@@ -74,8 +74,9 @@ def test_a_cube_goes_where_halstead_says() -> None:
     cage = Cage.of(FACES, 8)
     distances = [np.abs(cage.refined(n).weights[:8] @ CORNERS - VERTEX_LIMIT * CORNERS).max() for n in range(2, 6)]
     assert distances[-1] < 1e-3
-    # By the eigenvalue of a vertex of three faces that has no direction.
-    assert [b / a for a, b in itertools.pairwise(distances)] == pytest.approx([7 / 24] * 3, rel=0.02)
+    # A vertex, its neighbours and the corners across its faces, as far along the axis: the step's matrix of them has the
+    # eigenvalues 1, 1/6 and 0.
+    assert [b / a for a, b in itertools.pairwise(distances)] == pytest.approx([1 / 6] * 3, rel=1e-6)
 
 
 def test_bilinear_is_its_polygons() -> None:
