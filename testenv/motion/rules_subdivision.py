@@ -102,7 +102,7 @@ def subdivision_polygons(scene: Scene) -> None:
     points = [(x, y, z) for z in (1.0, -1.0) for x, y in rim]
     walls = [(i, 5 + i, 5 + (i + 1) % 5, (i + 1) % 5) for i in range(5)]
     mesh = cage(scene, "/Mesh", points, [(0, 1, 2, 3, 4), (9, 8, 7, 6, 5), *walls])
-    turn(mesh, {9.0: -30.0, 11.0: 50.0})
+    slide(mesh, {9.0: (-1, 2), 11.0: (2, -2)})
     polygons(mesh, scene)
 
 
@@ -194,12 +194,13 @@ def subdivision_semi_sharp_creases(scene: Scene) -> None:
 
 @rule(TOPIC, "A crease has one sharpness or one an edge", "its first one counts for all")
 def subdivision_sharpness_of_edges(scene: Scene) -> None:
-    """A chain around the face to the viewer, of which two edges are sharp."""
-    mesh = cube(scene, size=(2.4, 2.4, 0.2))
-    if not scene.mistaken:
-        mesh.CreateCreaseLengthsAttr([5])
-        mesh.CreateCreaseIndicesAttr([1, 5, 7, 3, 1])
-        mesh.CreateCreaseSharpnessesAttr([0.0, 10.0, 0.0, 10.0])
+    """Around the front and the back, of which the edges at the sides are sharp, and between the two."""
+    mesh = cube(scene, size=(2.4, 2.4, 1))
+    between = [vertex for edge in CUBE_EDGES if edge[0] ^ edge[1] == 1 for vertex in edge]
+    mesh.CreateCreaseLengthsAttr([5, 5, 2, 2, 2, 2])
+    mesh.CreateCreaseIndicesAttr([1, 5, 7, 3, 1, 0, 4, 6, 2, 0, *between])
+    by_edge = [0.0, 10.0, 0.0, 10.0] * 2 + [10.0] * 4
+    mesh.CreateCreaseSharpnessesAttr([0.0, 0.0] + [10.0] * 4 if scene.mistaken else by_edge)
     slide(mesh, {9.0: (-1, 0), 11.0: (1, 0)})
 
 
@@ -224,14 +225,14 @@ def subdivision_holes(scene: Scene) -> None:
 
 @rule(TOPIC, "A hole of a cage has no boundary", "its rim is smoothed as a boundary is")
 def subdivision_hole_without_boundary(scene: Scene) -> None:
-    """One face is a hole and the other three are wedges around it: with a boundary there, the hole is round."""
-    at = [(-0.9, -2.4), (0.9, -2.4), (2.4, 0), (0.9, 2.4), (-0.9, 2.4), (-2.4, 0)]
-    points = [(*p, 0) for p in at] + [(0.45 * x, 0.45 * y, 0) for x, y in at]
-    rim = [(i, (i + 1) % 6, 6 + (i + 1) % 6, 6 + i) for i in range(6)]
-    hole = [] if scene.mistaken else [(6, 7, 8, 9, 10, 11)]
+    """A triangle inside of a triangle: the inner one is a hole, whose rim a boundary would round to half its size."""
+    at = [(5 * np.cos(a), 5 * np.sin(a)) for a in np.radians((90, 210, 330))]
+    points = [*at, *((0.45 * x, 0.45 * y) for x, y in at)]
+    rim = [(i, (i + 1) % 3, 3 + (i + 1) % 3, 3 + i) for i in range(3)]
+    hole = [] if scene.mistaken else [(3, 4, 5)]
     mesh = cage(scene, "/Mesh", points, [*rim, *hole])
     if hole:
-        mesh.CreateHoleIndicesAttr([6])
+        mesh.CreateHoleIndicesAttr([3])
     turn(mesh, {9.0: -12.0, 11.0: 12.0})
 
 
