@@ -44,9 +44,8 @@ class LimitSurface {
   bool is_quad(std::uint32_t face) const;
 
   const Cage& cage() const;
-  // Shapes of faces around extraordinary vertices and sharp edges that have been prepared so far, and are
-  // kept. Not while another thread makes surfaces.
-  std::size_t irregular_patches() const;
+  // About what it keeps of faces around extraordinary vertices and sharp edges that it has evaluated.
+  std::size_t irregular_bytes() const;
 
   struct Data;
 

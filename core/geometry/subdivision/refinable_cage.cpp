@@ -13,10 +13,8 @@ constexpr std::size_t kFacesPerTask = 16;
 // Of OpenSubdiv's refinement, which is enough to measure edges with.
 constexpr std::uint32_t kLevelForLengths = 2;
 
-// What OpenSubdiv 3.5 takes, by the sizes of its arrays: a level's topology, and about what the heap grew by
-// for each irregular patch of cages with creases of every sharpness.
+// What a level of OpenSubdiv 3.5 takes, by the sizes of its arrays.
 constexpr std::size_t kBytesPerCorner = 24, kBytesPerEdge = 34, kBytesPerVertex = 22;
-constexpr std::size_t kBytesPerIrregularPatch = 48 << 10;
 
 Cage validated(Cage cage) {
   validate(cage);
@@ -127,9 +125,9 @@ std::size_t RefinableCage::bytes() const {
     total += of(channel.indices) + kBytesPerCorner * channel.indices.size();
   total += kBytesPerCorner * cage_.face_vertex_indices.size() + kBytesPerEdge * owners_.size() +
            kBytesPerVertex * cage_.vertex_count;
-  std::size_t patches = coarse_->irregular_patches();
-  for (const auto& [level, surface] : surfaces_) patches += surface->irregular_patches();
-  return total + patches * kBytesPerIrregularPatch;
+  total += coarse_->irregular_bytes();
+  for (const auto& [level, surface] : surfaces_) total += surface->irregular_bytes();
+  return total;
 }
 
 }  // namespace msbvh
