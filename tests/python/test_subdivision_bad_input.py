@@ -89,6 +89,11 @@ BAD: list[tuple[Callable[[UsdGeom.Mesh], object], str, int]] = [
         0,
     ),
     (
+        lambda m: m.CreateHoleIndicesAttr([-1, 0, 99, 6]),
+        "holeIndices: found face -1 and 2 more, which is left out; expected 0 to 5",
+        0,
+    ),
+    (
         lambda m: m.CreateSubdivisionSchemeAttr(""),
         'subdivisionScheme: found ""; expected catmullClark, loop or bilinear, or none; the cage is drawn as polygons',
         12,
