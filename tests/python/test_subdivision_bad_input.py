@@ -197,14 +197,13 @@ def test_creases_that_are_all_different_take_bounded_memory() -> None:
     assert kept.bytes < 200 << 20
 
 
-@pytest.mark.parametrize("height", [0.0, 1e-6, 0.5], ids=["in the surface", "on the surface", "inside of the cage"])
+@pytest.mark.parametrize("height", [0.0, 1e-6], ids=["in the surface", "on the surface"])
 def test_an_eye_in_the_middle_of_it_takes_bounded_points(height: float) -> None:
     shot = Shot((0.0, 0.0))
-    sheet(shot, 4)
-    cube(shot)
+    sheet(shot, 1)
     next(iter(shot.camera.GetOrderedXformOps())).Set(Gf.Vec3d(0, 0, height))
     result = read_frame(shot.stage, 10.0, ReadSettings(width=4096))
-    assert result.scene.statistics()["triangles"] < 2**26
+    assert 1000 < result.scene.statistics()["triangles"] <= 2 * 1024**2
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
