@@ -135,16 +135,14 @@ void report_lost_creases(const Cage& cage, PrimLog& log) {
 
 void add_features(const SubdivisionInput& input, std::size_t point_count, Cage& cage, PrimLog& log) {
   PrimLog optional = log.of_optional_part();
-  const bool creased =
-      !(input.crease_lengths.empty() && input.crease_indices.empty() && input.crease_sharpnesses.empty());
+  const bool creased = !(input.crease_lengths.empty() && input.crease_indices.empty());
   if (creased && check_creases(input, point_count, optional)) {
     cage.crease_lengths = unsigned_of(input.crease_lengths);
     cage.crease_indices = unsigned_of(input.crease_indices);
     cage.crease_sharpnesses.assign(input.crease_sharpnesses.begin(), input.crease_sharpnesses.end());
     report_lost_creases(cage, log);
   }
-  const bool cornered = !(input.corner_indices.empty() && input.corner_sharpnesses.empty());
-  if (cornered && check_corners(input, point_count, optional)) {
+  if (!input.corner_indices.empty() && check_corners(input, point_count, optional)) {
     cage.corner_indices = unsigned_of(input.corner_indices);
     cage.corner_sharpnesses.assign(input.corner_sharpnesses.begin(), input.corner_sharpnesses.end());
   }

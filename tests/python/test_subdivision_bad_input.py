@@ -84,11 +84,6 @@ BAD: list[tuple[Callable[[UsdGeom.Mesh], object], str, int]] = [
         0,
     ),
     (
-        lambda m: m.CreateCornerSharpnessesAttr([1.0]),
-        "cornerSharpnesses: found 1 values; expected 0, the number of cornerIndices; it is left out",
-        0,
-    ),
-    (
         lambda m: m.CreateHoleIndicesAttr([-1, 0, 99, 6]),
         "holeIndices: found face -1 and 2 more, which is left out; expected 0 to 5",
         0,
