@@ -14,7 +14,7 @@ constexpr double kTolerance = 0.1 / 960.0;
 
 void add_world_mesh(Scene& scene, TriangleMesh shape) {
   scene.world.push_back(mesh_id(static_cast<std::uint32_t>(scene.meshes.size())));
-  scene.meshes.push_back({{}, validated(std::move(shape))});
+  scene.meshes.emplace_back().shape = validated(std::move(shape));
 }
 
 double diagonal(const Scene& scene) {

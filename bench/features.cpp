@@ -16,6 +16,7 @@
 
 #include "bench/feature_rows.h"
 #include "bench/feature_scenes.h"
+#include "bench/limit_mesh.h"
 #include "bench/trees.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
@@ -71,6 +72,7 @@ class Features {
     temporal_splits();
     curves();
     instances();
+    edge_rates();
     patches();
     refit();
     many_rays();
@@ -204,6 +206,30 @@ class Features {
            .scene_name = "crowd",
            .without = trees("flattened", flattened(*crowd), {}),
            .with = trees("instanced", crowd, {})});
+  }
+
+  void edge_rates() const {
+    const Feature feature{"rates by edge length",
+                          "each edge of a subdivision cage is cut by its own length; without: all as finely "
+                          "as the longest of them",
+                          "docs/design/subdivision.md", "tests/unit/test_refined_mesh.cpp"};
+    if (!wanted(feature)) return;
+    for (const std::uint32_t segments : {1u, 8u}) {
+      const auto cut = [&](EdgeRates rates) {
+        procedural::Random random(run_.seed);
+        const auto cut_scene = std::make_shared<Scene>();
+        cut_scene->world = {mesh_id(0)};
+        cut_scene->meshes.emplace_back().shape =
+            limit_mesh(torus_cage({segments, 1}, random), static_cast<std::uint32_t>(factor_ * 40000), rates);
+        return cut_scene;
+      };
+      const ScenePtr by_length = cut(EdgeRates::kByLength);
+      print({.feature = feature,
+             .scene = by_length,
+             .scene_name = "subdiv",
+             .without = trees("all as the longest", cut(EdgeRates::kFinest), {}),
+             .with = trees("each by its length", by_length, {})});
+    }
   }
 
   void patches() const {

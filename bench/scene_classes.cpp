@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "bench/limit_mesh.h"
 #include "bench/shapes.h"
 #include "core/base/error.h"
 
@@ -36,7 +37,7 @@ BenchScene scene_of(std::vector<TriangleMesh> meshes, const Interior& interior =
   auto scene = std::make_shared<Scene>();
   for (TriangleMesh& mesh : meshes) {
     scene->world.push_back(mesh_id(static_cast<std::uint32_t>(scene->meshes.size())));
-    scene->meshes.push_back({{}, std::move(mesh)});
+    scene->meshes.emplace_back().shape = std::move(mesh);
   }
   scene->camera = camera_at(eye, {});
   return {std::move(scene), interior};
@@ -98,6 +99,11 @@ BenchScene twist(std::uint32_t triangles, const TrackForm& form, std::uint32_t s
   };
   return scene_of(list(moved_mesh("scan", bumpy_sphere(triangles, 0.15f, random), form, motion)),
                   {{0, 0, 0}, 0.3f});
+}
+
+BenchScene subdiv(std::uint32_t triangles, const TrackForm& form, std::uint32_t seed) {
+  Random random(seed);
+  return scene_of(list(limit_mesh(torus_cage(form, random), triangles)));
 }
 
 BenchScene cloth(std::uint32_t triangles, const TrackForm& form, std::uint32_t) {
@@ -187,7 +193,7 @@ BenchScene crowd(std::uint32_t triangles, const TrackForm& form, std::uint32_t s
       return turned(p, {1.0, 0.0, 0.0}, 0.4 * p.y * (u - 0.5));
     };
     TriangleMesh body = moved_mesh("body", bumpy_sphere(triangles / kKinds, 0.25f, random), form, walk);
-    scene->meshes.push_back({{}, std::move(body)});
+    scene->meshes.emplace_back().shape = std::move(body);
     scene->prototypes.push_back({.name = "kind", .geometry = {mesh_id(kind)}});
     InstanceSet set{.name = "people",
                     .prototype = kind,
@@ -231,7 +237,7 @@ BenchScene rods(std::uint32_t triangles, const TrackForm& form, std::uint32_t se
   const auto sway = [](std::uint32_t, const Vec3d& p, double u) {
     return turned(p, {1.0, 0.0, 0.0}, 0.1 * p.y * (u - 0.5));
   };
-  scene->meshes.push_back({{}, moved_mesh("coil", coil(triangles), form, sway)});
+  scene->meshes.emplace_back().shape = moved_mesh("coil", coil(triangles), form, sway);
   scene->prototypes.push_back({.name = "rod", .geometry = {mesh_id(0)}});
   InstanceSet set{.name = "rods", .segments = form.segments, .world_from_prototype = {}, .display_color = {}};
   for (std::uint32_t i = 0; i < kInstances; ++i) {
@@ -315,6 +321,13 @@ const std::vector<SceneClass>& classes() {
        {{1, 2}},
        ballistic},
       {"spin", "spinning wheels on cubic segments", 60000, 20000, {{2, 3}}, {{2, 3}}, spinning_wheels},
+      {"subdiv",
+       "a twisting cage's limit surface, each edge cut by its length",
+       300000,
+       20000,
+       {kStill, kLinear2, kLinear9},
+       {kLinear2},
+       subdiv},
       {"mini", "shards, as few as 10 thousand", 10000, 10000, {kLinear2}, {kLinear2}, debris},
   };
   return kClasses;

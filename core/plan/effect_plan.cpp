@@ -10,7 +10,7 @@
 namespace msbvh {
 namespace {
 
-constexpr std::array<std::pair<Effect, const char*>, 16> kNames{{
+constexpr std::array<std::pair<Effect, const char*>, 17> kNames{{
     {Effect::kDeformingKeys, "deforming keys"},
     {Effect::kInstances, "instances"},
     {Effect::kMovingInstances, "moving instances"},
@@ -27,6 +27,7 @@ constexpr std::array<std::pair<Effect, const char*>, 16> kNames{{
     {Effect::kCurves, "curves"},
     {Effect::kPoints, "points"},
     {Effect::kDisplacement, "displacement"},
+    {Effect::kSubdivision, "subdivision"},
 }};
 
 // Collects the first reason of each effect.
@@ -130,6 +131,11 @@ void plan_kind(const Scene& scene, const Shown& shown, Planner& planner) {
                 parts + shape_phrase(scene.curves[shown.id.index()].shape.shape));
   }
   if (shown.id.is(GeometryKind::kPoints)) planner.add(Effect::kPoints, shown.name, parts + " spheres");
+  if (shown.id.is(GeometryKind::kTriangleMesh) && scene.mesh(shown.id).cage_faces > 0) {
+    planner.add(Effect::kSubdivision, shown.name,
+                "limit surface of " + std::to_string(scene.mesh(shown.id).cage_faces) + " faces, " + parts +
+                    " triangles");
+  }
   const float by = displaced_by(scene, shown.id);
   if (by == 0.0f) return;
   const bool patches = shown.id.is(GeometryKind::kGridMesh);

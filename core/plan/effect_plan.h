@@ -27,7 +27,8 @@ enum class Effect : std::uint32_t {
   kAovs = 1u << 12,              // more than colour and alpha is asked for
   kCurves = 1u << 13,            // leaves of their own
   kPoints = 1u << 14,            // likewise
-  kDisplacement = 1u << 15       // of surfaces along their normals
+  kDisplacement = 1u << 15,      // of surfaces along their normals
+  kSubdivision = 1u << 16        // a cage's limit surface is drawn, as triangles
 };
 
 // A set of effects; usable as a template argument.

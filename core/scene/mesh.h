@@ -21,6 +21,8 @@ struct Mesh : Appearance {
   float displaced_by = 0.0f;
   // For AOVs: the face that each triangle is of; empty: each is one.
   std::vector<std::uint32_t> triangle_faces{};
+  // For the plan: of the cage whose limit surface this is; 0: it is what the scene has.
+  std::uint32_t cage_faces = 0;
 };
 
 }  // namespace msbvh

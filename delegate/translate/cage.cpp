@@ -98,12 +98,49 @@ bool check_corners(const SubdivisionInput& input, std::size_t point_count, PrimL
          check_sharpnesses(input.corner_sharpnesses, "cornerSharpnesses", log);
 }
 
+using Edge = std::pair<std::uint32_t, std::uint32_t>;
+
+Edge edge_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+std::vector<Edge> edges_of(const Cage& cage) {
+  std::vector<Edge> edges;
+  edges.reserve(cage.face_vertex_indices.size());
+  const std::uint32_t* corner = cage.face_vertex_indices.data();
+  for (const std::uint32_t count : cage.face_vertex_counts) {
+    for (std::uint32_t i = 0; i < count; ++i)
+      edges.push_back(edge_of(corner[i], corner[i + 1 == count ? 0 : i + 1]));
+    corner += count;
+  }
+  std::ranges::sort(edges);
+  return edges;
+}
+
+// Creases that lead along no edge shape nothing.
+void report_lost_creases(const Cage& cage, PrimLog& log) {
+  const std::vector<Edge> edges = edges_of(cage);
+  std::size_t at = 0, pairs = 0, lost = 0;
+  Edge first{};
+  for (const std::uint32_t length : cage.crease_lengths) {
+    for (std::uint32_t i = 0; i + 1 < length; ++i, ++pairs) {
+      const Edge pair{cage.crease_indices[at + i], cage.crease_indices[at + i + 1]};
+      if (std::ranges::binary_search(edges, edge_of(pair.first, pair.second))) continue;
+      if (lost++ == 0) first = pair;
+    }
+    at += length;
+  }
+  if (lost > 0)
+    log.warn("creaseIndices", message(lost, " of ", pairs, " pairs of vertices are left out (the first is ",
+                                      first.first, ", ", first.second, "); expected edges of the mesh"));
+}
+
 void add_features(const SubdivisionInput& input, std::size_t point_count, Cage& cage, PrimLog& log) {
   PrimLog optional = log.of_optional_part();
-  if (!input.crease_lengths.empty() && check_creases(input, point_count, optional)) {
+  const bool creased = !(input.crease_lengths.empty() && input.crease_indices.empty());
+  if (creased && check_creases(input, point_count, optional)) {
     cage.crease_lengths = unsigned_of(input.crease_lengths);
     cage.crease_indices = unsigned_of(input.crease_indices);
     cage.crease_sharpnesses.assign(input.crease_sharpnesses.begin(), input.crease_sharpnesses.end());
+    report_lost_creases(cage, log);
   }
   if (!input.corner_indices.empty() && check_corners(input, point_count, optional)) {
     cage.corner_indices = unsigned_of(input.corner_indices);

@@ -89,8 +89,8 @@ Shape shape_of(const MovingArray& points, const Candidate& track, const Tessella
   mesh.positions = point_controls(points, track);
   if (const Refinement* refinement = faces.refinement()) {
     shape.cage = std::move(mesh.positions);
-    mesh.vertex_count = refinement->mesh.point_count();
-    mesh.positions = refined_controls(refinement->mesh, shape.cage, mesh.form().controls());
+    mesh.vertex_count = refinement->mesh->point_count();
+    mesh.positions = refined_controls(*refinement->mesh, shape.cage, mesh.form().controls());
   }
   return shape;
 }
@@ -131,7 +131,7 @@ Primvar<Vec3f> normals_of(const MeshInput& input, const Tessellation& topology, 
                           const Shape& shape, std::uint32_t max_segments, PrimLog& log) {
   if (shape.displaced_by > 0.0) return displaced_normals(input, topology, shape, max_segments);
   if (const Refinement* refinement = topology.refinement())
-    return limit_normals(refinement->mesh, shape.cage, shape.mesh.form(), max_segments);
+    return limit_normals(*refinement->mesh, shape.cage, shape.mesh.form(), max_segments);
   Primvar<Vec3f> authored = authored_normals(input, topology.polygons(), motion, max_segments, log);
   if (authored.authored() || input.computed_normals != Normals::kSmooth) return authored;
   return smooth_normals(shape.mesh, max_segments);
@@ -160,6 +160,7 @@ void add_shape(const MeshInput& input, Tessellation& topology, const NormalMotio
   mesh.material = material_of(input, target, optional);
   add_face_materials(input, topology, target.material_count, mesh, optional);
   if (target.keep_faces) mesh.triangle_faces = topology.faces();
+  if (topology.refinement()) mesh.cage_faces = std::uint32_t(topology.polygons().face_count);
   if (grids) result.grids = as_grids(std::exchange(mesh, {}), *topology.grids());
 }
 
@@ -219,7 +220,7 @@ ScreenMeasure measure_of(const MeshTarget& target, const Box3d& box) {
 Tessellation tessellated(const MeshMotion& motion, const MovingArray& points, const ScreenMeasure& measure,
                          std::uint32_t controls, const MeshTarget& target, PrimLog& log) {
   const EdgeLength edges{target.edge_length_pixels, measure, motion.displacements.reach()};
-  return tessellated(motion.input, motion.polygons, points, edges, controls, log);
+  return tessellated(motion.input, motion.polygons, points, edges, controls, *target.refinements, log);
 }
 
 struct DisplacedShape {

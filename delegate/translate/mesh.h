@@ -9,6 +9,7 @@
 #include "core/base/affine.h"
 #include "core/base/box.h"
 #include "core/base/vec.h"
+#include "core/geometry/subdivision/refinement_cache.h"
 #include "core/scene/scene.h"
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/displace/face_displacements.h"
@@ -31,9 +32,10 @@ struct MeshTarget {
   FitSettings settings;
   std::uint32_t material_count = 0;
   bool keep_faces = false;
-  double edge_length_pixels = 0.0;  // of subdivided surfaces; 0: their cages are drawn as polygons
-  Displacements displacements{};    // by material; none: nothing is displaced
-  bool patches = false;             // displaced subdivision surfaces become grids
+  double edge_length_pixels = 0.0;         // of subdivided surfaces; 0: their cages are drawn as polygons
+  Displacements displacements{};           // by material; none: nothing is displaced
+  bool patches = false;                    // displaced subdivision surfaces become grids
+  RefinementCache* refinements = nullptr;  // not null; of all meshes and frames of a front-end
 };
 
 // One of `mesh`, `grids`, `curves` and `points` is what it became: the mesh where the others are not.

@@ -112,7 +112,7 @@ std::vector<std::uint32_t> of_faces(const std::vector<std::uint32_t>& faces, std
 template <typename T>
 Primvar<T> refined(ValueKind kind, std::size_t value_count, const Primvar<T>& authored,
                    const Tessellation& tessellation) {
-  const RefinedMesh& mesh = tessellation.refinement()->mesh;
+  const RefinedMesh& mesh = *tessellation.refinement()->mesh;
   const GridLayout* grids = tessellation.grids();
   const bool at_corners = !grids && kind.kind == ValueKind::kFaceVarying;
   const std::size_t count = grids        ? grids->points.size()

@@ -26,28 +26,29 @@ std::vector<std::uint32_t> input_faces(const RefinedMesh& mesh, const std::vecto
 }  // namespace
 
 void Tessellation::draw_as_grids() {
-  grids_ = refinement_->mesh.grid_layout();
+  grids_ = refinement_->mesh->grid_layout();
   const std::vector<std::uint32_t>& faces = refinement_->cage_faces;
   for (const Grid& grid : grids_->grids) grid_faces_.push_back(faces.empty() ? grid.face : faces[grid.face]);
 }
 
 Tessellation tessellated(const MeshInput& input, Triangulation polygons, const MovingArray& points,
-                         const EdgeLength& edges, std::uint32_t controls, PrimLog& log) {
+                         const EdgeLength& edges, std::uint32_t controls, RefinementCache& kept,
+                         PrimLog& log) {
   if (!(edges.pixels > 0.0)) return Tessellation(std::move(polygons));
   std::optional<InputCage> cage = cage_of(input, points.size(), log);
   if (!cage) return Tessellation(std::move(polygons));
   try {
     const EdgeRule rule(input, points, edges);
-    RefinedMesh mesh(
+    std::shared_ptr<const RefinedMesh> mesh = kept.mesh(
         std::move(cage->cage), rule.poses(), [&](const CageEdge& edge) { return rule.level(edge); },
         kMostRefinedPoints / controls);
-    if (mesh.lowered() > 0) {
+    if (mesh->lowered() > 0) {
       log.warn("subdivisionScheme",
                message("edges of ", edges.pixels, " pixels take more than ", kMostRefinedPoints / controls,
-                       " points; drawn with edges ", 1u << mesh.lowered(),
+                       " points; drawn with edges ", 1u << mesh->lowered(),
                        " times as long; a larger --edge-length says so without this warning"));
     }
-    std::vector<std::uint32_t> faces = input_faces(mesh, cage->faces);
+    std::vector<std::uint32_t> faces = input_faces(*mesh, cage->faces);
     return {std::move(polygons),
             {std::move(mesh), std::move(faces), std::move(cage->faces), std::move(cage->channels)}};
   } catch (const Error& error) {

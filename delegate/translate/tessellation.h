@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "core/geometry/subdivision/refined_mesh.h"
+#include "core/geometry/subdivision/refinement_cache.h"
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/inputs.h"
 #include "delegate/translate/moving_array.h"
@@ -20,7 +22,7 @@ namespace msbvh::translate {
 
 // A cage refined.
 struct Refinement {
-  RefinedMesh mesh;
+  std::shared_ptr<const RefinedMesh> mesh;
   std::vector<std::uint32_t> faces;       // of each triangle, the input's face
   std::vector<std::uint32_t> cage_faces;  // of each of the cage's faces, likewise; empty: the same
   std::map<std::string, std::uint32_t>
@@ -40,7 +42,7 @@ class Tessellation {
   void draw_as_grids();
   const GridLayout* grids() const { return grids_ ? &*grids_ : nullptr; }
   const std::vector<Triangle>& triangles() const {
-    return refinement_ ? refinement_->mesh.triangles() : polygons_.triangles;
+    return refinement_ ? refinement_->mesh->triangles() : polygons_.triangles;
   }
   // The input's face of each triangle, or of each grid.
   const std::vector<std::uint32_t>& faces() const {
@@ -75,8 +77,9 @@ inline constexpr ComplexityEdge kComplexityEdges[] = {
 inline constexpr std::uint64_t kMostRefinedPoints = std::uint64_t(1) << 25;
 
 // `points`: the cage's, in the world. Polygons, with a warning, for a cage that cannot be subdivided.
-// `controls`: of the track that the points will have.
+// `controls`: of the track that the points will have. Takes again what `kept` has of an equal cage.
 Tessellation tessellated(const MeshInput& input, Triangulation polygons, const MovingArray& points,
-                         const EdgeLength& edges, std::uint32_t controls, PrimLog& log);
+                         const EdgeLength& edges, std::uint32_t controls, RefinementCache& kept,
+                         PrimLog& log);
 
 }  // namespace msbvh::translate

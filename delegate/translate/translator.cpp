@@ -68,11 +68,12 @@ Material checked_material(const Material& material, PrimLog& log) {
 }  // namespace
 
 struct Translator::Data {
-  Data(const CameraInput& camera, const TranslatorSettings& settings_)
+  Data(const CameraInput& camera, const TranslatorSettings& settings_, std::shared_ptr<RefinementCache> kept)
       : settings(settings_),
         fit{settings.motion_tolerance_pixels, settings.max_segments, settings.choice},
         origin(frame_origin(camera)),
-        measure(camera, origin, settings.width, settings.height) {}
+        measure(camera, origin, settings.width, settings.height),
+        refinements(kept ? std::move(kept) : std::make_shared<RefinementCache>()) {}
 
   // Keeps the track and counts what has nothing to draw.
   std::optional<TranslatedMesh> translated(const MeshInput& input, MeshTarget& target);
@@ -86,6 +87,7 @@ struct Translator::Data {
   FitSettings fit;
   Vec3d origin;
   ScreenMeasure measure;
+  std::shared_ptr<RefinementCache> refinements;
   Scene scene;
   std::vector<std::optional<Displacement>> displacements;  // by material
   std::vector<PrototypeState> prototypes;
@@ -105,7 +107,8 @@ MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
                     settings.keep_faces,
                     settings.edge_length_pixels,
                     {},
-                    settings.displaced == TranslatorSettings::Displaced::kAsPatches};
+                    settings.displaced == TranslatorSettings::Displaced::kAsPatches,
+                    refinements.get()};
   if (in_world) result.origin = origin;
   return result;
 }
@@ -166,10 +169,11 @@ std::uint32_t Translator::Data::part_with(const TimeRemap& time_remap, Prototype
   return state.parts.back();
 }
 
-Translator::Translator(const CameraInput& camera, const TranslatorSettings& settings) {
+Translator::Translator(const CameraInput& camera, const TranslatorSettings& settings,
+                       std::shared_ptr<RefinementCache> refinements) {
   check_settings(settings);
   check_camera(camera);
-  data_ = std::make_unique<Data>(camera, settings);
+  data_ = std::make_unique<Data>(camera, settings, std::move(refinements));
   TrackReport track;
   data_->scene.camera = fit_camera(camera, data_->origin, settings, track);
   track.source = "camera";

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/base/box.h"
+#include "core/geometry/subdivision/refinement_cache.h"
 #include "core/scene/scene.h"
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/fit.h"
@@ -61,7 +62,10 @@ class Translator {
  public:
   // The camera comes first: tolerances are measured through it, and the frame's origin is its position at the
   // shutter's centre. Throws Error for a camera that cannot be used.
-  Translator(const CameraInput& camera, const TranslatorSettings& settings);
+  // `refinements`: cages that earlier frames have refined, for this one and the next; null: this frame's
+  // alone.
+  Translator(const CameraInput& camera, const TranslatorSettings& settings,
+             std::shared_ptr<RefinementCache> refinements = nullptr);
   ~Translator();
 
   // Meshes, prototypes and instances that are wrong are left out and leave a Diagnostic of severity kError;

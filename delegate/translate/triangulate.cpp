@@ -23,13 +23,19 @@ bool check_counts(const MeshInput& mesh, PrimLog& log) {
 
 std::vector<bool> marked_holes(const MeshInput& mesh, PrimLog& log) {
   std::vector<bool> holes(mesh.face_vertex_counts.size(), false);
+  std::size_t lost = 0;
+  int first = 0;
   for (const int face : mesh.hole_indices) {
     if (face >= 0 && std::size_t(face) < holes.size()) {
       holes[std::size_t(face)] = true;
-    } else {
-      log.warn("holeIndices", message("found face ", face, ", which is left out; expected 0 to ",
-                                      std::ptrdiff_t(holes.size()) - 1));
+    } else if (lost++ == 0) {
+      first = face;
     }
+  }
+  if (lost > 0) {
+    const std::string others = lost > 1 ? message(" and ", lost - 1, " more") : std::string();
+    log.warn("holeIndices", message("found face ", first, others, ", which is left out; expected 0 to ",
+                                    std::ptrdiff_t(holes.size()) - 1));
   }
   return holes;
 }

@@ -5,7 +5,8 @@
 
 Every answer is a 16-bit, single-channel PNG: the share of time and of the pixel that is covered, without any
 transfer curve. tests/python/projection_oracle.py projects the polygons of tests/python/stage_truth.py at 512
-times of the shutter and 4 x 4 places of each pixel.
+times of the shutter and 4 x 4 places of each pixel. Subdivided cages are refined 5 times by the rules of their scheme
+(tests/python/limit_surface.py), which is a hundredth of a pixel off their limit surface.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ sys.path.insert(0, str(SUITE.parents[1] / "tests" / "python"))
 
 from projection_oracle import Sampling, coverage
 
-SAMPLING = Sampling(times=512, subpixels=4)
+SAMPLING = Sampling(times=512, subpixels=4, subdivisions=5)
 
 
 def rules() -> list[dict[str, Any]]:

@@ -16,6 +16,7 @@ import rules_instancing  # noqa: F401
 import rules_shapes  # noqa: F401
 import rules_shutter  # noqa: F401
 import rules_skinning  # noqa: F401
+import rules_subdivision  # noqa: F401
 import rules_transforms  # noqa: F401
 import rules_velocities  # noqa: F401
 from authoring import RULES, SIZE, Rule

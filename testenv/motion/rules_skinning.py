@@ -13,7 +13,7 @@ COLUMNS = 13
 """Of vertices along the arm."""
 
 
-def arm(scene: Scene, path: str = "/Root") -> UsdGeom.Mesh:
+def arm(scene: Scene, path: str = "/Root", columns: int = COLUMNS, half_width: float = 0.4) -> UsdGeom.Mesh:
     """A strip along x from -2 to 2 under a SkelRoot, with two joints: one at -2, one in the middle."""
     UsdSkel.Root.Define(scene.stage, path)
     skeleton = UsdSkel.Skeleton.Define(scene.stage, f"{path}/Skeleton")
@@ -23,10 +23,10 @@ def arm(scene: Scene, path: str = "/Root") -> UsdGeom.Mesh:
     skeleton.CreateRestTransformsAttr([places[0], Gf.Matrix4d().SetTranslate(Gf.Vec3d(2, 0, 0))])
     mesh = UsdGeom.Mesh.Define(scene.stage, f"{path}/Mesh")
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    along = [-2 + 4 * i / (COLUMNS - 1) for i in range(COLUMNS)]
-    mesh.CreatePointsAttr(spatial([(x, -0.4) for x in along] + [(x, 0.4) for x in along]))
-    mesh.CreateFaceVertexCountsAttr([4] * (COLUMNS - 1))
-    n = COLUMNS
+    along = [-2 + 4 * i / (columns - 1) for i in range(columns)]
+    mesh.CreatePointsAttr(spatial([(x, y) for y in (-half_width, half_width) for x in along]))
+    mesh.CreateFaceVertexCountsAttr([4] * (columns - 1))
+    n = columns
     mesh.CreateFaceVertexIndicesAttr([k for i in range(n - 1) for k in (i, i + 1, n + i + 1, n + i)])
     binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
     binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])

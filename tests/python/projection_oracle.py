@@ -25,6 +25,8 @@ class Sampling:
     times: int = 256
     subpixels: int = 4
     """Along each side of a pixel."""
+    subdivisions: int = 0
+    """Steps by which subdivided cages are refined; 0: they are drawn as polygons."""
 
 
 def coverage(
@@ -40,7 +42,7 @@ def coverage(
     `size` is width and height. A shutter that is closed or reversed shows the frame alone.
     """
     opening, closing = shutter_of(stage, frame, camera)
-    truth = StageTruth(stage, frame, (opening, closing), purposes)
+    truth = StageTruth(stage, frame, (opening, closing), purposes, sampling.subdivisions)
     total = np.zeros((size[1], size[0]))
     # A closed shutter needs the times for its sub-pixels alone.
     polygons = truth.polygons(frame) if opening == closing else None

@@ -8,10 +8,12 @@ rule of its documentation is applied: motion:blurScale, motion:velocityScale, to
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from limit_surface import Cage
 from msbvh import _core
 from msbvh.base.errors import Diagnostics
 from msbvh.motion.context import FrameContext
@@ -54,9 +56,11 @@ class StageTruth:
         frame: float,
         shutter: tuple[float, float] = (0.0, 0.0),
         purposes: tuple[str, ...] = ("proxy",),
+        subdivisions: int = 0,
     ) -> None:
         """`shutter` is opening and closing relative to the frame: where a topology changes within it, the
-        pose is held. `purposes` are drawn beside the default one."""
+        pose is held. `purposes` are drawn beside the default one. `subdivisions`: steps by which cages are refined; 0: they
+        are drawn as polygons."""
         self._uses_motion_api = any(prim.HasAPI(UsdGeom.MotionAPI) for prim in _every_prim(stage))
         self.stage = _with_scaled_velocities(stage, frame) if self._uses_motion_api else stage
         self.frame = frame
@@ -65,6 +69,8 @@ class StageTruth:
         self._caches: dict[float, UsdGeom.XformCache] = {}
         self._holds: dict[str, bool] = {}
         self._skinning = Skinning(self.stage)
+        self._subdivisions = subdivisions
+        self._surfaces: dict[tuple, Cage] = {}
 
     def polygons(self, time: float) -> list[Polygons]:
         """Everything visible at a time code."""
@@ -166,9 +172,21 @@ class StageTruth:
             points, space = mesh.ComputePointsAtTime(point_time, frame), prim
         else:
             points, space = skinned
-        counts, indices = self._topology(mesh, frame if self._topology_varies(mesh) else prim_time)
+        topology_time = frame if self._topology_varies(mesh) else prim_time
         matrices = self._relative(space, root, prim_time, time) @ world
-        return Polygons(path, np.array(points, float).reshape(-1, 3), matrices, counts, indices)
+        own = np.array(points, float).reshape(-1, 3)
+        if self._subdivisions and mesh.GetSubdivisionSchemeAttr().Get() != UsdGeom.Tokens.none:
+            surface = self._surface(mesh, len(own), topology_time)
+            return Polygons(path, surface.weights @ own, matrices, *surface.drawn())
+        return Polygons(path, own, matrices, *self._topology(mesh, topology_time))
+
+    def _surface(self, mesh: UsdGeom.Mesh, count: int, time: float) -> Cage:
+        """The cage of a mesh of `count` points, refined; holes are those of a time, all else is the frame's."""
+        holes = tuple(mesh.GetHoleIndicesAttr().Get(time) or ())
+        key = str(mesh.GetPath()), count, holes
+        if key not in self._surfaces:
+            self._surfaces[key] = cage_of(mesh, count, holes, self.frame).refined(self._subdivisions)
+        return self._surfaces[key]
 
     def _relative(self, prim: Usd.Prim, root: Usd.Prim | None, prim_time: float, time: float) -> np.ndarray:
         """float64[4, 4] to the space in which `root` is instanced, or to the world. The root's own transform is taken
@@ -232,6 +250,28 @@ class StageTruth:
         if not around or velocities.GetBracketingTimeSamples(self.frame) != around:
             return False
         return len(velocities.Get(around[0]) or ()) == len(points.Get(around[0]) or ()) > 0
+
+
+def cage_of(mesh: UsdGeom.Mesh, count: int, holes: tuple[int, ...], frame: float) -> Cage:
+    """A mesh's cage at a frame."""
+
+    def found(name: str) -> list:
+        return list(mesh.GetPrim().GetAttribute(name).Get(frame) or ())
+
+    ends = np.cumsum(found("faceVertexCounts"))
+    indices = found("faceVertexIndices")
+    faces = [tuple(indices[end - n : end]) for end, n in zip(ends, found("faceVertexCounts"), strict=True)]
+    edges, chain = [], found("creaseIndices")
+    lengths, sharpnesses = found("creaseLengths"), found("creaseSharpnesses")
+    for length in lengths:
+        edges.append(list(itertools.pairwise(chain[:length])))
+        chain = chain[length:]
+    if len(sharpnesses) == len(lengths):  # one a crease; else one an edge
+        sharpnesses = [sharpness for sharpness, of_crease in zip(sharpnesses, edges, strict=True) for _ in of_crease]
+    creases = dict(zip(itertools.chain(*edges), sharpnesses, strict=True))
+    corners = dict(zip(found("cornerIndices"), found("cornerSharpnesses"), strict=True))
+    scheme, boundary = mesh.GetSubdivisionSchemeAttr().Get(), mesh.GetInterpolateBoundaryAttr().Get(frame)
+    return Cage.of(faces, count, str(scheme), str(boundary), creases, corners, holes)
 
 
 def _every_prim(stage: Usd.Stage) -> Iterator[Usd.Prim]:

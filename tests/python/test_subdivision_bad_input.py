@@ -6,10 +6,18 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from msbvh import _core
 from msbvh.scene.reader import ReadSettings, read_frame
-from pxr import UsdGeom, UsdLux, Vt
+from pxr import Gf, UsdGeom, UsdLux, Vt
 from recording import Shot, messages
 from subdivision_stages import BLUE, FACES, GREEN, RED, WHITE, colour, cube, picture, sheet
+
+
+def creases(mesh: UsdGeom.Mesh, edges: list[tuple[int, int]], sharpness: float) -> None:
+    mesh.CreateCreaseLengthsAttr([2] * len(edges))
+    mesh.CreateCreaseIndicesAttr(np.ravel(edges).tolist())
+    mesh.CreateCreaseSharpnessesAttr([sharpness] * len(edges))
+
 
 BAD: list[tuple[Callable[[UsdGeom.Mesh], object], str, int]] = [
     (
@@ -54,6 +62,36 @@ BAD: list[tuple[Callable[[UsdGeom.Mesh], object], str, int]] = [
         ),
         "creaseSharpnesses: found 3 values; expected 1 (one a crease) or 2 (one an edge); it is left out",
         0,
+    ),
+    (
+        lambda m: creases(m, [(0, 7), (0, 1), (3, 3)], 10.0),
+        "creaseIndices: 2 of 3 pairs of vertices are left out (the first is 0, 7); expected edges of the mesh",
+        0,
+    ),
+    (
+        lambda m: creases(m, [(0, 1)], float("nan")),
+        "creaseSharpnesses: value 0 is nan; expected 0 (smooth) to 10 (sharp); it is left out",
+        0,
+    ),
+    (
+        lambda m: creases(m, [(0, 1)], -1.0),
+        "creaseSharpnesses: value 0 is -1; expected 0 (smooth) to 10 (sharp); it is left out",
+        0,
+    ),
+    (
+        lambda m: m.CreateCreaseIndicesAttr([0, 1]),
+        "creaseLengths: the lengths add up to 0; expected 2, the number of creaseIndices; it is left out",
+        0,
+    ),
+    (
+        lambda m: m.CreateHoleIndicesAttr([-1, 0, 99, 6]),
+        "holeIndices: found face -1 and 2 more, which is left out; expected 0 to 5",
+        0,
+    ),
+    (
+        lambda m: m.CreateSubdivisionSchemeAttr(""),
+        'subdivisionScheme: found ""; expected catmullClark, loop or bilinear, or none; the cage is drawn as polygons',
+        12,
     ),
 ]
 
@@ -141,6 +179,42 @@ def test_vertices_of_too_many_faces_are_polygons() -> None:
     assert warning.endswith("257 faces share vertex 0; expected at most 256; the cage is drawn as polygons")
 
 
+def test_creases_that_are_all_different_take_bounded_memory() -> None:
+    """OpenSubdiv keeps what it prepares for each shape of a face, and here no two are alike: 5 MB each, were all kept."""
+    shot = Shot((0.0, 0.0))
+    mesh = sheet(shot, 24)
+    edges = [(25 * y + x, 25 * y + x + 1) for y in range(25) for x in range(24)]
+    creases(mesh, edges, 0.0)
+    mesh.GetCreaseSharpnessesAttr().Set(np.random.default_rng(1).uniform(9.0, 9.9, len(edges)).tolist())
+    kept = _core.RefinementCache(1 << 30)
+    result = read_frame(shot.stage, 10.0, ReadSettings(width=60), refinements=kept)
+    assert messages(result, "warning") == []
+    assert kept.bytes < 200 << 20
+
+
+@pytest.mark.parametrize("height", [0.0, 1e-6], ids=["in the surface", "on the surface"])
+def test_an_eye_in_the_middle_of_it_takes_bounded_points(height: float) -> None:
+    shot = Shot((0.0, 0.0))
+    sheet(shot, 1)
+    next(iter(shot.camera.GetOrderedXformOps())).Set(Gf.Vec3d(0, 0, height))
+    result = read_frame(shot.stage, 10.0, ReadSettings(width=4096))
+    assert 1000 < result.scene.statistics()["triangles"] <= 2 * 1024**2
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_cages_of_any_size_are_the_same_in_the_picture(scale: float) -> None:
+    counts = []
+    for size in (1.0, scale):
+        shot = Shot((0.0, 0.0))
+        cube(shot).AddScaleOp().Set(Gf.Vec3f(size))
+        next(iter(shot.camera.GetOrderedXformOps())).Set(Gf.Vec3d(0, 0, 20 * size))
+        shot.camera.CreateClippingRangeAttr(Gf.Vec2f(size, 100 * size))
+        result = read_frame(shot.stage, 10.0, ReadSettings(width=100))
+        counts.append(result.scene.statistics()["triangles"])
+        assert messages(result, "warning") == []
+    assert counts[0] == counts[1] > 1000
+
+
 def test_more_points_than_fit_are_a_warning_and_coarser() -> None:
     shot = Shot((0.0, 0.0))
     sheet(shot, 64)
@@ -161,3 +235,12 @@ def test_a_changing_topology_or_scheme_holds_the_frame() -> None:
     found = messages(shot.read(), "warning")
     assert len(found) == 1
     assert found[0].startswith("/Cube.creaseSharpnesses: ")
+    mesh.GetCreaseSharpnessesAttr().Clear()
+    scheme = mesh.GetSubdivisionSchemeAttr()
+    scheme.Clear()
+    scheme.Set("none", 9.0)
+    scheme.Set("catmullClark", 10.2)
+    result = shot.read()
+    (warning,) = messages(result, "warning")
+    assert warning.startswith("/Cube.subdivisionScheme: changes within the shutter")
+    assert len(result.scene.points("/Cube", 0.5)) == 8

@@ -72,6 +72,12 @@ TEST_CASE("each effect comes with the first prim that asks for it") {
     scene.world = {mesh_id(0), points_id(0)};
     check_only(scene, Effect::kPoints, "/dust", "3 spheres");
   }
+  SUBCASE("subdivision") {
+    scene.meshes.push_back(triangle("/cage", 0));
+    scene.meshes[1].cage_faces = 6;
+    scene.world = {mesh_id(0), mesh_id(1)};
+    check_only(scene, Effect::kSubdivision, "/cage", "limit surface of 6 faces, 1 triangles");
+  }
   SUBCASE("instances") {
     scene.prototypes = {{"/prototype", {mesh_id(0)}}};
     scene.instances = {{"/instancer", 0, 0, std::vector<Affine3f>(12), {}}};

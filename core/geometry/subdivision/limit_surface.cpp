@@ -1,6 +1,7 @@
 #include "core/geometry/subdivision/limit_surface.h"
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 #include <opensubdiv/bfr/refinerSurfaceFactory.h>
 #include <opensubdiv/bfr/surface.h>
@@ -22,11 +23,40 @@ using namespace OpenSubdiv;
 
 // Sharpness from which OpenSubdiv takes an edge as infinitely sharp is 10: that many levels for the others.
 constexpr int kSharpLevels = 10;
+// A crease that runs down more levels below the finest points than these rounds off within a sixteenth of
+// their distance. Following it further moves points by a hundredth of it (docs/design/subdivision.md), and
+// each level doubles what it takes.
+constexpr int kSharpLevelsBelow = 4;
 // OpenSubdiv's own default for smooth features. Less saves nothing that matters.
 constexpr std::uint32_t kLeastSmoothLevels = 2;
 
-using Cache = Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
-                                               std::unique_lock<std::shared_mutex>>;
+using ThreadedCache = Bfr::SurfaceFactoryCacheThreaded<std::shared_mutex, std::shared_lock<std::shared_mutex>,
+                                                       std::unique_lock<std::shared_mutex>>;
+
+// What OpenSubdiv has prepared of faces around extraordinary vertices and sharp edges, for those alike. Where
+// every edge has a sharpness of its own no two are, and one of sharpness 9 takes 5 MB: from kMostBytes on
+// they are prepared again whenever they are asked for.
+class Cache final : public ThreadedCache {
+ public:
+  static constexpr std::size_t kMostBytes = std::size_t(64) << 20;
+
+  std::size_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
+  // Around the making of a surface, by one thread.
+  static void begin() { added_ = false; }
+  void end(std::size_t bytes) {
+    if (added_) bytes_.fetch_add(bytes, std::memory_order_relaxed);
+  }
+
+ private:
+  DataType Add(const KeyType& key, const DataType& data) override {
+    if (bytes() >= kMostBytes) return data;
+    added_ = true;
+    return ThreadedCache::Add(key, data);
+  }
+
+  std::atomic<std::size_t> bytes_ = 0;
+  static inline thread_local bool added_ = false;
+};
 using Factory = Bfr::RefinerSurfaceFactory<Cache>;
 
 std::vector<int> ints(const std::vector<std::uint32_t>& v) { return {v.begin(), v.end()}; }
@@ -145,10 +175,12 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const Cage& mesh) {
       ": faceVertexIndices: found a topology that OpenSubdiv refuses; expected faces of distinct vertices");
 }
 
-Factory::Options factory_options(std::uint32_t level) {
+Factory::Options factory_options(std::uint32_t level, Cache& cache) {
   const auto smooth = static_cast<int>(std::max(level, kLeastSmoothLevels));
   Factory::Options options;
-  options.SetApproxLevelSmooth(smooth).SetApproxLevelSharp(std::max(smooth, kSharpLevels));
+  options.SetApproxLevelSmooth(smooth).SetApproxLevelSharp(
+      std::min(smooth + kSharpLevelsBelow, kSharpLevels));
+  options.SetExternalCache(&cache);
   return options;
 }
 
@@ -156,19 +188,28 @@ Factory::Options factory_options(std::uint32_t level) {
 
 struct LimitSurface::Data {
   const Cage& cage;
-  std::unique_ptr<Far::TopologyRefiner> refiner;
+  std::shared_ptr<const Far::TopologyRefiner> refiner;
+  std::unique_ptr<Cache> cache{};  // outlives the factory
   std::optional<Factory> factory{};
 
-  explicit Data(const Cage& c) : cage(c), refiner(make_refiner(c)) {}
+  Data(const Cage& c, std::shared_ptr<const Far::TopologyRefiner> r) : cage(c), refiner(std::move(r)) {}
   const Far::TopologyLevel& level() const { return refiner->GetLevel(0); }
 };
 
-LimitSurface::LimitSurface(const Cage& cage) : data_(std::make_unique<Data>(cage)) {}
+LimitSurface::LimitSurface(const Cage& cage) : data_(std::make_unique<Data>(cage, make_refiner(cage))) {}
+LimitSurface::LimitSurface(const LimitSurface& same, std::uint32_t level)
+    : data_(std::make_unique<Data>(same.data_->cage, same.data_->refiner)) {
+  prepare(level);
+}
 LimitSurface::~LimitSurface() = default;
 
 void LimitSurface::prepare(std::uint32_t level) {
-  data_->factory.emplace(*data_->refiner, factory_options(level));
+  auto cache = std::make_unique<Cache>();
+  data_->factory.emplace(*data_->refiner, factory_options(level, *cache));
+  data_->cache = std::move(cache);
 }
+
+std::size_t LimitSurface::irregular_bytes() const { return data_->cache ? data_->cache->bytes() : 0; }
 
 const Cage& LimitSurface::cage() const { return data_->cage; }
 std::uint32_t LimitSurface::face_count() const {
@@ -251,9 +292,14 @@ FaceSurface::FaceSurface(const LimitSurface& surface, std::uint32_t face, ValueK
         return factory.InitVertexSurface(index, out);
     }
   };
+  Cache::begin();
   if (!made(&data_->surface)) throw Error("limit surface: face " + std::to_string(face) + " has none");
+  const auto controls = static_cast<std::size_t>(data_->surface.GetNumControlPoints());
+  const auto points = static_cast<std::size_t>(data_->surface.GetNumPatchPoints());
+  // Half of what a patch takes are its weights; measured.
+  surface.data_->cache->end(2 * points * controls * sizeof(double));
   data_->parameters = data_->surface.GetParameterization();
-  data_->indices.resize(static_cast<std::size_t>(data_->surface.GetNumControlPoints()));
+  data_->indices.resize(controls);
   data_->surface.GetControlPointIndices(data_->indices.data());
 }
 FaceSurface::~FaceSurface() = default;

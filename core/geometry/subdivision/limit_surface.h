@@ -3,6 +3,7 @@
 // Subdivision Surfaces", TOG 31(1), 2012.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -18,6 +19,8 @@ class LimitSurface {
   // prepare() it knows faces and edges alone.
   explicit LimitSurface(const Cage& cage);
   LimitSurface(const Cage& cage, std::uint32_t level) : LimitSurface(cage) { prepare(level); }
+  // Of the same cage, which both share with what OpenSubdiv has made of its topology.
+  LimitSurface(const LimitSurface& same, std::uint32_t level);
   // `level`: that of the finest points that will be asked for. Around extraordinary vertices OpenSubdiv
   // refines so many times and ends in an approximation (Gregory patches) that is exact at its corners. So
   // points i / 2^level along a face are exact; with OpenSubdiv's default of 2 they are off by 1 % of a face
@@ -41,6 +44,8 @@ class LimitSurface {
   bool is_quad(std::uint32_t face) const;
 
   const Cage& cage() const;
+  // About what it keeps of faces around extraordinary vertices and sharp edges that it has evaluated.
+  std::size_t irregular_bytes() const;
 
   struct Data;
 

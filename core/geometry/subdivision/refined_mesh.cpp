@@ -13,113 +13,33 @@ namespace {
 constexpr std::size_t kFacesPerTask = 16;
 constexpr std::uint32_t kNobody = 0xffffffffu;
 
-Cage validated(Cage cage) {
-  validate(cage);
-  return cage;
-}
-
-// The first face with a limit that has each edge, and its place there; kNobody for edges of no surface.
-struct EdgeOwner {
-  std::uint32_t face = kNobody, place = 0;
-};
-std::vector<EdgeOwner> edge_owners(const LimitSurface& surface) {
-  std::vector<EdgeOwner> owners(surface.edge_count());
-  for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-    if (!surface.has_limit(f)) continue;
-    const auto edges = surface.face_edges(f);
-    for (std::uint32_t i = 0; i < edges.size(); ++i) {
-      EdgeOwner& owner = owners[static_cast<std::size_t>(edges[i])];
-      if (owner.face == kNobody) owner = {f, i};
-    }
-  }
-  return owners;
-}
-
-// A face's i-th edge, from vertex i to the next.
-std::array<Vec3d, 3> edge_curve(const LimitSurface& surface, const FaceSurface& face, std::uint32_t f,
-                                std::uint32_t i) {
-  const auto at = [&](std::uint32_t square, double s, double t) {
-    return face.evaluate(square, s, t).position;
-  };
-  if (!surface.is_quad(f)) {
-    const auto next = (i + 1) % static_cast<std::uint32_t>(surface.face_edges(f).size());
-    return {at(i, 0.0, 0.0), at(i, 1.0, 0.0), at(next, 0.0, 0.0)};
-  }
-  constexpr double kCorners[5][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
-  const double *p = kCorners[i], *q = kCorners[i + 1];
-  return {at(0, p[0], p[1]), at(0, 0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1])), at(0, q[0], q[1])};
-}
-
-std::vector<std::uint32_t> edge_levels(LimitSurface& surface, std::span<const Vec3f* const> poses,
-                                       const EdgeLevel& level) {
-  constexpr std::uint32_t kEnoughForLengths = 2;
-  surface.prepare(kEnoughForLengths);
-  const std::vector<EdgeOwner> owners = edge_owners(surface);
-  std::vector<std::uint32_t> levels(surface.edge_count(), 0);
-  parallel_for_ranges(surface.face_count(), kFacesPerTask, [&](std::size_t begin, std::size_t end) {
-    for (auto f = static_cast<std::uint32_t>(begin); f < end; ++f) {
-      if (!surface.has_limit(f)) continue;
-      const auto edges = surface.face_edges(f), vertices = surface.face_vertices(f);
-      std::vector<std::vector<std::array<Vec3d, 3>>> curves(edges.size());
-      FaceSurface face(surface, f);
-      for (const Vec3f* pose : poses) {
-        face.set_values(&pose->x, 3);
-        for (std::uint32_t i = 0; i < edges.size(); ++i) {
-          if (owners[static_cast<std::size_t>(edges[i])].face == f)
-            curves[i].push_back(edge_curve(surface, face, f, i));
-        }
-      }
-      for (std::uint32_t i = 0; i < edges.size(); ++i) {
-        const auto edge = static_cast<std::size_t>(edges[i]);
-        if (owners[edge].face != f || owners[edge].place != i) continue;
-        const auto a = static_cast<std::uint32_t>(vertices[i]);
-        const auto b = static_cast<std::uint32_t>(vertices[(i + 1) % vertices.size()]);
-        levels[edge] = std::min(kMaxEdgeLevel, level({a, b, curves[i]}));
-      }
-    }
-  });
-  return levels;
-}
-
-// About how many points there are at such levels: no fewer than inside the faces.
-std::uint64_t points_at(const LimitSurface& surface, const std::vector<std::uint32_t>& levels,
-                        std::uint32_t lowered) {
-  std::uint64_t points = surface.cage().vertex_count;
-  for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-    const auto edges = surface.face_edges(f);
-    const auto rate = [&](std::size_t i) {
-      const std::uint32_t level = levels[static_cast<std::size_t>(edges[i])];
-      return std::uint64_t(1) << (level - std::min(level, lowered));
-    };
-    if (surface.is_quad(f)) {
-      points += std::max(rate(0), rate(2)) * std::max(rate(1), rate(3));
-      continue;
-    }
-    std::uint64_t finest = 2;
-    for (std::size_t i = 0; i < edges.size(); ++i) finest = std::max(finest, rate(i));
-    points += edges.size() * (finest / 2) * (finest / 2);
-  }
-  return points;
-}
-
 }  // namespace
 
 RefinedMesh::RefinedMesh(Cage cage, std::span<const Vec3f* const> poses, const EdgeLevel& level,
                          std::uint64_t most_points)
-    : cage_(std::make_unique<Cage>(validated(std::move(cage)))),
-      surface_(std::make_unique<LimitSurface>(*cage_)) {
-  std::vector<std::uint32_t> levels = edge_levels(*surface_, poses, level);
-  const std::uint32_t finest = levels.empty() ? 0 : *std::ranges::max_element(levels);
-  while (lowered_ < finest && points_at(*surface_, levels, lowered_) > most_points) ++lowered_;
-  for (std::uint32_t& l : levels) l -= std::min(l, lowered_);
-  surface_->prepare(finest - lowered_);
-  lattices_ = std::make_unique<FaceLattices>(*surface_, std::move(levels));
-  creased_ = surface_->has_creases();
+    : RefinedMesh(std::make_shared<RefinableCage>(std::move(cage)), poses, level, most_points) {}
+
+RefinedMesh::RefinedMesh(std::shared_ptr<RefinableCage> cage, std::span<const Vec3f* const> poses,
+                         const EdgeLevel& level, std::uint64_t most_points)
+    : RefinedMesh(cage, cage->edge_levels(poses, level, most_points)) {}
+
+RefinedMesh::RefinedMesh(std::shared_ptr<RefinableCage> cage, EdgeLevels levels)
+    : cage_(std::move(cage)),
+      surface_(cage_->surface(levels.finest())),
+      lattices_(std::make_unique<FaceLattices>(*surface_, std::move(levels.of_edges))),
+      lowered_(levels.lowered),
+      creased_(surface_->has_creases()) {
   for (std::uint32_t f = 0; f < surface_->face_count(); ++f) {
     if (surface_->has_limit(f)) drawn_.push_back(f);
   }
   own_borders();
   make_triangles();
+}
+
+std::size_t RefinedMesh::bytes() const {
+  const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return of(drawn_) + of(first_triangle_) + of(border_owner_) + of(border_point_) + of(triangles_) +
+         of(faces_) + sizeof(std::uint32_t) * (surface_->edge_count() * 2 + surface_->face_count());
 }
 
 // Points on edges and at vertices belong to the first face that has them.
@@ -150,7 +70,7 @@ void RefinedMesh::make_triangles() {
     total += n;
   }
   if (total >> 31)
-    throw Error(cage_->name + ": subdivided into " + std::to_string(total) +
+    throw Error(cage().name + ": subdivided into " + std::to_string(total) +
                 " triangles; expected fewer than 2^31");
   triangles_.resize(total);
   faces_.resize(total);

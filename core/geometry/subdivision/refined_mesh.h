@@ -3,9 +3,8 @@
 // any degree are refined control by control and move exactly as the surface does.
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -13,18 +12,10 @@
 #include "core/geometry/grid_mesh.h"
 #include "core/geometry/subdivision/face_lattice.h"
 #include "core/geometry/subdivision/limit_surface.h"
+#include "core/geometry/subdivision/refinable_cage.h"
 #include "core/geometry/triangle_mesh.h"
 
 namespace msbvh {
-
-// An edge of the cage, and where the limit surface has it.
-struct CageEdge {
-  std::uint32_t a, b;  // vertices
-  // Its ends and its middle at each of the poses that are looked at.
-  std::span<const std::array<Vec3d, 3>> curves;
-};
-// Into how many segments an edge is cut, as a power of two: 0 to kMaxEdgeLevel.
-using EdgeLevel = std::function<std::uint32_t(const CageEdge&)>;
 
 // The same surface as grids, one a square of a face that is drawn.
 struct GridLayout {
@@ -39,8 +30,12 @@ class RefinedMesh {
   // 0. Throws Error for a cage that is not valid or that OpenSubdiv refuses.
   RefinedMesh(Cage cage, std::span<const Vec3f* const> poses, const EdgeLevel& level,
               std::uint64_t most_points);
+  RefinedMesh(std::shared_ptr<RefinableCage> cage, std::span<const Vec3f* const> poses,
+              const EdgeLevel& level, std::uint64_t most_points);
+  // `levels`: of this cage. What there is of the mesh does not depend on anything else.
+  RefinedMesh(std::shared_ptr<RefinableCage> cage, EdgeLevels levels);
 
-  const Cage& cage() const { return *cage_; }
+  const Cage& cage() const { return cage_->cage(); }
   std::uint32_t point_count() const { return point_count_; }
   // Vertices are points; counter-clockwise from outside whatever the cage's orientation is.
   const std::vector<Triangle>& triangles() const { return triangles_; }
@@ -81,6 +76,7 @@ class RefinedMesh {
     std::vector<Vec3d> positions, normals;
   };
   LimitPoints limit(const Vec3f* positions) const;
+  std::size_t bytes() const;  // without the cage's
 
  private:
   struct Corner {
@@ -106,15 +102,16 @@ class RefinedMesh {
                                           : id - lattices_->border_count() + border_points_;
   }
 
-  std::unique_ptr<const Cage> cage_;  // in one place: the surface refers to it
-  std::unique_ptr<LimitSurface> surface_;
+  std::shared_ptr<RefinableCage> cage_;
+  std::shared_ptr<const LimitSurface> surface_;  // as fine as the finest edge
   std::unique_ptr<const FaceLattices> lattices_;
+  std::uint32_t lowered_;
+  bool creased_;
   std::vector<std::uint32_t> drawn_;           // the faces that have a limit
   std::vector<std::uint32_t> first_triangle_;  // of each of them
   std::vector<std::uint32_t> border_owner_;    // of each border id, the first of drawn_ that sees it
   std::vector<std::uint32_t> border_point_;
-  std::uint32_t border_points_ = 0, point_count_ = 0, lowered_ = 0;
-  bool creased_ = false;
+  std::uint32_t border_points_ = 0, point_count_ = 0;
   std::vector<Triangle> triangles_;
   std::vector<std::uint32_t> faces_;
 };

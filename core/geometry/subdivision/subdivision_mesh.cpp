@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include "core/base/error.h"
 #include "core/geometry/triangle_mesh.h"
@@ -99,6 +100,15 @@ void check_face_varying(const Cage& mesh) {
 }
 
 }  // namespace
+
+bool same_topology(const Cage& a, const Cage& b) {
+  const auto all = [](const Cage& c) {
+    return std::tie(c.vertex_count, c.scheme, c.boundary, c.triangle_rule, c.face_varying_rule, c.left_handed,
+                    c.face_vertex_counts, c.face_vertex_indices, c.holes, c.crease_lengths, c.crease_indices,
+                    c.crease_sharpnesses, c.corner_indices, c.corner_sharpnesses, c.face_varying);
+  };
+  return all(a) == all(b);
+}
 
 void validate(const Cage& cage) {
   check_faces(cage);

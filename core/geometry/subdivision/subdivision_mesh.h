@@ -31,6 +31,8 @@ enum class FaceVaryingRule : std::uint8_t {
 struct FaceVaryingTopology {
   std::uint32_t value_count = 0;
   std::vector<std::uint32_t> indices;  // one a corner, as face_vertex_indices
+
+  bool operator==(const FaceVaryingTopology&) const = default;
 };
 
 // Edges of a face, and faces around a vertex, at most. What OpenSubdiv takes to prepare a face that has, or
@@ -70,6 +72,9 @@ struct SubdivisionMesh : Cage {
     return positions.data() + std::size_t(control) * vertex_count;
   }
 };
+
+// Whether all but the names are equal.
+bool same_topology(const Cage& a, const Cage& b);
 
 // Checks the sizes and indices of all arrays, and kMaxValence. Throws Error naming the mesh, the array, what
 // was found and what is expected.

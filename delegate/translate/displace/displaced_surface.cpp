@@ -51,7 +51,7 @@ DisplacedSurface::DisplacedSurface(const MovingArray& points, const Tessellation
 DisplacedSurface::~DisplacedSurface() = default;
 
 void DisplacedSurface::pick() {
-  const RefinedMesh& mesh = faces_.refinement()->mesh;
+  const RefinedMesh& mesh = *faces_.refinement()->mesh;
   const std::vector<std::uint32_t>& drawn = mesh.drawn_faces();
   const std::size_t faces = std::min(drawn.size(), kMostFaces);
   const std::vector<double> distances = distances_.at(0.5);
@@ -70,7 +70,7 @@ void DisplacedSurface::pick() {
 }
 
 std::size_t DisplacedSurface::size() const {
-  return faces_.refinement() ? faces_.refinement()->mesh.point_count() : points_.size();
+  return faces_.refinement() ? faces_.refinement()->mesh->point_count() : points_.size();
 }
 
 std::vector<Breakpoint> DisplacedSurface::breakpoints() const {
@@ -95,7 +95,7 @@ std::vector<Vec3d> DisplacedSurface::at(double time01, double within) const {
   const std::vector<double> distances = distances_.at(time01);
   RefinedMesh::LimitPoints surface;
   if (const Refinement* refinement = faces_.refinement()) {
-    surface = refinement->mesh.limit(own.data());
+    surface = refinement->mesh->limit(own.data());
   } else {
     surface.normals = smooth_normals_of(faces_.triangles(), own);
     for (const Vec3f& p : own) surface.positions.push_back(Vec3d(p));

@@ -212,7 +212,7 @@ PointDistances point_distances(const MeshInput& input, const Tessellation& mesh,
       continue;
     }
     const std::vector<std::uint32_t>& faces = refinement->cage_faces;
-    values.push_back(refinement->mesh.means(
+    values.push_back(refinement->mesh->means(
         [&](std::uint32_t cage_face, std::span<const SquareLattice> squares, double* out) {
           reader.at_squares(cage_face, faces.empty() ? cage_face : faces[cage_face], squares, out);
         }));

@@ -65,7 +65,7 @@ void SurfacePrimvar::at_squares(std::uint32_t cage_face, std::uint32_t face,
     for (const SquareLattice& square : squares) out = std::fill_n(out, square.points.size(), value);
     return;
   }
-  FaceSurface surface(mesh_->refinement()->mesh.surface(), cage_face, kind_);
+  FaceSurface surface(mesh_->refinement()->mesh->surface(), cage_face, kind_);
   surface.set_values(&values_.data()->x, 3);
   for (const SquareLattice& square : squares) {
     for (const FacePoint& p : square.points) surface.evaluate(p.square, p.s, p.t, &(out++)->x);

@@ -1,10 +1,13 @@
 // Translator: keyword arguments and numpy arrays to the structs of delegate/translate/inputs.h.
 #include <deque>
+#include <memory>
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 #include <tuple>
+#include <utility>
 
 #include "delegate/translate/translator.h"
 #include "delegate/usd/bindings/arguments.h"
@@ -115,6 +118,14 @@ TranslatorSettings settings_from(Arguments& arguments) {
     settings.edge_length_pixels = arguments.value<double>("edge_length", "a float");
   settings.displaced = displaced_from(arguments);
   return settings;
+}
+
+std::shared_ptr<RefinementCache> refinements_from(Arguments& arguments) {
+  const nb::object given = arguments.optional("refinements");
+  if (given.is_none()) return nullptr;
+  if (!nb::isinstance<RefinementCache>(given))
+    arguments.fail("refinements", given, "a RefinementCache or None");
+  return nb::cast<std::shared_ptr<RefinementCache>>(given);
 }
 
 void add_mesh(Translator& translator, const MeshObject& mesh) {
@@ -265,18 +276,35 @@ void bind_reports(nb::module_& m) {
       .def_ro("error_pixels", &TrackReport::error_pixels);
 }
 
+void bind_refinements(nb::module_& m) {
+  nb::class_<RefinementCache>(m, "RefinementCache")
+      .def(nb::init<std::size_t>(), nb::arg("most_bytes") = RefinementCache::kMostBytes)
+      .def_prop_ro("bytes", &RefinementCache::bytes)
+      .def_prop_ro("counts", [](const RefinementCache& cache) {
+        const RefinementCounts& counts = cache.counts();
+        nb::dict result;
+        result["cages_made"] = counts.cages_made;
+        result["cages_kept"] = counts.cages_kept;
+        result["meshes_made"] = counts.meshes_made;
+        result["meshes_kept"] = counts.meshes_kept;
+        return result;
+      });
+}
+
 }  // namespace
 
 void bind_translator(nb::module_& m) {
   bind_reports(m);
+  bind_refinements(m);
   nb::class_<Translator>(m, "Translator")
       .def("__init__",
            [](Translator* self, const nb::kwargs& keywords) {
              Arguments arguments(keywords, "Translator");
              const CameraInput camera = camera_from(arguments);
              const TranslatorSettings settings = settings_from(arguments);
+             std::shared_ptr<RefinementCache> refinements = refinements_from(arguments);
              arguments.expect_no_more();
-             new (self) Translator(camera, settings);
+             new (self) Translator(camera, settings, std::move(refinements));
            })
       .def("add_mesh", &add_mesh, nb::arg("mesh"))
       .def("begin_prototype", &Translator::begin_prototype, nb::arg("path"), nb::arg("pixels_per_unit") = 0.0)

@@ -164,6 +164,16 @@ class Scene:
         """What is visible at a time: (path of the mesh, path of what instances it or again the mesh's,
         float64[M, N, 3] stage-space vertices of M instances), from the tracks as they are traced."""
 
+class RefinementCache:
+    """Refined subdivision cages, kept from frame to frame: core/geometry/subdivision/refinement_cache.h."""
+
+    def __init__(self, most_bytes: int = 268435456) -> None: ...
+    @property
+    def bytes(self) -> int: ...
+    @property
+    def counts(self) -> dict[str, int]:
+        """cages_made, cages_kept, meshes_made, meshes_kept: of all frames so far."""
+
 class Translator:
     """From what was read of a stage to a Scene: checks, triangulates, and fits the fewest keys that follow
     the samples within ``motion_tolerance`` pixels. See delegate/translate/translator.h."""
@@ -190,6 +200,7 @@ class Translator:
         keep_faces: bool = False,
         edge_length: float = 1.0,
         displacement: Literal["patches", "tessellate", "none"] = "patches",
+        refinements: RefinementCache | None = None,
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
         bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one),
@@ -198,7 +209,7 @@ class Translator:
         ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
         ``keep_faces``: for the AOV elementId. ``edge_length``: about how long edges of a subdivided surface are in pixels;
         0: cages are drawn as polygons. ``displacement``: what surfaces become whose
-        materials displace them.
+        materials displace them. ``refinements``: of earlier frames, for this one and the next.
 
         Raises Error for a camera or settings that cannot be used.
         """

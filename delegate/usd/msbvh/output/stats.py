@@ -33,6 +33,9 @@ class FrameStats:
     seconds: dict[str, float] = field(default_factory=lambda: dict.fromkeys(PHASES, 0.0))
     scene: dict[str, Any] = field(default_factory=dict)
     """Meshes, triangles, keys, instances, lights: of the scene as it was rendered."""
+    subdivision: dict[str, int] = field(default_factory=dict)
+    """How many cages were refined and meshes made of them, and how many of either were taken over from meshes and frames
+    before: cages_made, cages_kept, meshes_made, meshes_kept."""
     render: dict[str, Any] = field(default_factory=dict)
     """The renderer's: rays, trees, and of the trees nodes, references and bytes, how many were built,
     refitted and kept from the frame before, and the seconds that it took."""

@@ -102,9 +102,9 @@ def record(
     report(diagnostics, reporter)
     outputs.check_stage(stage)
     frame_jobs = _frame_jobs(jobs, stage)
-    trees = Trees(settings.render, len(frame_jobs))
+    kept = Kept(Trees(settings.render, len(frame_jobs)), _core.RefinementCache())
     for frame, files in frame_jobs:
-        run.frames.append(_record_frame(stage, frame, files, settings, trees, reporter))
+        run.frames.append(_record_frame(stage, frame, files, settings, kept, reporter))
     run.frames[0].seconds["read"] = read_seconds
     run.warnings, run.errors = list(reporter.warnings), list(reporter.errors)
     if settings.stats is not None:
@@ -139,6 +139,14 @@ class Trees:
         return renderer
 
 
+@dataclass(frozen=True)
+class Kept:
+    """What a run's frames take over from each other. The pictures are those of frames by themselves."""
+
+    trees: Trees
+    refinements: _core.RefinementCache
+
+
 def _frame_jobs(jobs: Sequence[FrameJob] | Sequence[str], stage: Usd.Stage) -> Sequence[FrameJob]:
     files = [job for job in jobs if isinstance(job, str)]
     return [(start_time(stage), files)] if files else [job for job in jobs if not isinstance(job, str)]
@@ -149,12 +157,14 @@ def _record_frame(
     frame: float | None,
     files: Sequence[str],
     settings: RecordSettings,
-    trees: Trees,
+    kept: Kept,
     reporter: Reporter,
 ) -> FrameStats:
     stats = FrameStats(frame, list(files))
+    before = kept.refinements.counts
     with stats.timed("sample"), reading_progress(frame) as progress:
-        result = read_frame(stage, frame, settings.read, progress=progress)
+        result = read_frame(stage, frame, settings.read, progress=progress, refinements=kept.refinements)
+    stats.subdivision = {name: count - before[name] for name, count in kept.refinements.counts.items()}
     rate = frames_per_second(stage, result.diagnostics)
     report(result.diagnostics, reporter)
     camera = result.camera
@@ -163,7 +173,7 @@ def _record_frame(
     stats.scene = dict(result.scene.statistics())
     stats.tracks = [{name: getattr(track, name) for name in TRACK_FIELDS} for track in result.tracks]
     with stats.timed("build"):
-        renderer = trees.renderer(result)
+        renderer = kept.trees.renderer(result)
     stats.plan = plan_entries(renderer)
     with stats.timed("trace"), Progress(f"msbvh: {frame_label(frame)}") as progress:
         pixels, aovs = renderer.render_with_aovs(progress)

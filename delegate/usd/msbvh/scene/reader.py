@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from pxr import Tf, Usd, UsdGeom
 
-from .._core import EDGE_LENGTHS, MOST_PLACES, SILHOUETTES, InstanceLevel, MeshInput, PixelSize
+from .._core import EDGE_LENGTHS, MOST_PLACES, SILHOUETTES, InstanceLevel, MeshInput, PixelSize, RefinementCache
 from ..base.crash_line import crash_line
 from ..base.errors import Diagnostics, SceneError
 from ..camera.render_camera import RenderCamera, optics, read_camera
@@ -101,17 +101,18 @@ def read_frame(
     *,
     progress: Callable[[float], object] | None = None,
     found: SampleLog | None = None,
+    refinements: RefinementCache | None = None,
 ) -> ReadResult:
     """Reads what is visible at a frame, and its motion over the camera's shutter.
 
     `frame` is a time code; None: USD's default time, without blur. `make_translator` stands in for
     msbvh._core.Translator in tests. `progress` is called with the finished share in [0, 1], after each mesh
-    and after each prototype's instances; `found` notes which samples moved what. Raises SceneError where
-    there is nothing that could be rendered through this camera; whatever else is wrong or unsupported leaves
-    a diagnostic, and the rest is read.
+    and after each prototype's instances; `found` notes which samples moved what; `refinements` keeps
+    subdivided cages from frame to frame. Raises SceneError where there is nothing that could be rendered through this
+    camera; whatever else is wrong or unsupported leaves a diagnostic, and the rest is read.
     """
     diagnostics = Diagnostics() if diagnostics is None else diagnostics
-    make_translator = make_translator or _core_translator
+    make_translator = make_translator or partial(_core_translator, refinements)
     where = stage.GetRootLayer().realPath or stage.GetRootLayer().identifier
     # What is not finite is looked for where it matters.
     quiet = np.errstate(over="ignore", invalid="ignore", divide="ignore")
@@ -135,11 +136,11 @@ def _no_collection() -> Iterator[None]:
             gc.enable()
 
 
-def _core_translator(**settings: Any) -> Any:
+def _core_translator(refinements: RefinementCache | None, **settings: Any) -> Any:
     from .. import _core
 
     try:
-        return _core.Translator(**settings)
+        return _core.Translator(**settings, refinements=refinements)
     except _core.Error as error:
         raise SceneError(str(error)) from None
 

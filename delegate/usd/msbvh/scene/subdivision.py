@@ -29,13 +29,12 @@ _FEATURES: tuple[tuple[str, str, Kind, type], ...] = (
 def add_subdivision(target: MeshInput, mesh: UsdGeom.Mesh, context: FrameContext, authored: frozenset[str]) -> bool:
     """Sets the scheme and, where it is one, its rules, creases and corners, as they are at the frame. Returns whether the
     mesh is subdivided."""
-    scheme = None
+    prim, scheme = mesh.GetPrim(), None
     if "subdivisionScheme" in authored:
-        scheme = value(mesh.GetSubdivisionSchemeAttr(), context.code, TOKEN)
-    target.subdivision_scheme = str(scheme or UsdGeom.Tokens.catmullClark)
+        scheme = value(_at_frame(prim, "subdivisionScheme", context), context.code, TOKEN)
+    target.subdivision_scheme = str(UsdGeom.Tokens.catmullClark if scheme is None else scheme)
     if scheme == UsdGeom.Tokens.none:
         return False
-    prim = mesh.GetPrim()
     for keyword, name in _RULES:
         if name in authored:
             rule = value(_at_frame(prim, name, context), context.code, TOKEN)
