@@ -309,3 +309,33 @@ def _indices_of_opacity() -> None:
     primvar.CreateIndicesAttr()
     set_in_turn(primvar.GetIndicesAttr(), ([0, 0, 1, 1], [1, 0, 1, 0], [0, 0, 0, 0]))
     assert_primvar_follows(shot, primvar, "display_opacity")
+
+
+def _zigzag(shot: Shot) -> UsdGeom.BasisCurves:
+    curves = UsdGeom.BasisCurves.Define(shot.stage, "/Curves")
+    curves.CreateTypeAttr("linear")
+    curves.CreatePointsAttr([Gf.Vec3f(x, x % 2, 0) for x in range(6)])
+    curves.CreateCurveVertexCountsAttr([6])
+    curves.CreateWidthsAttr([0.1] * 6)
+    return curves
+
+
+@case("BasisCurves.widths")
+def _widths() -> None:
+    shot = Shot(SHUTTER)
+    attribute = _zigzag(shot).GetWidthsAttr()
+    set_in_turn(attribute, ([0.1] * 6, [0.5, 0, 1, 1, 0, 2], [0.2] * 6))
+    result = shot.read()
+    _, samples, _ = result.scene.meshes["/Curves"]["widths"]
+    times, values = zip(*samples, strict=True)
+    for time01 in DENSE_TIMES01:
+        expected = np.array(attribute.Get(result.camera.shutter.time_code(time01)))
+        assert interpolated(times, values, time01) == pytest.approx(expected, abs=1e-5)
+    assert next(t for t in result.tracks if t.path == "/Curves").segments >= 2
+
+
+@case("BasisCurves.curveVertexCounts")
+def _numbers_of_vertices() -> None:
+    shot = Shot(SHUTTER)
+    set_in_turn(_zigzag(shot).GetCurveVertexCountsAttr(), ([6], [3, 3], [2, 4]))
+    named(shot, "/Curves.points", "the topology changes within the shutter", "held the frame's pose")
