@@ -18,9 +18,8 @@ struct AllReferences {
   SetBounds bounds;
 };
 
-// Order: meshes' triangles, grids' patches, curves' pieces, points, instances. Curves and points of no width are
-// left out. Instances with an empty box (nothing in them) are left
-// out.
+// Order: meshes' triangles, grids' patches, curves' pieces, points, instances. Curves and points of no width
+// are left out. Instances with an empty box (nothing in them) are left out.
 AllReferences make_references(const CentrePose& pose);
 
 }  // namespace msbvh

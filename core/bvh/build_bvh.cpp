@@ -71,8 +71,8 @@ void count_bytes(const Bvh& bvh, BvhStatistics& s) {
   s.instance_bytes = bytes_of(bvh.instances) + bytes_of(bvh.instance_controls) + bytes_of(bvh.time_remaps);
   for (const TimeRemap& time_remap : bvh.time_remaps) s.instance_bytes += bytes_of(time_remap.pieces);
   s.other_bytes = bvh.arena.size() - s.node_bytes - s.leaf_bytes + bytes_of(bvh.root_bounds) +
-                  bytes_of(bvh.slice_roots) + bytes_of(bvh.meshes) + bytes_of(bvh.grids) + bytes_of(bvh.curves) +
-                  bytes_of(bvh.points) + sizeof(Bvh);
+                  bytes_of(bvh.slice_roots) + bytes_of(bvh.meshes) + bytes_of(bvh.grids) +
+                  bytes_of(bvh.curves) + bytes_of(bvh.points) + sizeof(Bvh);
 }
 
 LeafKinds leaf_kinds_of(const Bvh& bvh) {

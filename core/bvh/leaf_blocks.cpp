@@ -115,7 +115,8 @@ LeafBlock first_block(const Primitives& primitives, std::span<const Reference> l
   const TriangleMesh& mesh = *primitives.meshes[block.owner];
   add_triangle(mesh, first.index, block);
   for (const Reference& r : leaf.subspan(1)) {
-    if (r.is_instance() || r.is_grid() || r.is_round() || r.mesh() != block.owner || !add_triangle(mesh, r.index, block))
+    if (r.is_instance() || r.is_grid() || r.is_round() || r.mesh() != block.owner ||
+        !add_triangle(mesh, r.index, block))
       break;
     ++block.references;
   }

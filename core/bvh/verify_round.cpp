@@ -44,7 +44,8 @@ void check_all(const std::vector<std::shared_ptr<const Set>>& sets, std::uint32_
         fail(part, i, "is not in the leaves once, with all of its pieces");
     }
   }
-  if (found.size() != expected) throw Error(std::string("accelerator: leaves hold ") + part + "s without width");
+  if (found.size() != expected)
+    throw Error(std::string("accelerator: leaves hold ") + part + "s without width");
 }
 
 }  // namespace

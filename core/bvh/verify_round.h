@@ -1,5 +1,5 @@
-// verify()'s part for curves and points (core/bvh/verify.h): all that has some width is in a leaf, and lies in
-// its box.
+// verify()'s part for curves and points (core/bvh/verify.h): all that has some width is in a leaf, and lies
+// in its box.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ class RoundVerifier {
   void check_point(const PointSet& points, std::uint32_t point, const Slot& slot) const;
 
   std::reference_wrapper<const Bvh> bvh_;
-  TimeSlice slice_;  // of the tree that is looked at
+  TimeSlice slice_;                                    // of the tree that is looked at
   using Id = std::pair<std::uint32_t, std::uint32_t>;  // set, and span or point
   std::map<Id, std::uint32_t> spans_;                  // how many eighths of each are in leaves
   std::map<Id, std::uint32_t> points_;

@@ -24,8 +24,8 @@ inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
 
 struct Hit {
   float t = 0.0f;
-  // Barycentrics of the triangle's second and third vertex. Of a curve: along the span in [0, 1], and across it
-  // in [-1, 1], for a tube 0. Of a point: 0.
+  // Barycentrics of the triangle's second and third vertex. Of a curve: along the span in [0, 1], and across
+  // it in [-1, 1], for a tube 0. Of a point: 0.
   float u = 0.0f, v = 0.0f;
   // Index in its mesh or, two a quad, in its mesh of grids; of a curve the span, of a point the point.
   std::uint32_t triangle = kNoTriangle;

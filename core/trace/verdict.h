@@ -33,8 +33,8 @@ struct Verdict {
 
 using VerdictVisitor = std::function<void(const PrimitiveId&, const Verdict&)>;
 
-// Of the curves and points of one tree, `u` being the time in it: those that are hit or may be, within [tnear,
-// tfar].
+// Of the curves and points of one tree, `u` being the time in it: those that are hit or may be, within
+// [tnear, tfar].
 void judge_round(const Bvh& bvh, const RayD& ray, double u, std::uint32_t instance,
                  const VerdictVisitor& visit);
 
