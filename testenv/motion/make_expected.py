@@ -27,7 +27,7 @@ sys.path.insert(0, str(SUITE.parents[1] / "tests" / "python"))
 
 from projection_oracle import Sampling, coverage
 
-SAMPLING = Sampling(times=512, subpixels=4, subdivisions=5)
+SAMPLING = Sampling(times=512, subpixels=4, subdivisions=5, round=True)
 
 
 def rules() -> list[dict[str, Any]]:

@@ -13,6 +13,7 @@ from typing import Any
 
 import rules_camera  # noqa: F401  Each import registers its rules.
 import rules_instancing  # noqa: F401
+import rules_round  # noqa: F401
 import rules_shapes  # noqa: F401
 import rules_shutter  # noqa: F401
 import rules_skinning  # noqa: F401

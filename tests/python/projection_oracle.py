@@ -27,6 +27,8 @@ class Sampling:
     """Along each side of a pixel."""
     subdivisions: int = 0
     """Steps by which subdivided cages are refined; 0: they are drawn as polygons."""
+    round: bool = False
+    """Whether curves and points are drawn."""
 
 
 def coverage(
@@ -44,13 +46,18 @@ def coverage(
     opening, closing = shutter_of(stage, frame, camera)
     truth = StageTruth(stage, frame, (opening, closing), purposes, sampling.subdivisions)
     total = np.zeros((size[1], size[0]))
+
+    def eye_of(time: float) -> np.ndarray | None:
+        return np.array(truth.camera(camera, time).transform)[3, :3] if sampling.round else None
+
     # A closed shutter needs the times for its sub-pixels alone.
-    polygons = truth.polygons(frame) if opening == closing else None
+    polygons = truth.polygons(frame, eye_of(frame)) if opening == closing else None
     for i in range(sampling.times):
         time = frame + opening + (i + 0.5) / sampling.times * (closing - opening)
         shift = np.modf(0.5 + (i + 1) * np.array(GOLDEN))[0]
         view = _View(truth.camera(camera, time), size, sampling.subpixels, shift)
-        total += view.covered(triangles(truth.polygons(time) if polygons is None else polygons))
+        seen = truth.polygons(time, eye_of(time)) if polygons is None else polygons
+        total += view.covered(triangles(seen))
     return total / sampling.times
 
 

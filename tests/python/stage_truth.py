@@ -20,6 +20,7 @@ from msbvh.motion.context import FrameContext
 from msbvh.motion.times import Shutter
 from msbvh.scene.implicit import IMPLICIT_TYPES, SIDES, read_implicit
 from pxr import Gf, Sdf, Usd, UsdGeom
+from round_truth import drawn_curves, drawn_points
 from skinning_truth import Skinning
 
 DEFINED = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
@@ -72,9 +73,10 @@ class StageTruth:
         self._subdivisions = subdivisions
         self._surfaces: dict[tuple, Cage] = {}
 
-    def polygons(self, time: float) -> list[Polygons]:
-        """Everything visible at a time code."""
+    def polygons(self, time: float, eye: np.ndarray | None = None) -> list[Polygons]:
+        """Everything visible at a time code; curves and points where there is an eye, as it sees them."""
         self._caches.clear()
+        self._eye = eye
         return list(self._drawn(self.stage.GetPseudoRoot(), None, np.eye(4)[None], time, DEFINED))
 
     def world_points(self, path: str, time: float) -> np.ndarray:
@@ -112,6 +114,8 @@ class StageTruth:
                 drawn = self._mesh(prim, root, world, time)
                 if len(drawn.points):
                     yield drawn
+            elif self._eye is not None and self._has_purpose(prim) and prim.IsA(UsdGeom.PointBased):
+                yield from self._round(UsdGeom.PointBased(prim), root, world, time)
 
     def _instances(
         self, instancer: UsdGeom.PointInstancer, root: Usd.Prim | None, world: np.ndarray, time: float
@@ -187,6 +191,30 @@ class StageTruth:
         if key not in self._surfaces:
             self._surfaces[key] = cage_of(mesh, count, holes, self.frame).refined(self._subdivisions)
         return self._surfaces[key]
+
+    def _round(
+        self, prim: UsdGeom.PointBased, root: Usd.Prim | None, world: np.ndarray, time: float
+    ) -> Iterator[Polygons]:
+        """Curves or points at a time, each place of theirs by itself, since it is seen from elsewhere."""
+        curves, points = UsdGeom.BasisCurves(prim), UsdGeom.Points(prim)
+        if not curves and not points:
+            return
+        prim_time, frame = self._prim_time(prim.GetPrim(), time), self.frame
+        varies = self._differs(prim.GetPointsAttr(), len_only=True)
+        varies = varies or (bool(curves) and self._differs(curves.GetCurveVertexCountsAttr(), len_only=False))
+        held = varies and not self._carried(prim)
+        own = np.array(prim.ComputePointsAtTime(frame if held else prim_time, frame), float).reshape(-1, 3)
+        shape = curves or points
+        widths = np.array(shape.GetWidthsAttr().Get(frame if varies else prim_time), float)
+        normals = np.array(prim.GetNormalsAttr().Get(prim_time) or (), float).reshape(-1, 3)
+        for matrix in self._relative(prim.GetPrim(), root, prim_time, time) @ world:
+            there, size = own @ matrix[:3, :3] + matrix[3, :3], abs(np.linalg.det(matrix[:3, :3])) ** (1 / 3)
+            across = normals @ np.linalg.inv(matrix[:3, :3]).T if len(normals) else None
+            if curves:
+                drawn = drawn_curves(curves, there, size * widths, across, self._eye, frame if varies else prim_time)
+            else:
+                drawn = drawn_points(there, size * widths, self._eye)
+            yield Polygons(str(prim.GetPath()), drawn[0], np.eye(4)[None], drawn[1], drawn[2])
 
     def _relative(self, prim: Usd.Prim, root: Usd.Prim | None, prim_time: float, time: float) -> np.ndarray:
         """float64[4, 4] to the space in which `root` is instanced, or to the world. The root's own transform is taken

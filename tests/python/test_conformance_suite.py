@@ -71,7 +71,7 @@ def test_a_renderer_that_makes_the_mistake_fails(entry: dict, tmp_path: Path) ->
         camera.GetShutterCloseAttr().Set(0.0)
     expected = read_alpha(SUITE / entry["expected"])
     size = (entry["width"], entry["height"])
-    mistaken = coverage(stage, entry["frames"][-1], rule.camera, size, Sampling(64, 4, subdivisions=4))
+    mistaken = coverage(stage, entry["frames"][-1], rule.camera, size, Sampling(64, 4, subdivisions=4, round=True))
     error, _ = errors(mistaken, expected)
     allowed, _ = allowed_errors(expected, 256, rule.slack)
     assert error >= DISTINCTION * allowed
