@@ -4,8 +4,8 @@
 // projected centre line is no farther away than the radius there; t is the centre line's. Feet are roots of
 // the slope of the squared distance, of degree 5: the piece is cut to 8 parts, one a lane, and in those where
 // the slope changes its sign Newton's method, kept inside by bisection, finds the root. Where a span carries
-// on another, the end that they share counts as well if it is the nearest point of the span thereabouts:
-// joints are round and have no gaps. Free ends are cut straight.
+// on another, the end that they share counts as well if it is the nearest point of both thereabouts: joints
+// are round on their outside and have no gaps. Free ends are cut straight.
 //
 // The parts are exact fractions of the span, and at their ends all pieces compute the same bits: what lies on
 // a boundary is found on one side of it. Where the slope has the same sign at both ends of a part and turns
@@ -95,15 +95,20 @@ class SeenSpan {
 
 class CurveTest {
  public:
-  // `joint_before`, `joint_after`: whether the span carries on another, and another carries it on.
+  // At a joint: the way that the other span comes from, or goes on.
+  struct Joint {
+    bool there = false;
+    float x = 0.0f, y = 0.0f;
+  };
+
   HWY_INLINE CurveTest(const SeenSpan& span, float inverse_length, float tnear)
       : span_(span), inverse_length_(inverse_length), tnear_(tnear) {}
 
   // The nearest hit of the piece up to `hit.t`, which it replaces. Any will do: the first that is found.
-  HWY_INLINE bool run(const CurvePiece& piece, bool joint_before, bool joint_after, CurveHit& hit) const {
+  HWY_INLINE bool run(const CurvePiece& piece, const Joint& before, const Joint& after, CurveHit& hit) const {
     bool found = feet(piece, hit);
-    if (joint_before && piece.part == 0) found |= end(0.0f, hit);
-    if (joint_after && piece.part + 1 == piece.parts) found |= end(1.0f, hit);
+    if (before.there && piece.part == 0) found |= end(0.0f, before, hit);
+    if (after.there && piece.part + 1 == piece.parts) found |= end(1.0f, after, hit);
     return found;
   }
 
@@ -239,17 +244,30 @@ class CurveTest {
     return sx * y - sy * x < 0.0f ? share : -share;
   }
 
-  HWY_INLINE bool end(float u, CurveHit& hit) const {
+  HWY_INLINE bool end(float u, const Joint& joint, CurveHit& hit) const {
     const D d;
     const V uu = hn::Set(d, u);
     const float f = hn::GetLane(foot(d, uu));
-    if (u == 0.0f ? f < 0.0f : f > 0.0f) return false;  // nearer to the ray farther on
+    const V v = hn::Sub(hn::Set(d, 1.0f), uu);
+    const float other =
+        hn::GetLane(span_.at(d, 0, uu, v)) * joint.x + hn::GetLane(span_.at(d, 1, uu, v)) * joint.y;
+    // Farther along either of both the line is nearer to the ray.
+    if (u == 0.0f ? (f < 0.0f || other > 0.0f) : (f > 0.0f || other < 0.0f)) return false;
     return take(uu, hn::FirstN(d, 1), hit);
   }
 
   const SeenSpan& span_;
   const float inverse_length_, tnear_;
 };
+
+template <Movement kMovement>
+HWY_INLINE CurveTest::Joint joint(const VerticesAtTime<kMovement>& vertices, std::uint32_t from,
+                                  std::uint32_t to, const RayFrame& frame) {
+  alignas(16) float v[4];
+  hn::Store(hn::Sub(vertices[to], vertices[from]), D4f(), v);
+  const auto along = [&](const Vec3f& axis) { return axis.x * v[0] + axis.y * v[1] + axis.z * v[2]; };
+  return {true, along(frame.x), along(frame.y)};
+}
 
 // The nearest of the block's pieces that the ray meets within [tnear, tfar]: `visit(code, hit)` for each that
 // is nearer than, or as near as, those before it. False: none.
@@ -264,11 +282,13 @@ HWY_INLINE bool test_curves(const Bvh& bvh, const BlockHeader& block, const RayS
   for (std::uint32_t i = 0; i < block.count; ++i) {
     const CurvePiece piece = CurvePiece::of(block.triangles()[i]);
     const SeenSpan span(vertices, curves.spans[piece.span], frame, setup.org);
-    const bool goes_on = piece.span + 1 < curves.span_count() && curves.continues(piece.span + 1);
+    const std::uint32_t first = curves.spans[piece.span], last = first + kSpanVertices - 1;
+    CurveTest::Joint before, after;
+    if (curves.continues(piece.span)) before = joint(vertices, first - 1, first, frame);
+    if (piece.span + 1 < curves.span_count() && curves.continues(piece.span + 1))
+      after = joint(vertices, last, last + 1, frame);
     CurveHit hit{tfar, 0.0f, 0.0f};
-    if (!CurveTest(span, frame.inverse_length, setup.tnear)
-             .run(piece, curves.continues(piece.span), goes_on, hit))
-      continue;
+    if (!CurveTest(span, frame.inverse_length, setup.tnear).run(piece, before, after, hit)) continue;
     tfar = hit.t;
     visit(piece.span, hit);
     found = true;

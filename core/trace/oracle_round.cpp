@@ -2,12 +2,12 @@
 //
 // A ray meets a ribbon where the foot of a perpendicular, in the plane across the ray, from the ray to the
 // projected centre line is no farther away than the radius there; t is the centre line's. Where a span
-// carries on another, the end that they share counts as well if it is the nearest point of the span
-// thereabouts.
+// carries on another, the end that they share counts as well if it is the nearest point of both thereabouts.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "core/motion/bezier.h"
@@ -90,6 +90,9 @@ Verdict judge_point(const RayD& ray, const RoundD& ball) {
   return answers.verdict();
 }
 
+// Where a span carries on another: the way that that one comes from, or goes on.
+using Joint = std::optional<Vec3d>;
+
 // A span seen along the ray: x and y across, z along it.
 class SeenSpan {
  public:
@@ -97,6 +100,7 @@ class SeenSpan {
     const Vec3d z = ray.dir * (1.0 / length_);
     const Vec3d other = std::abs(z.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
     const Vec3d x = normalize(cross(other, z)), y = cross(z, x);
+    x_ = x, y_ = y;
     double size = largest(ray.org);
     for (std::uint32_t i = 0; i < kSpanVertices; ++i) {
       const Vec3d to = v[i].p - ray.org;
@@ -107,7 +111,7 @@ class SeenSpan {
     error_ = ray.error + kOracleError * size;
   }
 
-  void judge(bool from_before, bool goes_on, Answers& answers) const {
+  void judge(const Joint& before, const Joint& after, Answers& answers) const {
     std::vector<double> roots;
     for (int i = 0; i < kParts; ++i) {
       const double a = double(i) / kParts, b = double(i + 1) / kParts;
@@ -118,8 +122,8 @@ class SeenSpan {
                          (i + 1 == roots.size() || roots[i + 1] - roots[i] > kApart);
       add(roots[i], alone && surely_foot(roots[i]), answers);
     }
-    add_end(0.0, from_before, answers);
-    add_end(1.0, goes_on, answers);
+    add_end(0.0, before, answers);
+    add_end(1.0, after, answers);
   }
 
  private:
@@ -164,12 +168,18 @@ class SeenSpan {
     if (!clear) answers.add(false, p.z / length_, spread(u));
   }
   // At an end: round where the span carries on, else there may be a foot next to it.
-  void add_end(double u, bool carries_on, Answers& answers) const {
+  void add_end(double u, const Joint& joint, Answers& answers) const {
     const double slope = foot(u), outside = u == 0.0 ? -slope : slope;
     const Vec3d d = along(u);
     const double blur = 8.0 * error_ * (std::hypot(d.x, d.y) + error_);
-    if (carries_on && outside <= blur) {
-      add(u, outside < -blur, answers);
+    double beyond = 0.0, beyond_blur = 0.0;  // of the other span, likewise
+    if (joint) {
+      const double jx = dot(*joint, x_), jy = dot(*joint, y_), along_joint = at(u).x * jx + at(u).y * jy;
+      beyond = u == 0.0 ? along_joint : -along_joint;
+      beyond_blur = 8.0 * error_ * (std::hypot(jx, jy) + std::hypot(at(u).x, at(u).y));
+    }
+    if (joint && outside <= blur && beyond <= beyond_blur) {
+      add(u, outside < -blur && beyond < -beyond_blur, answers);
     } else if (std::abs(slope) <= blur) {
       add(u, false, answers);
     }
@@ -189,6 +199,7 @@ class SeenSpan {
 
   std::array<Vec3d, kSpanVertices> p_;
   std::array<double, kSpanVertices> radius_;
+  Vec3d x_, y_;
   double length_, error_;
 };
 
@@ -209,8 +220,12 @@ void judge_round(const Bvh& bvh, const RayD& ray, double u, std::uint32_t instan
       std::array<RoundD, kSpanVertices> v;
       for (std::uint32_t k = 0; k < kSpanVertices; ++k) v[k] = vertex_at(curves, curves.spans[i] + k, u);
       Answers answers(ray);
-      const bool goes_on = i + 1 < curves.span_count() && curves.continues(i + 1);
-      SeenSpan(ray, v).judge(curves.continues(i), goes_on, answers);
+      const std::uint32_t first = curves.spans[i], last = first + kSpanVertices - 1;
+      Joint before, after;
+      if (curves.continues(i)) before = v[0].p - vertex_at(curves, first - 1, u).p;
+      if (i + 1 < curves.span_count() && curves.continues(i + 1))
+        after = vertex_at(curves, last + 1, u).p - v[kSpanVertices - 1].p;
+      SeenSpan(ray, v).judge(before, after, answers);
       const Verdict verdict = answers.verdict();
       if (verdict.possible) visit({instance, {GeometryKind::kCurves, s}, i}, verdict);
     }

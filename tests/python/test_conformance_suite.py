@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -52,8 +53,17 @@ def test_expected_answers_are_made_again(entry: dict) -> None:
     assert np.abs(again - committed).max() <= 65535 / (512 * 16) + 1
 
 
+NOT_YET = {"curves_oriented": "curves are drawn turned to each ray, whatever their normals say"}
+"""Rules that we do not follow, and why."""
+
+
+def _ours(rule: Rule) -> Any:
+    marks = [pytest.mark.xfail(strict=True, reason=NOT_YET[rule.name])] if rule.name in NOT_YET else []
+    return pytest.param(rule, id=rule.name, marks=marks)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("rule", read_rules(SUITE), ids=lambda rule: rule.name)
+@pytest.mark.parametrize("rule", [_ours(rule) for rule in read_rules(SUITE)])
 def test_our_renderer_follows_the_rule(rule: Rule, tmp_path: Path) -> None:
     """Within what noise explains, and within three standard errors of the recorded run."""
     (outcome,) = conform([rule], own_renderer(256), 256, tmp_path, record=read_record(SUITE, 256))
