@@ -96,7 +96,15 @@ def test_a_scene_is_translated_and_rendered() -> None:
     assert (moving.segments, moving.moving_transform) == (1, True)
     scene = builder.finish()
     assert builder.empty
-    assert scene.statistics() == {"meshes": 2, "triangles": 4, "keys": 2 + 2 + 3, "instances": 4, "lights": 0}
+    assert scene.statistics() == {
+        "meshes": 2,
+        "triangles": 4,
+        "spans": 0,
+        "points": 0,
+        "keys": 2 + 2 + 3,
+        "instances": 4,
+        "lights": 0,
+    }
 
     renderer = _core.Renderer(scene, width=32, height=16, spp=4)
     image = renderer.render()
