@@ -63,6 +63,21 @@ def drawn_curves(
     return every, np.full(len(every) // 4, 4), np.arange(len(every))
 
 
+def bezier_vertices(prim: UsdGeom.BasisCurves, points: np.ndarray, time: float) -> np.ndarray:
+    """float64[N, 3]: the control points of cubic Bezier curves, those of spans that follow each other once."""
+    found, first = [np.zeros((0, 3))], 0
+    for count in map(int, prim.GetCurveVertexCountsAttr().Get(time)):
+        for i, span in enumerate(_spans(prim, count)):
+            own = span @ points[first : first + count]
+            if len(own) == 2:
+                own = np.linspace(own[0], own[1], 4)
+            else:
+                own = np.linalg.solve(BASES["bezier"], BASES[str(prim.GetBasisAttr().Get())] @ own)
+            found.append(own if i == 0 else own[1:])
+        first += count
+    return np.concatenate(found)
+
+
 def _of_curve(interpolation: str, widths: np.ndarray, curve: int, own: slice, ends: slice) -> tuple[str, np.ndarray]:
     if interpolation == "vertex":
         return "vertex", widths[own]

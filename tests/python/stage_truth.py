@@ -20,7 +20,7 @@ from msbvh.motion.context import FrameContext
 from msbvh.motion.times import Shutter
 from msbvh.scene.implicit import IMPLICIT_TYPES, SIDES, read_implicit
 from pxr import Gf, Sdf, Usd, UsdGeom
-from round_truth import drawn_curves, drawn_points
+from round_truth import bezier_vertices, drawn_curves, drawn_points
 from skinning_truth import Skinning
 
 DEFINED = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
@@ -73,10 +73,11 @@ class StageTruth:
         self._subdivisions = subdivisions
         self._surfaces: dict[tuple, Cage] = {}
 
-    def polygons(self, time: float, eye: np.ndarray | None = None) -> list[Polygons]:
-        """Everything visible at a time code; curves and points where there is an eye, as it sees them."""
+    def polygons(self, time: float, eye: np.ndarray | None = None, vertices: bool = False) -> list[Polygons]:
+        """Everything visible at a time code; curves and points where there is an eye, as it sees them, or where their
+        vertices are wanted: of curves the Bezier vertices, as if of one polygon."""
         self._caches.clear()
-        self._eye = eye
+        self._eye, self._vertices = eye, vertices
         return list(self._drawn(self.stage.GetPseudoRoot(), None, np.eye(4)[None], time, DEFINED))
 
     def world_points(self, path: str, time: float) -> np.ndarray:
@@ -114,7 +115,7 @@ class StageTruth:
                 drawn = self._mesh(prim, root, world, time)
                 if len(drawn.points):
                     yield drawn
-            elif self._eye is not None and self._has_purpose(prim) and prim.IsA(UsdGeom.PointBased):
+            elif (self._eye is not None or self._vertices) and self._has_purpose(prim) and prim.IsA(UsdGeom.PointBased):
                 yield from self._round(UsdGeom.PointBased(prim), root, world, time)
 
     def _instances(
@@ -203,11 +204,19 @@ class StageTruth:
         varies = self._differs(prim.GetPointsAttr(), len_only=True)
         varies = varies or (bool(curves) and self._differs(curves.GetCurveVertexCountsAttr(), len_only=False))
         held = varies and not self._carried(prim)
-        own = np.array(prim.ComputePointsAtTime(frame if held else prim_time, frame), float).reshape(-1, 3)
+        skinned = self._skinning.points(prim.GetPrim(), frame if held else prim_time)
+        points, space = skinned or (prim.ComputePointsAtTime(frame if held else prim_time, frame), prim.GetPrim())
+        own = np.array(points, float).reshape(-1, 3)
+        places = self._relative(space, root, prim_time, time) @ world
+        if self._vertices:
+            if curves:
+                own = bezier_vertices(curves, own, frame if varies else prim_time)
+            yield Polygons(str(prim.GetPath()), own, places, np.array([max(3, len(own))]), np.arange(len(own)))
+            return
         shape = curves or points
         widths = np.array(shape.GetWidthsAttr().Get(frame if varies else prim_time), float)
         normals = np.array(prim.GetNormalsAttr().Get(prim_time) or (), float).reshape(-1, 3)
-        for matrix in self._relative(prim.GetPrim(), root, prim_time, time) @ world:
+        for matrix in places:
             there, size = own @ matrix[:3, :3] + matrix[3, :3], abs(np.linalg.det(matrix[:3, :3])) ** (1 / 3)
             across = normals @ np.linalg.inv(matrix[:3, :3]).T if len(normals) else None
             if curves:

@@ -84,7 +84,7 @@ def found_points(result: ReadResult, time01: float) -> dict[int, np.ndarray]:
 def expected_points(truth: StageTruth, time: float) -> dict[int, np.ndarray]:
     """Likewise; what has no face is not drawn."""
     expected = defaultdict(list)
-    for drawn in truth.polygons(time):
+    for drawn in truth.polygons(time, vertices=True):
         if (np.asarray(drawn.counts) >= 3).any():
             expected[len(drawn.points)].append(drawn.world_points())
     return {count: np.concatenate(parts) for count, parts in expected.items()}

@@ -117,10 +117,6 @@ class Shapes:
         if part.blinking:
             mesh.visible = visible_intervals(part.blinking, self._context.shutter)
         binding = read_binding(part.prim, context, part.authored)
-        if binding is not None and part.is_round:
-            message = "curves and points are not skinned yet; drawn in their rest pose"
-            context.diagnostics.group(mesh.path, "skel:skeleton", message)
-            binding = None
         placed_by, course = part.prim, (part.varying, part.breakpoints, context.shutter)
         if binding is not None and binding.placed_by != part.prim:
             placed_by = binding.placed_by
@@ -146,7 +142,7 @@ class Shapes:
         posed_at: list[float] = []
         if draft.binding is not None:
             poser = draft.poser or Poser(draft.binding, mesh, samples, draft.context)
-            if part.is_mesh:
+            if part.is_mesh or part.is_round:
                 mesh, draft.poser = mesh.copy(), poser
             placed = self._caches.motion([draft.placed_by], root, True, draft.context.shutter)
             skinned = poser.skinned(placed, pixel_size, self._tolerance)
