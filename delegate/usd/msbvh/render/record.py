@@ -71,6 +71,10 @@ TRACK_FIELDS = (
 )
 """Of a _core.TrackReport, for statistics."""
 
+NOTHING_SEEN = (
+    "nothing is in the picture: the camera was made for the stage's bounds, and authored extents that do not fit the points put"
+    " those elsewhere; expected a camera on the stage, or extents that fit"
+)
 FrameJob = tuple[float | None, Sequence[str]]
 """A time code (None: USD's default time) and the files that its image is written to."""
 
@@ -178,6 +182,8 @@ def _record_frame(
     with stats.timed("trace"), Progress(f"msbvh: {frame_label(frame)}") as progress:
         pixels, aovs = renderer.render_with_aovs(progress)
     stats.render = dict(renderer.statistics)
+    if not camera.path and not pixels[..., 3].any():
+        reporter.warning(NOTHING_SEEN)
     with stats.timed("write"):
         layers = Layers(pixels, aovs, result.scene.mesh_names if "primId" in aovs else [])
         _write_images(files, layers, _metadata(rate, result, stats, settings.render), settings.image)
