@@ -14,8 +14,7 @@ constexpr double kTolerance = 0.1 / 960.0;
 
 void add_world_mesh(Scene& scene, TriangleMesh shape) {
   scene.world.push_back(mesh_id(static_cast<std::uint32_t>(scene.meshes.size())));
-  scene.meshes.push_back(
-      {.shape = validated(std::move(shape)), .normals = {}, .display_color = {}, .display_opacity = {}});
+  scene.meshes.push_back({{}, validated(std::move(shape))});
 }
 
 double diagonal(const Scene& scene) {

@@ -36,8 +36,7 @@ BenchScene scene_of(std::vector<TriangleMesh> meshes, const Interior& interior =
   auto scene = std::make_shared<Scene>();
   for (TriangleMesh& mesh : meshes) {
     scene->world.push_back(mesh_id(static_cast<std::uint32_t>(scene->meshes.size())));
-    scene->meshes.push_back(
-        {.shape = std::move(mesh), .normals = {}, .display_color = {}, .display_opacity = {}});
+    scene->meshes.push_back({{}, std::move(mesh)});
   }
   scene->camera = camera_at(eye, {});
   return {std::move(scene), interior};
@@ -188,8 +187,7 @@ BenchScene crowd(std::uint32_t triangles, const TrackForm& form, std::uint32_t s
       return turned(p, {1.0, 0.0, 0.0}, 0.4 * p.y * (u - 0.5));
     };
     TriangleMesh body = moved_mesh("body", bumpy_sphere(triangles / kKinds, 0.25f, random), form, walk);
-    scene->meshes.push_back(
-        {.shape = std::move(body), .normals = {}, .display_color = {}, .display_opacity = {}});
+    scene->meshes.push_back({{}, std::move(body)});
     scene->prototypes.push_back({.name = "kind", .geometry = {mesh_id(kind)}});
     InstanceSet set{.name = "people",
                     .prototype = kind,
@@ -233,10 +231,7 @@ BenchScene rods(std::uint32_t triangles, const TrackForm& form, std::uint32_t se
   const auto sway = [](std::uint32_t, const Vec3d& p, double u) {
     return turned(p, {1.0, 0.0, 0.0}, 0.1 * p.y * (u - 0.5));
   };
-  scene->meshes.push_back({.shape = moved_mesh("coil", coil(triangles), form, sway),
-                           .normals = {},
-                           .display_color = {},
-                           .display_opacity = {}});
+  scene->meshes.push_back({{}, moved_mesh("coil", coil(triangles), form, sway)});
   scene->prototypes.push_back({.name = "rod", .geometry = {mesh_id(0)}});
   InstanceSet set{.name = "rods", .segments = form.segments, .world_from_prototype = {}, .display_color = {}};
   for (std::uint32_t i = 0; i < kInstances; ++i) {
