@@ -28,7 +28,7 @@ class Part:
     inherited: frozenset[str] = frozenset()
     """Names of primvars and material bindings that have opinions above the prim (inherited_names())."""
     is_mesh: bool = False
-    """A Mesh, not an implicit shape."""
+    """A shape of points that it has itself, such as a Mesh: not an implicit one."""
     has_children: bool = True
 
     def authors(self, name: str) -> bool:

@@ -179,7 +179,8 @@ class _FrameReader:
         self._translator = make_translator(**self._translator_settings())
         materials = Materials(self._translator, self._context)
         silhouette = SILHOUETTES[settings.complexity]
-        self._shapes = Shapes(self._context, self._caches, materials, settings.motion_tolerance, silhouette)
+        tolerance, edge = settings.motion_tolerance, self._edge_length
+        self._shapes = Shapes(self._context, self._caches, materials, tolerance, silhouette, edge)
         self._shared = SharedShapes(
             self._context, self._caches, materials, self._translator, settings.motion_tolerance, silhouette
         )
@@ -243,8 +244,13 @@ class _FrameReader:
             "interpolation": settings.interpolation,
             "segments": settings.segments,
             "keep_faces": settings.keep_faces,
-            "edge_length": EDGE_LENGTHS[settings.complexity] if settings.edge_length is None else settings.edge_length,
+            "edge_length": self._edge_length,
         }
+
+    @property
+    def _edge_length(self) -> float:
+        given = self._settings.edge_length
+        return EDGE_LENGTHS[self._settings.complexity] if given is None else given
 
     def _add_world_meshes(self) -> None:
         """Meshes by the hundred, so that those that move alike are evaluated together."""

@@ -25,7 +25,7 @@ from ..stage.tokens import draw_mode, inherited_purpose
 from ..stage.usd_faults import FAULTS, report_left_out
 from ..stage.value_types import BOOL, TOKEN
 from ..stage.values import value
-from .meshes import is_shape
+from .meshes import has_own_points, is_shape
 from .part import Part
 from .point_instancers import prototypes
 from .primvars import primvar_source
@@ -80,7 +80,7 @@ class _Type:
     @staticmethod
     def of(prim: Usd.Prim) -> _Type:
         is_a = prim.IsA
-        instancer, mesh = is_a(UsdGeom.PointInstancer), is_a(UsdGeom.Mesh)
+        instancer, mesh = is_a(UsdGeom.PointInstancer), has_own_points(prim)
         return _Type(is_a(UsdGeom.Imageable), is_a(UsdGeom.Xformable), instancer, mesh, is_shape(prim))
 
 
