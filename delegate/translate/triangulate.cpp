@@ -76,7 +76,7 @@ bool check_topology(const MeshInput& mesh, std::size_t point_count, PrimLog& log
                                         " faceVertexIndices refer to"));
   }
   return log.reject(mesh.indices_name, message("index ", index, " is ", *bad, "; expected 0 to ",
-                                                 point_count - 1, " (", point_count, " points)"));
+                                               point_count - 1, " (", point_count, " points)"));
 }
 
 Triangulation triangulate(const MeshInput& mesh, std::size_t point_count, PrimLog& log) {

@@ -17,8 +17,7 @@ Stencils across(const SplineAxis& axis, bool derivative) {
   for (const SplineSpan& span : axis.spans()) {
     for (const double w : kWhere) {
       SplineAxis::Basis basis = axis.basis(span, span.begin * (1.0 - w) + span.end * w);
-      result.push_back(
-          {span.first_control, std::move(derivative ? basis.derivatives : basis.values)});
+      result.push_back({span.first_control, std::move(derivative ? basis.derivatives : basis.values)});
     }
   }
   return result;
@@ -60,13 +59,13 @@ std::vector<Vec3d> normals(const PatchSide& side, const SplineSpan& span, bool a
   const Stencils places = across(side.across(), false);
   const SplineStencil line = stencil(side.axis(), span, at_end, false);
   const std::vector<Weighted> at = weighted(side, line, places);
-  const std::vector<Weighted> along =
-      weighted(side, stencil(side.axis(), span, at_end, true), places);
+  const std::vector<Weighted> along = weighted(side, stencil(side.axis(), span, at_end, true), places);
   const std::vector<Weighted> crosswise = weighted(side, line, across(side.across(), true));
   std::vector<Vec3d> result;
   for (std::size_t i = 0; i < at.size(); ++i) {
     const Vec3d point = at[i].sum * (1.0 / at[i].weight);
-    const Vec3d d = along[i].sum - point * along[i].weight, e = crosswise[i].sum - point * crosswise[i].weight;
+    const Vec3d d = along[i].sum - point * along[i].weight,
+                e = crosswise[i].sum - point * crosswise[i].weight;
     const Vec3d normal = cross(d, e);
     const double size = length(normal);
     result.push_back(size > 1e-9 * length(d) * length(e) ? normal * (1.0 / size) : Vec3d{0.0, 0.0, 0.0});

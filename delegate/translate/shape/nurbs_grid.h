@@ -1,7 +1,7 @@
-// A NURBS patch as polygons between points of its surface, at a grid of parameters. Which points there are is a
-// matter of knots and cells; where they are is linear in the control points as long as weights hold, so that
-// samples, velocities and accelerations are refined one by one, and the surface moves exactly as its control
-// points do.
+// A NURBS patch as polygons between points of its surface, at a grid of parameters. Which points there are is
+// a matter of knots and cells; where they are is linear in the control points as long as weights hold, so
+// that samples, velocities and accelerations are refined one by one, and the surface moves exactly as its
+// control points do.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +20,8 @@ struct GridLines {
   // Where each lies among values that are linear between knots: after the value of that number, by a share.
   std::vector<std::uint32_t> segments;
   std::vector<double> shares;
-  // The line whose places each has: itself, or that at the other side of a kink or a seam. Two of them, one on
-  // another, keep normals apart.
+  // The line whose places each has: itself, or that at the other side of a kink or a seam. Two of them, one
+  // on another, keep normals apart.
   std::vector<std::uint32_t> places;
   std::vector<std::uint32_t> points;  // likewise, the line whose points each has
   struct Cell {
@@ -40,8 +40,8 @@ class NurbsGrid {
   NurbsGrid(const NurbsPatch& patch, const NurbsCells& cells, ControlPoses poses,
             std::span<const double> weights, bool apart);
 
-  const std::vector<int>& counts() const { return counts_; }    // vertices a face
-  const std::vector<int>& indices() const { return indices_; }  // counter-clockwise where u x v points
+  const std::vector<int>& counts() const { return counts_; }      // vertices a face
+  const std::vector<int>& indices() const { return indices_; }    // counter-clockwise where u x v points
   const std::vector<int>& segments() const { return segments_; }  // of each face: what uniform values are for
   std::size_t point_count() const { return points_.size(); }
   const NurbsPatch& patch() const { return patch_; }

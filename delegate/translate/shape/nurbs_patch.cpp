@@ -28,18 +28,19 @@ Vec3d moved(const Vec3d& p, const Matrix4d& m) {
           p.x * m[2] + p.y * m[6] + p.z * m[10] + m[14]};
 }
 
-// The longest in pixels of curves over each span: `points` [curve][span][kPieces + 1].
+// The longest in pixels of curves over each span, as if all of their pieces were as long as the longest:
+// `points` [curve][span][kPieces + 1].
 void measure(const std::vector<Vec3d>& points, const PixelSize& pixel_size, std::vector<double>& longest) {
   const std::size_t spans = longest.size(), stride = kPieces + 1;
   for (std::size_t at = 0; at < points.size(); at += stride) {
     Box3d box;
-    double length_in_space = 0.0;
+    double piece = 0.0;
     for (std::size_t i = 0; i < stride; ++i) {
       box.grow(points[at + i]);
-      if (i > 0) length_in_space += length(points[at + i] - points[at + i - 1]);
+      if (i > 0) piece = std::max(piece, length(points[at + i] - points[at + i - 1]));
     }
     double& of_span = longest[at / stride % spans];
-    const double pixels = length_in_space / pixel_size.at_box(box);
+    const double pixels = kPieces * piece / pixel_size.at_box(box);
     if (pixels > of_span) of_span = pixels;
   }
 }

@@ -44,13 +44,15 @@ class NurbsPatch {
 
   // One positive weight a control point, or none.
   bool check_weights(std::span<const double> weights, PrimLog& log) const;
-  // Whether so many values fit a primvar of that interpolation, and the indices (none: not indexed) the values.
+  // Whether so many values fit a primvar of that interpolation, and the indices (none: not indexed) the
+  // values.
   bool check_primvar(const std::string& interpolation, std::size_t value_count, std::span<const int> indices,
                      const std::string& attribute, PrimLog& log) const;
 
   // Cells with edges of about so many pixels where they are seen largest, of any of the poses (each of
   // control_count() points) under any of the matrices, to the space that pixels are measured in.
-  // `edge_pixels` 0: as many cells a span as its degree. Fewer, with a warning, where there would be too many.
+  // `edge_pixels` 0: as many cells a span as its degree. Fewer, with a warning, where there would be too
+  // many.
   NurbsCells cells(std::span<const std::span<const Vec3f>> poses, std::span<const double> weights,
                    std::span<const Matrix4d> matrices, const PixelSize& pixel_size, double edge_pixels,
                    PrimLog& log) const;
@@ -67,8 +69,8 @@ struct SplineStencil {
   std::vector<double> weights;
 };
 
-// What a patch has at the crossings of parameters along u and v, before it is divided by the weight, which comes
-// last: [v][u][width + 1]. `values`: of the control points, weighted by `weights` (none: all 1).
+// What a patch has at the crossings of parameters along u and v, before it is divided by the weight, which
+// comes last: [v][u][width + 1]. `values`: of the control points, weighted by `weights` (none: all 1).
 std::vector<double> weighted_crossings(const NurbsPatch& patch, std::span<const SplineStencil> u,
                                        std::span<const SplineStencil> v, std::span<const float> values,
                                        std::size_t width, std::span<const double> weights);

@@ -28,9 +28,10 @@ bool check_knots(const SplineInput& input, PrimLog& log) {
       return log.reject(attribute, message("knot ", i, " is ", input.knots[i], "; expected a finite number"));
     }
     if (i > 0 && input.knots[i] < input.knots[i - 1]) {
-      return log.reject(attribute, message("knot ", i, " is ", input.knots[i], ", less than ",
-                                           input.knots[i - 1], " before it; expected knots that do not "
-                                                               "decrease"));
+      return log.reject(attribute,
+                        message("knot ", i, " is ", input.knots[i], ", less than ", input.knots[i - 1],
+                                " before it; expected knots that do not "
+                                "decrease"));
     }
   }
   const double first = input.knots[std::size_t(input.order) - 1];

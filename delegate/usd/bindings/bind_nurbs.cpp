@@ -1,4 +1,5 @@
 // NURBS patches and the polygons that they are drawn as (delegate/translate/shape/nurbs_*.h).
+#include <algorithm>
 #include <array>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
@@ -8,6 +9,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 #include <tuple>
+#include <utility>
 
 #include "delegate/translate/array_samples.h"
 #include "delegate/translate/shape/nurbs_grid.h"
@@ -70,8 +72,7 @@ std::vector<std::span<const Vec3f>> poses_from(const NurbsPatch& patch, const nb
 }
 
 nb::tuple cells_of(const NurbsPatch& patch, const std::string& path, const nb::list& poses,
-                   nb::handle weights, nb::handle matrices, const PixelSize& pixel_size,
-                   double edge_pixels) {
+                   nb::handle weights, nb::handle matrices, const PixelSize& pixel_size, double edge_pixels) {
   Borrowed borrowed;
   const AnyArray array = checked_array<double>(matrices, "matrices", {kAnySize, 4, 4});
   std::vector<Diagnostic> diagnostics;
@@ -102,7 +103,7 @@ NurbsGrid grid_of(const NurbsPatch& patch, const std::vector<std::uint32_t>& u,
 // float32[count] or float32[count, 3].
 std::pair<std::span<const float>, std::size_t> values_from(nb::handle given, std::size_t count,
                                                            Borrowed& borrowed) {
-  const bool vectors = nb::len(given.attr("shape")) == 2;
+  const bool vectors = nb::cast<int>(given.attr("ndim")) == 2;
   const AnyArray& array = borrowed.keep(vectors ? checked_array<float>(given, "values", {count, 3})
                                                 : checked_array<float>(given, "values", {count}));
   return {elements<float>(array), vectors ? 3 : 1};

@@ -52,6 +52,8 @@ class NurbsShape:
         u, v, said = self.patch.cells(self.path, poses, weights, matrices, pixel_size, edge_pixels)
         self.context.diagnostics.take(said)
         grid = self.patch.grid(u, v, poses, weights, _varies(mesh))
+        if not len(grid.counts):
+            self.context.diagnostics.group(self.path, "", "empty: its surface is a point", "note")
         mesh.face_vertex_counts, mesh.face_vertex_indices = grid.counts, grid.indices
         mesh.velocities, mesh.accelerations = (
             None if rates is None else self._rates(rates, grid) for rates in (mesh.velocities, mesh.accelerations)

@@ -27,6 +27,7 @@ def surface_faces(tets: UsdGeom.TetMesh, source: Usd.Attribute, point_count: int
     bad = (elements < 0) | (elements >= point_count)
     if bad.any():
         number, corner = np.argwhere(bad)[0]
-        found = f"element {number} has the point {elements[number, corner]}, expected 0 to {point_count - 1}"
+        expected = f"0 to {point_count - 1}" if point_count else "those of 0 points"
+        found = f"element {number} has the point {elements[number, corner]}, expected {expected}"
         raise Unreadable(str(source.GetPrimPath()), source.GetName(), found)
     return array(UsdGeom.TetMesh.ComputeSurfaceFaces(tets, code), np.int32, 3)
