@@ -29,6 +29,7 @@ from .meshes import has_own_points, is_shape
 from .part import Part
 from .point_instancers import prototypes
 from .primvars import primvar_source
+from .unsupported import why_not_drawn
 
 WORLD: tuple[Hashable, ...] = ("world",)
 DEEPEST_NESTING = 100
@@ -270,13 +271,10 @@ class Traversal:
         elif kind.shape:
             if state.purpose in self._purposes:
                 group.shapes.append(part)
-        elif prim.IsA(UsdGeom.Gprim) or prim.GetTypeName() == "Volume":
-            if state.purpose in self._purposes:
-                message = f"prims of type {prim.GetTypeName()} are not supported yet; not drawn"
+        elif state.purpose in self._purposes:
+            message = why_not_drawn(prim)
+            if message is not None:
                 self._context.diagnostics.group(str(prim.GetPath()), "", message)
-        elif prim.GetTypeName() and not prim.GetPrimTypeInfo().GetSchemaType():
-            message = f"prim type '{prim.GetTypeName()}' is unknown; not drawn"
-            self._context.diagnostics.group(str(prim.GetPath()), "", message)
 
     def _add_instancer(self, part: Part, group: Group) -> None:
         group.instancers.append(part)
