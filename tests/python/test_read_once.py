@@ -9,6 +9,7 @@ from __future__ import annotations
 import pytest
 import read_once_geometry  # noqa: F401  its cases register themselves
 import read_once_rest  # noqa: F401
+import read_once_shapes  # noqa: F401
 from pxr import Sdf, Usd
 from read_once import (
     CASES,
