@@ -85,6 +85,14 @@ SHAPES = "\n".join(
 )
 
 SURFACES = """
+def Xform "CardsBad" (prepend apiSchemas = ["GeomModelAPI"]; kind = "component") {
+    uniform token model:drawMode = "cards"
+    uniform token model:cardGeometry = "box"
+    uniform token model:cardVisibility = "full"
+    uniform float3 model:drawModeColor = (0, 0, 1)
+    asset model:cardTextureXPos = @@
+    float3[] extentsHint = [(-6, -1, -1), (-4, 1, 1)]
+}
 def TetMesh "TetsBad" {
     point3f[] points = [(-6, -1, 0), (-4, -1, 0), (-5, 1, 0), (-5, 0, 1)]
     int4[] tetVertexIndices = [(0, 1, 2, 3)]

@@ -5,11 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 from drawn import apart
 from nurbs_truth import bumpy
-from pxr import Gf
+from pxr import Gf, Sdf, Vt
 from read_once import SHUTTER, Case, case, named, set_in_turn
-from recording import Shot
+from recording import Shot, messages
+from test_draw_mode import model
 from test_tet_mesh import TETS, tets
 
 _CHANGES = (9.0, 10.1)
@@ -71,3 +73,23 @@ def _weights() -> None:
         share = (1.0 - 0.25 + 0.75 * time01) / 2.0
         patch.weights = (weights[0] * (1 - share) + weights[1] * share).reshape(patch.weights.shape)
         assert apart(scene.points("/Patch", time01), patch.surface()) < 2e-3
+
+
+@case("extentsHint")
+def _hint() -> None:
+    shot = Shot(SHUTTER)
+    found = model(shot, mode="cards")
+    hint = found.GetPrim().CreateAttribute("extentsHint", Sdf.ValueTypeNames.Float3Array)
+    set_in_turn(hint, [Vt.Vec3fArray([Gf.Vec3f(-size), Gf.Vec3f(size)]) for size in (1.0, 2.0)], (9.75, 10.5))
+    scene = shot.read().scene
+    for time01 in (0.0, 0.3, 1.0):
+        assert np.abs(scene.points("/Model", time01)).max() == pytest.approx(1.0 + time01, abs=1e-4)
+
+
+@case("model:cardTextureXPos")
+def _card() -> None:
+    shot = Shot(SHUTTER)
+    attribute = model(shot, mode="cards").CreateModelCardTextureXPosAttr()
+    set_in_turn(attribute, (Sdf.AssetPath("none.exr"), Sdf.AssetPath("other.exr")), _CHANGES)
+    held = [text for text in messages(shot.read(), "warning") if "changes within the shutter" in text]
+    assert held == ["/Model.model:cardTextureXPos: changes within the shutter; held the frame's value"]

@@ -21,10 +21,10 @@ from read_once import (
 def _uniform(attribute: str) -> Case:
     def check() -> None:
         kind, _, name = attribute.rpartition(".")
-        apis = {"primvars:skel:skinningMethod": "SkelBindingAPI", "model:drawMode": "GeomModelAPI"}
+        api = "GeomModelAPI" if name.startswith("model:") else "SkelBindingAPI" if ":skel:" in name else ""
         registry = Usd.SchemaRegistry()
-        if name in apis:
-            definition = registry.FindAppliedAPIPrimDefinition(apis[name])
+        if api:
+            definition = registry.FindAppliedAPIPrimDefinition(api)
         else:
             definition = registry.FindConcretePrimDefinition(kind or "Mesh")
         assert definition.GetAttributeDefinition(name).GetVariability() == Sdf.VariabilityUniform

@@ -280,18 +280,6 @@ def test_an_input_of_the_wrong_type_is_named_and_its_default_drawn(name, kind, v
     assert messages(shot.read(), "warning") == [message]
 
 
-def test_draw_modes_are_named_where_they_take_effect():
-    shot = Shot()
-    for path, apply in (("/Drawn", False), ("/Cards", True)):
-        model = UsdGeom.ModelAPI.Apply(UsdGeom.Xform.Define(shot.stage, path).GetPrim())
-        Usd.ModelAPI(model).SetKind(Kind.Tokens.group)
-        model.CreateModelDrawModeAttr("cards")
-        model.CreateModelApplyDrawModeAttr(apply)
-        shot.mesh(f"{path}/Mesh")
-    message = "/Cards.model:drawMode: draw mode 'cards' is not supported yet; drawn in full"
-    assert messages(shot.read(), "warning") == [message]
-
-
 def test_another_renderers_material_leaves_a_warning_and_display_color():
     shot = Shot()
     preview_material(shot).CreateIdAttr("SomeoneElses")

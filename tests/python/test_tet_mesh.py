@@ -11,7 +11,7 @@ from msbvh.scene.reader import ReadSettings, read_frame
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, Vt
 from recording import DENSE_TIMES01, Shot, messages, usd_points_at, worst_deviation
 from skinning_oracle import bind, pixels, spinning_arm, worst_skinned_deviation
-from sound_neighbour import CAMERA, GOOD, render, shows_good, stage_of
+from sound_neighbour import CAMERA, GOOD, render, retype, shows_good, stage_of
 
 # A cube of side 2 in five tetrahedra.
 CORNERS = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
@@ -136,13 +136,6 @@ def test_primvars_normals_and_subsets() -> None:
 
 def edit(prim: Usd.Prim, name: str, value: object) -> None:
     prim.GetAttribute(name).Set(value)
-
-
-def retype(prim: Usd.Prim, name: str, kind: Sdf.ValueTypeName, value: object) -> None:
-    """Authors an attribute with another type than its schema's."""
-    spec = prim.GetStage().GetRootLayer().GetPrimAtPath(prim.GetPath())
-    del spec.properties[name]
-    Sdf.AttributeSpec(spec, name, kind).default = value
 
 
 BAD: list[tuple[Callable[[Usd.Prim], object], str]] = [

@@ -18,6 +18,7 @@ from .implicit import IMPLICIT_TYPES, ImplicitShape, read_implicit
 from .nurbs_patch import NurbsShape, read_nurbs_patch
 from .part import Part
 from .primvars import MovingPrimvar, find_primvar, held_by, sample_primvar
+from .stand_ins import StandIn, read_stand_in
 from .subdivision import add_subdivision
 from .tet_mesh import surface_faces, surface_source
 
@@ -35,7 +36,7 @@ def is_shape(prim: Usd.Prim) -> bool:
     return has_own_points(prim) or prim.GetTypeName() in IMPLICIT_TYPES
 
 
-Form = Samples | ImplicitShape | NurbsShape
+Form = Samples | ImplicitShape | NurbsShape | StandIn
 """The points of a mesh, or what has them and the topology."""
 
 
@@ -51,6 +52,8 @@ def read_shape(part: Part, context: FrameContext) -> tuple[MeshInput, Form] | No
     shape = _read_form(mesh, part, context)
     if shape is None:
         return None
+    if part.draw_mode:
+        return mesh, shape
     for keyword, name, columns in PRIMVARS:
         if part.authors(f"primvars:{name}"):
             found = find_primvar(prim, name, columns, part.authored)
@@ -61,6 +64,8 @@ def read_shape(part: Part, context: FrameContext) -> tuple[MeshInput, Form] | No
 
 def _read_form(mesh: MeshInput, part: Part, context: FrameContext) -> Form | None:
     prim = part.prim
+    if part.draw_mode:
+        return read_stand_in(prim, part.draw_mode, context)
     if not part.is_mesh:
         return read_implicit(prim, context)
     if prim.IsA(UsdGeom.NurbsPatch):
@@ -169,7 +174,7 @@ def held_attributes(part: Part, mesh: MeshInput, context: FrameContext) -> list[
     reads it. Where the topology changes, the frame's stands for all of the shutter, and so does what counts its faces.
     `context` has the prim's own shutter.
     """
-    if not context.shutter.moving:
+    if not context.shutter.moving or part.draw_mode:
         return []
     held: list[Usd.Attribute] = []
     for keyword, name, columns in PRIMVARS:

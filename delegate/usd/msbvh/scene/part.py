@@ -30,6 +30,8 @@ class Part:
     is_mesh: bool = False
     """A shape of points that it has itself, such as a Mesh: not an implicit one."""
     has_children: bool = True
+    draw_mode: str = ""
+    """origin, bounds or cards in place of the prim and all below it; empty: it is drawn in full."""
 
     def authors(self, name: str) -> bool:
         """Whether a primvar is authored at the prim or above."""

@@ -70,6 +70,8 @@ class ReadSettings:
     """linear, quadratic or cubic tracks only; auto: the cheapest for each prim."""
     segments: int = 0
     """Exactly these for whatever moves, a power of two; 0: as few as it takes."""
+    disable_draw_modes: bool = False
+    """Models are drawn in full, whatever their model:drawMode is."""
     max_instances: int = MAX_INSTANCES
     """More are refused, nested ones multiplied out."""
     keep_faces: bool = False
@@ -170,8 +172,9 @@ class _FrameReader:
                 settings.shutter,
             )
             shutter = self._camera.shutter
-            self._context = FrameContext(stage, shutter, is_held(stage), diagnostics, found=found)
-            self._traversal = Traversal(self._context, purposes)
+            drawn = ("default", *purposes)
+            self._context = FrameContext(stage, shutter, is_held(stage), diagnostics, drawn, found)
+            self._traversal = Traversal(self._context, not settings.disable_draw_modes)
             self._graph = InstanceGraph(self._traversal.groups, self._context)
             self._graph.check(settings.max_instances)
             self._caches = XformCaches(shutter)

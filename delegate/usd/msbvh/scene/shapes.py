@@ -28,6 +28,7 @@ from .meshes import Form, faces_by_subset, held_at, held_attributes, read_shape
 from .nurbs_patch import NurbsShape, RefinedPatch
 from .part import Part
 from .shape_sizes import sides_of
+from .stand_ins import StandIn
 
 BATCH_WEIGHT = 2**22
 """Points that are held in memory at once, for meshes that are evaluated together."""
@@ -120,7 +121,7 @@ class Shapes:
         mesh, form = read
         if part.blinking:
             mesh.visible = visible_intervals(part.blinking, self._context.shutter)
-        binding = read_binding(part.prim, context, part.authored)
+        binding = None if part.draw_mode else read_binding(part.prim, context, part.authored)
         placed_by, course = part.prim, (part.varying, part.breakpoints, context.shutter)
         if binding is not None and binding.placed_by != part.prim:
             placed_by = binding.placed_by
@@ -142,6 +143,9 @@ class Shapes:
             mesh = mesh.copy()
             matrices = self._few_matrices(draft, root)
             samples = form.fill(mesh, sides_of(form, matrices, pixel_size, self._silhouette))
+        elif isinstance(form, StandIn):
+            mesh = mesh.copy()
+            samples = form.fill(mesh, self._few_matrices(draft, root), pixel_size)
         else:
             samples = form.controls if isinstance(form, NurbsShape) else form
         posed_at: list[float] = []
@@ -225,7 +229,7 @@ class Shapes:
         part = shape.part
         if self._context.found is not None:
             self._context.found.evaluated_shape(mesh.path, mesh.transform.times01.tolist())
-        mesh.material = self._materials.bound_to(part.prim) if part.binds_material else None
+        mesh.material = self._materials.bound_to(part.prim) if part.binds_material and not part.draw_mode else None
         if shape.patch is not None:
             shape.patch.set_primvars(mesh)
         elif part.is_mesh and part.has_children:
