@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from msbvh.scene.implicit import IMPLICIT_TYPES
-from pxr import Gf, Kind, Sdf, Tf, Usd, UsdGeom, UsdShade
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade
 from recording import Shot, messages
 
 
