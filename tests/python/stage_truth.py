@@ -197,8 +197,9 @@ class StageTruth:
         self, prim: UsdGeom.PointBased, root: Usd.Prim | None, world: np.ndarray, time: float
     ) -> Iterator[Polygons]:
         """Curves or points at a time, each place of theirs by itself, since it is seen from elsewhere."""
-        curves, points = UsdGeom.BasisCurves(prim), UsdGeom.Points(prim)
-        if not curves and not points:
+        curves = UsdGeom.BasisCurves(prim)
+        shape = curves or UsdGeom.Points(prim)
+        if not shape:
             return
         prim_time, frame = self._prim_time(prim.GetPrim(), time), self.frame
         varies = self._differs(prim.GetPointsAttr(), len_only=True)
@@ -213,7 +214,6 @@ class StageTruth:
                 own = bezier_vertices(curves, own, frame if varies else prim_time)
             yield Polygons(str(prim.GetPath()), own, places, np.array([max(3, len(own))]), np.arange(len(own)))
             return
-        shape = curves or points
         widths = np.array(shape.GetWidthsAttr().Get(frame if varies else prim_time), float)
         normals = np.array(prim.GetNormalsAttr().Get(prim_time) or (), float).reshape(-1, 3)
         for matrix in places:
