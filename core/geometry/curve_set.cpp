@@ -1,5 +1,6 @@
 #include "core/geometry/curve_set.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/base/error.h"
@@ -37,7 +38,39 @@ void check_spans(const CurveSet& curves, const std::string& part) {
   }
 }
 
+bool closes(const CurveSet& curves, const CurveLoop& loop) {
+  const std::uint32_t begin = curves.spans[loop.first], end = curves.spans[loop.last] + kSpanVertices - 1;
+  for (std::uint32_t c = 0; c < curves.form().controls(); ++c) {
+    const RoundVertex* v = curves.control_vertices(c);
+    if (v[begin].p != v[end].p) return false;
+  }
+  return true;
+}
+
+void check_loops(const CurveSet& curves, const std::string& part) {
+  for (std::size_t i = 0; i < curves.loops.size(); ++i) {
+    const CurveLoop& loop = curves.loops[i];
+    bool whole = loop.first <= loop.last && loop.last < curves.span_count() &&
+                 !curves.continues(loop.first) &&
+                 (loop.last + 1 == curves.span_count() || !curves.continues(loop.last + 1)) &&
+                 (i == 0 || curves.loops[i - 1].last < loop.first);
+    for (std::uint32_t s = loop.first + 1; whole && s <= loop.last; ++s) whole = curves.continues(s);
+    if (whole && closes(curves, loop)) continue;
+    throw Error(part + ": loops: loop " + std::to_string(i) + " has spans " + std::to_string(loop.first) +
+                " to " + std::to_string(loop.last) +
+                "; expected a whole chain of spans that ends where it begins, behind the loop before it");
+  }
+}
+
 }  // namespace
+
+std::optional<std::uint32_t> CurveSet::neighbour(std::uint32_t span, bool at_end) const {
+  if (!at_end && continues(span)) return span - 1;
+  if (at_end && span + 1 < span_count() && continues(span + 1)) return span + 1;
+  const auto loop = std::ranges::lower_bound(loops, span, {}, at_end ? &CurveLoop::last : &CurveLoop::first);
+  if (loop == loops.end() || span != (at_end ? loop->last : loop->first)) return std::nullopt;
+  return at_end ? loop->first : loop->last;
+}
 
 void validate(const CurveSet& curves) {
   const std::string part = curves.name.empty() ? "curves" : curves.name;
@@ -45,6 +78,7 @@ void validate(const CurveSet& curves) {
   check_vertices(curves.vertices, curves.form(), curves.vertex_count, part);
   check_normals(curves, part);
   check_spans(curves, part);
+  check_loops(curves, part);
   if (curves.shape != CurveShape::kRibbon)
     throw Error(part +
                 ": shape: found tubes, or ribbons with normals; expected ribbons, which alone are traced");

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,12 @@ enum class CurveShape : std::uint8_t {
 // Vertices of a span.
 inline constexpr std::uint32_t kSpanVertices = 4;
 
+// The spans of a curve whose end is its beginning, both included.
+struct CurveLoop {
+  std::uint32_t first, last;
+  bool operator==(const CurveLoop&) const = default;
+};
+
 struct CurveSet {
   std::string name;            // in messages: the prim's path
   std::uint32_t segments = 0;  // of the motion; see core/motion/track.h
@@ -37,6 +44,9 @@ struct CurveSet {
   // The first of each span's four vertices, ascending. Spans of one curve that follow each other share the
   // vertex between them: the next one's first is 3 behind.
   std::vector<std::uint32_t> spans;
+  // Of periodic curves, ascending; the others' ends are free. Where one's last vertex lies, its first one
+  // does.
+  std::vector<CurveLoop> loops;
 
   TrackForm form() const { return {segments, degree}; }
   std::uint32_t span_count() const { return static_cast<std::uint32_t>(spans.size()); }
@@ -63,11 +73,13 @@ struct CurveSet {
   bool continues(std::uint32_t span) const {
     return span > 0 && spans[span] == spans[span - 1] + kSpanVertices - 1;
   }
+  // The span that carries on at a span's end, or that it carries on; none: its end is free.
+  std::optional<std::uint32_t> neighbour(std::uint32_t span, bool at_end) const;
 };
 
-// The gate: checks the form, the sizes, that spans lie inside the vertices, that every coordinate is finite
-// and at most kMaxCoordinate (core/geometry/triangle_mesh.h) in size, radii at least 0. Throws Error naming
-// the set, the array, what was found and what is expected.
+// The gate: checks the form, the sizes, that spans lie inside the vertices, that loops are chains that close,
+// that every coordinate is finite and at most kMaxCoordinate (core/geometry/triangle_mesh.h) in size, radii
+// at least 0. Throws Error naming the set, the array, what was found and what is expected.
 void validate(const CurveSet& curves);
 
 }  // namespace msbvh

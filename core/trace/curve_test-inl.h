@@ -5,7 +5,8 @@
 // the slope of the squared distance, of degree 5: the piece is cut to 8 parts, one a lane, and in those where
 // the slope changes its sign Newton's method, kept inside by bisection, finds the root. Where a span carries
 // on another, the end that they share counts as well if it is the nearest point of both thereabouts: joints
-// are round on their outside and have no gaps. Free ends are cut straight.
+// are round on their outside and have no gaps. Free ends are cut straight. What has no length is not there:
+// chains carry on across it.
 //
 // The parts are exact fractions of the span, and at their ends all pieces compute the same bits: what lies on
 // a boundary is found on one side of it. Where the slope has the same sign at both ends of a part and turns
@@ -34,6 +35,12 @@ struct CurveHit {
   float t, u, v;
 };
 
+// The way that a curve takes along its parameter next to a place, across the ray; `there`: it has one.
+struct Way {
+  bool there = false;
+  float x = 0.0f, y = 0.0f;
+};
+
 // A span as the ray sees it: control points across and along the ray, and radii, as polynomials in u.
 class SeenSpan {
  public:
@@ -59,6 +66,16 @@ class SeenSpan {
     }
   }
 
+  // Into the span from its beginning, or along it to its end: from the nearest control point that is seen
+  // elsewhere. Not there: the span has no length, or runs along the ray.
+  HWY_INLINE Way way(bool at_end) const {
+    const int from = at_end ? 3 : 0, step = at_end ? -1 : 1;
+    for (int i = from + step; i >= 0 && i < int(kSpanVertices); i += step) {
+      const float x = control_[0][i] - control_[0][from], y = control_[1][i] - control_[1][from];
+      if (x != 0.0f || y != 0.0f) return {true, static_cast<float>(step) * x, static_cast<float>(step) * y};
+    }
+    return {};
+  }
   float largest_radius() const {
     return std::max(std::max(control_[3][0], control_[3][1]), std::max(control_[3][2], control_[3][3]));
   }
@@ -95,29 +112,28 @@ class SeenSpan {
 
 class CurveTest {
  public:
-  // At a joint: the way that the other span comes from, or goes on.
-  struct Joint {
-    bool there = false;
-    float x = 0.0f, y = 0.0f;
-  };
-
   HWY_INLINE CurveTest(const SeenSpan& span, float inverse_length, float tnear)
       : span_(span), inverse_length_(inverse_length), tnear_(tnear) {}
 
   // The nearest hit of the piece up to `hit.t`, which it replaces. Any will do: the first that is found.
-  HWY_INLINE bool run(const CurvePiece& piece, const Joint& before, const Joint& after, CurveHit& hit) const {
+  // `before` and `after`: the ways of the spans that it carries on and that carry it on.
+  HWY_INLINE bool run(const CurvePiece& piece, const Way& before, const Way& after, CurveHit& hit) const {
+    const Way begins = span_.way(false);
+    if (!begins.there) return false;
     bool found = feet(piece, hit);
-    if (before.there && piece.part == 0) found |= end(0.0f, before, hit);
-    if (after.there && piece.part + 1 == piece.parts) found |= end(1.0f, after, hit);
+    if (before.there && piece.part == 0) found |= joint(0.0f, before, begins, hit);
+    if (after.there && piece.part + 1 == piece.parts) found |= joint(1.0f, span_.way(true), after, hit);
     return found;
   }
 
  private:
   using D = hn::CappedTag<float, 8>;
   using V = hn::Vec<D>;
-  static constexpr int kParts = 8, kSteps = 6;
+  static constexpr int kParts = 8, kSteps = 24;
   // Of a part, next to a span's ends.
   static constexpr float kAside = 0x1p-12f;
+  // Of a span: a step of Newton's method that is as short as this is the last.
+  static constexpr float kConverged = 0x1p-21f;
 
   // Half the slope of the squared distance from the ray.
   template <class Tag>
@@ -170,7 +186,7 @@ class CurveTest {
       const auto falls = hn::And(hn::Ge(at_lo, zero), hn::Le(at_hi, zero));
       const auto has = hn::Or(rises, falls);
       if (!hn::AllFalse(d, hn::And(has, near)))
-        found |= take(root(lo, hi, at_lo, at_hi, rises), hn::And(has, near), hit);
+        found |= take(root(lo, hi, at_lo, at_hi, rises, hn::And(has, near)), hn::And(has, near), hit);
       found |= pairs(lo, hi, at_lo, at_hi, hn::AndNot(has, near), hit);
     }
     return found;
@@ -191,12 +207,13 @@ class CurveTest {
     const V at_middle = foot(d, middle);
     candidates = hn::And(candidates, hn::Xor(hn::Gt(at_middle, zero), above));
     if (hn::AllFalse(d, candidates)) return false;
-    const bool first = take(root(lo, middle, at_lo, at_middle, hn::Not(above)), candidates, hit);
-    return take(root(middle, hi, at_middle, at_hi, above), candidates, hit) || first;
+    const bool first = take(root(lo, middle, at_lo, at_middle, hn::Not(above), candidates), candidates, hit);
+    return take(root(middle, hi, at_middle, at_hi, above, candidates), candidates, hit) || first;
   }
 
+  // In the lanes of `wanted`; it goes on until all of them have theirs.
   template <class M>
-  HWY_INLINE V root(V lo, V hi, V at_lo, V at_hi, M rises) const {
+  HWY_INLINE V root(V lo, V hi, V at_lo, V at_hi, M rises, M wanted) const {
     const D d;
     const V half = hn::Set(d, 0.5f);
     const V difference = hn::Sub(at_lo, at_hi);
@@ -209,7 +226,10 @@ class CurveTest {
       hi = hn::IfThenElse(before, hi, u);
       const V next = hn::Sub(u, hn::Div(f, foot_slope(u)));
       const auto inside = hn::And(hn::Ge(next, lo), hn::Le(next, hi));
-      u = hn::IfThenElse(inside, next, hn::Mul(hn::Add(lo, hi), half));
+      const V better = hn::IfThenElse(inside, next, hn::Mul(hn::Add(lo, hi), half));
+      const auto moves = hn::Gt(hn::Abs(hn::Sub(better, u)), hn::Set(d, kConverged));
+      u = better;
+      if (hn::AllFalse(d, hn::And(wanted, moves))) break;
     }
     return u;
   }
@@ -244,15 +264,12 @@ class CurveTest {
     return sx * y - sy * x < 0.0f ? share : -share;
   }
 
-  HWY_INLINE bool end(float u, const Joint& joint, CurveHit& hit) const {
+  // Where two spans meet: there unless farther along one of both the line is nearer to the ray.
+  HWY_INLINE bool joint(float u, const Way& before, const Way& after, CurveHit& hit) const {
     const D d;
-    const V uu = hn::Set(d, u);
-    const float f = hn::GetLane(foot(d, uu));
-    const V v = hn::Sub(hn::Set(d, 1.0f), uu);
-    const float other =
-        hn::GetLane(span_.at(d, 0, uu, v)) * joint.x + hn::GetLane(span_.at(d, 1, uu, v)) * joint.y;
-    // Farther along either of both the line is nearer to the ray.
-    if (u == 0.0f ? (f < 0.0f || other > 0.0f) : (f > 0.0f || other < 0.0f)) return false;
+    const V uu = hn::Set(d, u), vv = hn::Set(d, 1.0f - u);
+    const float x = hn::GetLane(span_.at(d, 0, uu, vv)), y = hn::GetLane(span_.at(d, 1, uu, vv));
+    if (x * before.x + y * before.y > 0.0f || x * after.x + y * after.y < 0.0f) return false;
     return take(uu, hn::FirstN(d, 1), hit);
   }
 
@@ -260,13 +277,25 @@ class CurveTest {
   const float inverse_length_, tnear_;
 };
 
+// The way of the curve beyond an end of a span: spans without length are passed. Not there: the end is free.
 template <Movement kMovement>
-HWY_INLINE CurveTest::Joint joint(const VerticesAtTime<kMovement>& vertices, std::uint32_t from,
-                                  std::uint32_t to, const RayFrame& frame) {
-  alignas(16) float v[4];
-  hn::Store(hn::Sub(vertices[to], vertices[from]), D4f(), v);
-  const auto along = [&](const Vec3f& axis) { return axis.x * v[0] + axis.y * v[1] + axis.z * v[2]; };
-  return {true, along(frame.x), along(frame.y)};
+HWY_INLINE Way way_beyond(const CurveSet& curves, const VerticesAtTime<kMovement>& vertices,
+                          std::uint32_t span, bool at_end, const RayFrame& frame) {
+  const std::uint32_t end = curves.spans[span] + (at_end ? kSpanVertices - 1 : 0);
+  for (auto next = curves.neighbour(span, at_end); next; next = curves.neighbour(*next, at_end)) {
+    const std::uint32_t first = curves.spans[*next];
+    for (std::uint32_t i = 1; i < kSpanVertices; ++i) {
+      const std::uint32_t other = at_end ? first + i : first + kSpanVertices - 1 - i;
+      alignas(16) float v[4];
+      hn::Store(at_end ? hn::Sub(vertices[other], vertices[end]) : hn::Sub(vertices[end], vertices[other]),
+                D4f(), v);
+      if (v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f) continue;
+      const auto along = [&](const Vec3f& axis) { return axis.x * v[0] + axis.y * v[1] + axis.z * v[2]; };
+      return {true, along(frame.x), along(frame.y)};
+    }
+    if (*next == span) break;  // round a loop
+  }
+  return {};
 }
 
 // The nearest of the block's pieces that the ray meets within [tnear, tfar]: `visit(code, hit)` for each that
@@ -282,11 +311,9 @@ HWY_INLINE bool test_curves(const Bvh& bvh, const BlockHeader& block, const RayS
   for (std::uint32_t i = 0; i < block.count; ++i) {
     const CurvePiece piece = CurvePiece::of(block.triangles()[i]);
     const SeenSpan span(vertices, curves.spans[piece.span], frame, setup.org);
-    const std::uint32_t first = curves.spans[piece.span], last = first + kSpanVertices - 1;
-    CurveTest::Joint before, after;
-    if (curves.continues(piece.span)) before = joint(vertices, first - 1, first, frame);
-    if (piece.span + 1 < curves.span_count() && curves.continues(piece.span + 1))
-      after = joint(vertices, last, last + 1, frame);
+    Way before, after;
+    if (piece.part == 0) before = way_beyond(curves, vertices, piece.span, false, frame);
+    if (piece.part + 1 == piece.parts) after = way_beyond(curves, vertices, piece.span, true, frame);
     CurveHit hit{tfar, 0.0f, 0.0f};
     if (!CurveTest(span, frame.inverse_length, setup.tnear).run(piece, before, after, hit)) continue;
     tfar = hit.t;

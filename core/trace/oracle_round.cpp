@@ -2,7 +2,8 @@
 //
 // A ray meets a ribbon where the foot of a perpendicular, in the plane across the ray, from the ray to the
 // projected centre line is no farther away than the radius there; t is the centre line's. Where a span
-// carries on another, the end that they share counts as well if it is the nearest point of both thereabouts.
+// carries on another, the end that they share counts as well if it is the nearest point of both thereabouts;
+// what lies between that has no length is passed.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -90,8 +91,8 @@ Verdict judge_point(const RayD& ray, const RoundD& ball) {
   return answers.verdict();
 }
 
-// Where a span carries on another: the way that that one comes from, or goes on.
-using Joint = std::optional<Vec3d>;
+// The way of a curve, along its parameter, next to a place; none where it ends.
+using Way = std::optional<Vec3d>;
 
 // A span seen along the ray: x and y across, z along it.
 class SeenSpan {
@@ -111,7 +112,8 @@ class SeenSpan {
     error_ = ray.error + kOracleError * size;
   }
 
-  void judge(const Joint& before, const Joint& after, Answers& answers) const {
+  void judge(const Way& before, const Way& after, Answers& answers) const {
+    if (!way(false)) return;
     std::vector<double> roots;
     for (int i = 0; i < kParts; ++i) {
       const double a = double(i) / kParts, b = double(i + 1) / kParts;
@@ -122,8 +124,8 @@ class SeenSpan {
                          (i + 1 == roots.size() || roots[i + 1] - roots[i] > kApart);
       add(roots[i], alone && surely_foot(roots[i]), answers);
     }
-    add_end(0.0, before, answers);
-    add_end(1.0, after, answers);
+    add_end(0.0, across(before), way(false), answers);
+    add_end(1.0, way(true), across(after), answers);
   }
 
  private:
@@ -167,22 +169,37 @@ class SeenSpan {
     answers.add(clear, p.z / length_, std::isfinite(t_slack) ? t_slack : 0.0);
     if (!clear) answers.add(false, p.z / length_, spread(u));
   }
+  Way way(bool at_end) const {
+    const std::uint32_t end = at_end ? kSpanVertices - 1 : 0;
+    for (std::uint32_t i = 1; i < kSpanVertices; ++i) {
+      const Vec3d d = at_end ? p_[end] - p_[end - i] : p_[i] - p_[end];
+      if (d.x != 0.0 || d.y != 0.0) return Vec3d{d.x, d.y, 0.0};
+    }
+    return std::nullopt;
+  }
+  Way across(const Way& way) const { return way ? Way(Vec3d{dot(*way, x_), dot(*way, y_), 0.0}) : way; }
+  // How fast the line comes nearer to the ray along a way from a place, and how uncertain that is.
+  struct Nearing {
+    double slope = 0.0, blur = 0.0;
+  };
+  Nearing nearing(const Vec3d& p, const Vec3d& way) const {
+    return {-(p.x * way.x + p.y * way.y),
+            8.0 * error_ * (std::hypot(way.x, way.y) + std::hypot(p.x, p.y) + error_)};
+  }
   // At an end: round where the span carries on, else there may be a foot next to it.
-  void add_end(double u, const Joint& joint, Answers& answers) const {
-    const double slope = foot(u), outside = u == 0.0 ? -slope : slope;
-    const Vec3d d = along(u);
-    const double blur = 8.0 * error_ * (std::hypot(d.x, d.y) + error_);
-    double beyond = 0.0, beyond_blur = 0.0;  // of the other span, likewise
-    if (joint) {
-      const double jx = dot(*joint, x_), jy = dot(*joint, y_), along_joint = at(u).x * jx + at(u).y * jy;
-      beyond = u == 0.0 ? along_joint : -along_joint;
-      beyond_blur = 8.0 * error_ * (std::hypot(jx, jy) + std::hypot(at(u).x, at(u).y));
+  void add_end(double u, const Way& before, const Way& after, Answers& answers) const {
+    const Vec3d p = at(u);
+    if (before && after) {
+      const Nearing back = nearing(p, -*before), on = nearing(p, *after);
+      if (back.slope <= back.blur && on.slope <= on.blur) {
+        add(u, back.slope < -back.blur && on.slope < -on.blur, answers);
+        return;
+      }
     }
-    if (joint && outside <= blur && beyond <= beyond_blur) {
-      add(u, outside < -blur && beyond < -beyond_blur, answers);
-    } else if (std::abs(slope) <= blur) {
-      add(u, false, answers);
-    }
+    const Way& own = u == 0.0 ? after : before;
+    if (!own) return;
+    const Nearing along = nearing(p, *own);
+    if (std::abs(along.slope) <= along.blur) add(u, false, answers);
   }
   // Radii change along the line, too.
   double slack(double u) const { return 2.0 * error_ + kOracleError * radius(u); }
@@ -203,6 +220,20 @@ class SeenSpan {
   double length_, error_;
 };
 
+// The way of the curve beyond an end of a span.
+Way way_beyond(const CurveSet& curves, std::uint32_t span, bool at_end, double u) {
+  const Vec3d end = vertex_at(curves, curves.spans[span] + (at_end ? kSpanVertices - 1 : 0), u).p;
+  for (auto next = curves.neighbour(span, at_end); next; next = curves.neighbour(*next, at_end)) {
+    const std::uint32_t first = curves.spans[*next];
+    for (std::uint32_t i = 1; i < kSpanVertices; ++i) {
+      const Vec3d other = vertex_at(curves, at_end ? first + i : first + kSpanVertices - 1 - i, u).p;
+      if (other != end) return at_end ? other - end : end - other;
+    }
+    if (*next == span) break;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 void judge_round(const Bvh& bvh, const RayD& ray, double u, std::uint32_t instance,
@@ -220,12 +251,7 @@ void judge_round(const Bvh& bvh, const RayD& ray, double u, std::uint32_t instan
       std::array<RoundD, kSpanVertices> v;
       for (std::uint32_t k = 0; k < kSpanVertices; ++k) v[k] = vertex_at(curves, curves.spans[i] + k, u);
       Answers answers(ray);
-      const std::uint32_t first = curves.spans[i], last = first + kSpanVertices - 1;
-      Joint before, after;
-      if (curves.continues(i)) before = v[0].p - vertex_at(curves, first - 1, u).p;
-      if (i + 1 < curves.span_count() && curves.continues(i + 1))
-        after = vertex_at(curves, last + 1, u).p - v[kSpanVertices - 1].p;
-      SeenSpan(ray, v).judge(before, after, answers);
+      SeenSpan(ray, v).judge(way_beyond(curves, i, false, u), way_beyond(curves, i, true, u), answers);
       const Verdict verdict = answers.verdict();
       if (verdict.possible) visit({instance, {GeometryKind::kCurves, s}, i}, verdict);
     }

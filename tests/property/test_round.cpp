@@ -118,6 +118,110 @@ TEST_CASE("curves equal the oracle ray by ray") {
   }
 }
 
+// Chains of five spans whose vertices coincide in every way: at the ends of spans, in the middle, whole
+// spans, two of them in a row, first and last ones. `looped`: the last vertex lies where the first does.
+CurveSet coinciding(const TrackForm& form, bool looped, std::uint64_t seed) {
+  constexpr int kChains = 48, kSpans = 5, kVertices = 3 * kSpans + 1;
+  CurveSet curves;
+  curves.segments = form.segments;
+  curves.degree = form.degree;
+  Random random(seed);
+  std::vector<std::vector<RoundVertex>> controls(form.controls());
+  for (int chain = 0; chain < kChains; ++chain) {
+    const auto first = static_cast<std::uint32_t>(controls[0].size());
+    const auto span = static_cast<std::uint32_t>(curves.spans.size());
+    for (std::uint32_t s = 0; s < kSpans; ++s) curves.spans.push_back(first + 3 * s);
+    if (looped) curves.loops.push_back({span, span + kSpans - 1});
+    std::vector<int> place(kVertices);  // which of the chain's places each vertex is at
+    const int pattern = chain % 6, where = chain / 6 % kSpans;
+    for (int i = 1; i < kVertices; ++i) {
+      const int within = i - 3 * where;
+      const bool same = pattern == 0   ? within == 1
+                        : pattern == 1 ? within == 1 || within == 2
+                        : pattern == 2 ? within >= 1 && within <= 3
+                        : pattern == 3 ? within >= 1 && within <= 6
+                        : pattern == 4 ? within == 3 || within == 4
+                                       : i % 3 != 0;
+      place[static_cast<std::size_t>(i)] = place[static_cast<std::size_t>(i - 1)] + (same ? 0 : 1);
+    }
+    std::vector<Vec3f> at = {random.in_box({-0.7f, -0.7f, -0.7f}, {0.7f, 0.7f, 0.7f})};
+    while (at.size() < kVertices) at.push_back(at.back() + random.direction() * 0.25f);
+    for (std::vector<RoundVertex>& control : controls) {
+      std::vector<Vec3f> drift;
+      for (int i = 0; i < kVertices; ++i) drift.push_back(random.direction() * (form.moving() ? 0.2f : 0.0f));
+      for (int i = 0; i < kVertices; ++i) {
+        const bool back = looped && i == kVertices - 1;
+        const auto p = static_cast<std::size_t>(back ? 0 : place[static_cast<std::size_t>(i)]);
+        control.push_back({at[p] + drift[p], 0.12f * random.uniform(0.3f, 1.0f)});
+      }
+    }
+  }
+  curves.vertex_count = static_cast<std::uint32_t>(controls[0].size());
+  for (const auto& control : controls)
+    curves.vertices.insert(curves.vertices.end(), control.begin(), control.end());
+  return curves;
+}
+
+TEST_CASE("curves whose vertices coincide equal the oracle, and those that close") {
+  std::uint64_t seed = 300;
+  for (const TrackForm& form : kForms) {
+    for (const bool looped : {false, true}) {
+      CAPTURE(form.segments);
+      CAPTURE(form.degree);
+      CAPTURE(looped);
+      const Accel accel = accel_of(coinciding(form, looped, ++seed), Builder::kMsbvh);
+      CHECK_NOTHROW(accel.verify());
+      check_against_oracle(accel, {}, 0.8f, 600, seed);
+    }
+  }
+}
+
+TEST_CASE("what has no length is not there, and a chain carries on across it") {
+  // Along x to 1, nothing, then down: the outside of the corner is round as if the nothing were not there.
+  CurveSet curves;
+  for (const Vec3f p :
+       {Vec3f{0, 0, 0}, Vec3f{0.3f, 0, 0}, Vec3f{0.6f, 0, 0}, Vec3f{1, 0, 0}, Vec3f{1, 0, 0}, Vec3f{1, 0, 0},
+        Vec3f{1, 0, 0}, Vec3f{1, -0.3f, 0}, Vec3f{1, -0.6f, 0}, Vec3f{1, -1, 0}})
+    curves.vertices.push_back({p, 0.1f});
+  curves.vertex_count = 10;
+  curves.spans = {0, 3, 6};
+  const auto covered = [](const CurveSet& set, float x, float y) {
+    return accel_of(set, Builder::kMsbvh).occluded({.org = {x, y, 4}, .dir = {0, 0, -1}});
+  };
+  CHECK(covered(curves, 1.06f, 0.06f));
+  CHECK_FALSE(covered(curves, 1.09f, 0.09f));
+  curves.spans = {0, 3};  // no longer down: a free end, cut straight
+  CHECK_FALSE(covered(curves, 1.01f, 0.0f));
+  CHECK(covered(curves, 0.99f, 0.0f));
+  curves.spans = {3};
+  CHECK_FALSE(covered(curves, 1.0f, 0.0f));
+  CHECK_FALSE(covered(curves, 1.05f, 0.0f));
+}
+
+TEST_CASE("a loop has no seam, and one that does not close is refused") {
+  CurveSet square;
+  const Vec3f corners[] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  for (int i = 0; i < 12; ++i) {
+    const auto side = static_cast<std::size_t>(i / 3);
+    const Vec3f &a = corners[side], &b = corners[(side + 1) % 4];
+    square.vertices.push_back({a + (b - a) * (static_cast<float>(i % 3) / 3.0f), 0.1f});
+  }
+  square.vertices.push_back(square.vertices[0]);
+  square.vertex_count = 13;
+  square.spans = {0, 3, 6, 9};
+  const Ray at_seam{.org = {-0.06f, -0.06f, 4}, .dir = {0, 0, -1}};
+  CHECK_FALSE(accel_of(square, Builder::kMsbvh).occluded(at_seam));
+  square.loops = {{0, 3}};
+  CHECK(accel_of(square, Builder::kMsbvh).occluded(at_seam));
+  CHECK_THROWS_WITH_AS(
+      [&] {
+        CurveSet open = square;
+        open.vertices[12].p.x += 0.01f;
+        validate(open);
+      }(),
+      doctest::Contains("loops: loop 0 has spans 0 to 3; expected a whole chain"), Error);
+}
+
 TEST_CASE("curves far away, huge and tiny") {
   for (const TrackForm& form : kForms) {
     for (const float scale : {1e-4f, 1.0f, 1e4f}) {

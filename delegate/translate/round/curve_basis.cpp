@@ -86,6 +86,10 @@ class Chain {
 
   // `first_varying`: of the curve's own.
   void add(std::size_t spans, std::uint32_t first_varying) const {
+    if (kind_.periodic() && spans > 0) {
+      const auto before = static_cast<std::uint32_t>(out_.spans.size());
+      out_.loops.push_back({before, before + static_cast<std::uint32_t>(spans) - 1});
+    }
     for (std::size_t s = 0; s < spans; ++s) {
       // The end of one span is the beginning of the next.
       const std::uint32_t begin = static_cast<std::uint32_t>(out_.vertex_count()) - (s > 0 ? 1 : 0);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/curve_set.h"
 #include "delegate/translate/diagnostics.h"
 
 namespace msbvh::translate {
@@ -40,6 +41,7 @@ struct CurveBasis {
   };
   std::vector<Between> varying;
   std::vector<std::uint32_t> spans;        // the first Bezier vertex of each; see core/geometry/curve_set.h
+  std::vector<CurveLoop> loops;            // of periodic curves
   std::vector<std::uint32_t> span_curves;  // the authored curve of each span
   std::vector<std::uint32_t> vertex_curves;
   std::size_t curves = 0, authored_vertices = 0, authored_varying = 0;

@@ -217,6 +217,7 @@ Curves RoundShape::curves(const MeshInput& input, const MovingArray& points, con
   out.shape.vertex_count = std::uint32_t(vertex_count());
   out.shape.vertices = vertices(points, track);
   out.shape.spans = curves_->spans;
+  out.shape.loops = curves_->loops;
   out.span_curves = curves_->span_curves;
   if (check_colors(input.display_color, "primvars:displayColor", optional))
     out.display_color = expanded(input.display_color, "primvars:displayColor", max_segments, optional);
