@@ -125,6 +125,7 @@ struct MeshInput {
   std::string path;  // of the prim, for messages
   std::span<const int> face_vertex_counts;
   std::span<const int> face_vertex_indices;
+  std::string indices_name = "faceVertexIndices";  // of the attribute, for messages
   std::span<const int> hole_indices;
   bool left_handed = false;
   SubdivisionInput subdivision{};

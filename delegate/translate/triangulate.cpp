@@ -81,8 +81,8 @@ bool check_topology(const MeshInput& mesh, std::size_t point_count, PrimLog& log
     return log.reject("points", message("no points; expected those that ", mesh.face_vertex_indices.size(),
                                         " faceVertexIndices refer to"));
   }
-  return log.reject("faceVertexIndices", message("index ", index, " is ", *bad, "; expected 0 to ",
-                                                 point_count - 1, " (", point_count, " points)"));
+  return log.reject(mesh.indices_name, message("index ", index, " is ", *bad, "; expected 0 to ",
+                                               point_count - 1, " (", point_count, " points)"));
 }
 
 Triangulation triangulate(const MeshInput& mesh, std::size_t point_count, PrimLog& log) {

@@ -86,6 +86,45 @@ SHAPES = "\n".join(
     }.items()
 )
 
+SURFACES = """
+def Xform "CardsBad" (prepend apiSchemas = ["GeomModelAPI"]; kind = "component") {
+    uniform token model:drawMode = "cards"
+    uniform token model:cardGeometry = "box"
+    uniform token model:cardVisibility = "full"
+    uniform float3 model:drawModeColor = (0, 0, 1)
+    asset model:cardTextureXPos = @@
+    float3[] extentsHint = [(-6, -1, -1), (-4, 1, 1)]
+}
+def TetMesh "TetsBad" {
+    point3f[] points = [(-6, -1, 0), (-4, -1, 0), (-5, 1, 0), (-5, 0, 1)]
+    int4[] tetVertexIndices = [(0, 1, 2, 3)]
+    int3[] surfaceFaceVertexIndices = [(0, 1, 2)]
+    vector3f[] velocities = [(1, 0, 0), (1, 0, 0), (1, 0, 0), (1, 0, 0)]
+    uniform token orientation = "rightHanded"
+    color3f[] primvars:displayColor = [(1, 0, 0)]
+}
+def TetMesh "InsideBad" {
+    point3f[] points = [(-6, -1, 0), (-4, -1, 0), (-5, 1, 0), (-5, 0, 1)]
+    int4[] tetVertexIndices = [(0, 1, 2, 3)]
+}
+def NurbsPatch "PatchBad" {
+    point3f[] points = [(-6, -1, 0), (-4, -1, 0), (-6, 1, 0), (-4, 1, 0)]
+    double[] pointWeights = [1, 1, 1, 2]
+    int uVertexCount = 2
+    int vVertexCount = 2
+    int uOrder = 2
+    int vOrder = 2
+    double[] uKnots = [0, 0, 1, 1]
+    double[] vKnots = [0, 0, 1, 1]
+    double2 uRange = (0, 1)
+    double2 vRange = (0, 1)
+    int[] trimCurve:counts = []
+    uniform token orientation = "rightHanded"
+    color3f[] primvars:displayColor = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)] (interpolation = "vertex")
+    float[] primvars:displayOpacity = [1]
+}
+"""
+
 INSTANCER = """
 def PointInstancer "Bad" {
     rel prototypes = [</Bad/P>]
@@ -189,6 +228,7 @@ LENS = """
 SCENES = {
     "mesh": CAMERA + GOOD + MESH,
     "shapes": CAMERA + GOOD + SHAPES,
+    "surfaces": CAMERA + GOOD + SURFACES,
     "instancer": CAMERA + GOOD + INSTANCER,
     "lights": CAMERA + GOOD + LIGHTS,
     "skinned": CAMERA + GOOD + SKINNED,

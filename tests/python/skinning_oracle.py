@@ -128,6 +128,14 @@ class Arm:
             rotations.Set([turn(angle) for angle in degrees], frame)
 
 
+def bind(arm: Arm, prim: Usd.Prim, shares: np.ndarray) -> None:
+    """Binds the points of a prim to both joints: `shares` of the second."""
+    binding = UsdSkel.BindingAPI.Apply(prim)
+    binding.CreateSkeletonRel().SetTargets([arm.skeleton.GetPath()])
+    binding.CreateJointIndicesPrimvar(False, 2).Set([0, 1] * len(shares))
+    binding.CreateJointWeightsPrimvar(False, 2).Set([w for share in shares.tolist() for w in (1 - share, share)])
+
+
 def spinning_arm(method: str = "classicLinear", **shot: object) -> Arm:
     """Both joints turn between frames 9, 10 and 11."""
     arm = Arm(Shot(**shot), method=method)

@@ -37,6 +37,14 @@ def stage_of(text: str, header: str = "") -> Usd.Stage:
     return Usd.Stage.Open(layer)
 
 
+def retype(prim: Usd.Prim, name: str, kind: Sdf.ValueTypeName, value: Any) -> None:
+    """Authors an attribute with another type than its schema's."""
+    spec = prim.GetStage().GetRootLayer().GetPrimAtPath(prim.GetPath())
+    if name in spec.properties:
+        del spec.properties[name]
+    Sdf.AttributeSpec(spec, name, kind).default = value
+
+
 def render(stage: Usd.Stage, frame: float | None = 1.0, **settings: Any) -> tuple[ReadResult, np.ndarray]:
     """The frame as it was read, and its pixels, float32[HEIGHT, WIDTH, 4]."""
     result = read_frame(stage, frame, ReadSettings(width=WIDTH, height=HEIGHT, **settings))

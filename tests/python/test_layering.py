@@ -67,7 +67,7 @@ MODULE_HOMES = {
     "click": {"cli.bench_options", "cli.main", "cli.option_types", "cli.options"},
     "tqdm": {"base.progress"},
     "lz4": {"stage.crate_check"},
-    "OpenImageIO": {"output.images", "look.texture_channel", "look.texture_mean"},
+    "OpenImageIO": {"output.images", "look.texture_channel", "look.texture_matrix", "look.texture_mean"},
     "PyOpenColorIO": {"look.color"},
 }
 """Python libraries, and the only modules of the package that may import them."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 import pytest
 import read_once_geometry  # noqa: F401  its cases register themselves
 import read_once_rest  # noqa: F401
+import read_once_shapes  # noqa: F401
 from pxr import Sdf, Usd
 from read_once import (
     CASES,
@@ -20,10 +21,10 @@ from read_once import (
 def _uniform(attribute: str) -> Case:
     def check() -> None:
         kind, _, name = attribute.rpartition(".")
-        apis = {"primvars:skel:skinningMethod": "SkelBindingAPI", "model:drawMode": "GeomModelAPI"}
+        api = "GeomModelAPI" if name.startswith("model:") else "SkelBindingAPI" if ":skel:" in name else ""
         registry = Usd.SchemaRegistry()
-        if name in apis:
-            definition = registry.FindAppliedAPIPrimDefinition(apis[name])
+        if api:
+            definition = registry.FindAppliedAPIPrimDefinition(api)
         else:
             definition = registry.FindConcretePrimDefinition(kind or "Mesh")
         assert definition.GetAttributeDefinition(name).GetVariability() == Sdf.VariabilityUniform

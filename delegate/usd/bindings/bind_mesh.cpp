@@ -18,6 +18,7 @@ constexpr Attribute<MeshObject> kAttributes[] = {
     {"path", &MeshObject::path},
     {"face_vertex_counts", &MeshObject::face_vertex_counts},
     {"face_vertex_indices", &MeshObject::face_vertex_indices},
+    {"indices_name", &MeshObject::indices_name},
     {"hole_indices", &MeshObject::hole_indices},
     {"left_handed", &MeshObject::left_handed},
     {"subdivision_scheme", &MeshObject::subdivision_scheme},
@@ -122,6 +123,7 @@ MeshInput MeshObject::input(Borrowed& borrowed) const {
         borrowed.ints(needed(face_vertex_counts, "face_vertex_counts"), "face_vertex_counts");
     mesh.face_vertex_indices =
         borrowed.ints(needed(face_vertex_indices, "face_vertex_indices"), "face_vertex_indices");
+    take(mesh.indices_name, indices_name, "indices_name", "a str");
   }
   mesh.hole_indices = borrowed.ints(hole_indices, "hole_indices");
   take(mesh.left_handed, left_handed, "left_handed", "a bool");

@@ -11,7 +11,7 @@ namespace msbvh::python {
 // Python objects under the names of translate::MeshInput, None where nothing is given. They are looked at
 // when the mesh is handed down.
 struct MeshObject {
-  nanobind::object path, face_vertex_counts, face_vertex_indices, hole_indices, left_handed;
+  nanobind::object path, face_vertex_counts, face_vertex_indices, indices_name, hole_indices, left_handed;
   nanobind::object subdivision_scheme, interpolate_boundary, face_varying_linear, triangle_rule;
   nanobind::object crease_lengths, crease_indices, crease_sharpnesses, corner_indices, corner_sharpnesses;
   nanobind::object points, points_held, velocities, accelerations;

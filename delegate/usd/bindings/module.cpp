@@ -21,6 +21,7 @@ NB_MODULE(_core, m) {
   msbvh::python::bind_look(m);
   msbvh::python::bind_lights(m);
   msbvh::python::bind_shape(m);
+  msbvh::python::bind_nurbs(m);
   msbvh::python::bind_materials(m);
   msbvh::python::bind_translator(m);
   msbvh::python::bind_skinning(m);

@@ -72,6 +72,8 @@ from ._core_shape import SIDE_COUNTS as SIDE_COUNTS
 from ._core_shape import SIDES as SIDES
 from ._core_shape import SILHOUETTES as SILHOUETTES
 from ._core_shape import ImplicitShape as ImplicitShape
+from ._core_shape import NurbsGrid as NurbsGrid
+from ._core_shape import NurbsPatch as NurbsPatch
 from ._core_shape import Surface as Surface
 from ._core_shape import UnitForm as UnitForm
 from ._core_shape import binds_faces as binds_faces

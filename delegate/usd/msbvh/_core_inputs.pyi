@@ -32,6 +32,8 @@ class MeshInput:
     """Curves have normals of their own."""
     face_vertex_counts: I32
     face_vertex_indices: I32
+    indices_name: str | None
+    """Of the attribute that has them, for messages; None: faceVertexIndices."""
     hole_indices: I32 | None
     left_handed: bool | None
     subdivision_scheme: str | None

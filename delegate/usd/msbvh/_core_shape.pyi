@@ -61,6 +61,61 @@ class ImplicitShape:
     def surface(self, time: int, sides: int) -> Surface:
         """At time number ``time``."""
 
+Axis = tuple[int, int, F64, tuple[float, float] | None]
+"""Of a patch: vertex count, order, knots, and the range that is drawn, None for all."""
+
+class NurbsPatch:
+    """A NURBS patch: where its surface is. Weights are float64[N], one a control point; None: it is not rational."""
+
+    @staticmethod
+    def make(path: str, u: Axis, v: Axis) -> tuple[NurbsPatch | None, list[Diagnostic]]:
+        """None, with an error, for what makes no surface."""
+    @property
+    def control_count(self) -> int:
+        """N: they lie row by row, from one to the next along u."""
+    def check_points(self, path: str, time01: float, points: F32) -> tuple[bool, list[Diagnostic]]:
+        """Whether float32[N, 3] are finite; an error where not."""
+    def check_weights(self, path: str, weights: F64) -> tuple[bool, list[Diagnostic]]:
+        """Whether they are weights; a warning where not."""
+    def check_primvar(
+        self, path: str, attribute: str, interpolation: str, value_count: int, indices: I32 | None
+    ) -> tuple[bool, list[Diagnostic]]:
+        """Whether so many values and such indices fit; a warning where not."""
+    def cells(
+        self,
+        path: str,
+        poses: list[F32],
+        weights: F64 | None,
+        matrices: F64,
+        pixel_size: PixelSize,
+        edge_pixels: float,
+    ) -> tuple[list[int], list[int], list[Diagnostic]]:
+        """Into how many cells each span of u and of v is cut, for edges of about ``edge_pixels`` wherever one of the poses
+        (float32[N, 3]) is seen largest under float64[T, 4, 4] matrices."""
+    def grid(
+        self, u_cells: list[int], v_cells: list[int], poses: list[F32], weights: F64 | None, apart: bool
+    ) -> NurbsGrid:
+        """``poses``: all that are to be evaluated. ``apart``: primvars may have several values at seams and poles."""
+
+class NurbsGrid:
+    """A patch as polygons. Arrays are views."""
+
+    @property
+    def counts(self) -> I32:
+        """int32[F] vertices a face."""
+    @property
+    def indices(self) -> I32:
+        """int32[I]."""
+    @property
+    def segments(self) -> I32:
+        """int32[F]: the number of the uniform value of each face."""
+    def positions(self, values: F32, weights: F64 | None) -> F32:
+        """float32[P, 3]: of float32[N, 3] points, velocities or accelerations of the control points."""
+    def vertex_values(self, values: F32, weights: F64 | None) -> F32:
+        """float32[P] or float32[P, 3]: of one value a control point."""
+    def varying_values(self, values: F32) -> F32:
+        """The same of one value a crossing of knots."""
+
 def sides_for(radii_pixels: F64, silhouette_pixels: float, side_counts: Sequence[int]) -> I32:
     """int32[N]: the fewest of ``side_counts``, which increase, for which shapes of float64[N] radii stray by
     ``silhouette_pixels`` at most. SIDES for NaN."""

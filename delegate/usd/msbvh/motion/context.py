@@ -26,6 +26,8 @@ class FrameContext:
     held: bool
     """The stage's values jump from sample to sample."""
     diagnostics: Diagnostics
+    purposes: tuple[str, ...] = ("default",)
+    """That are drawn."""
     found: SampleLog | None = None
     """Where the reader notes what moves each prim; None: nobody asks."""
     caches: dict[type, Any] = field(default_factory=dict)

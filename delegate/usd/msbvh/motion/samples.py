@@ -19,8 +19,8 @@ from .xform_ops import ordered_ops, resets
 COMPOSED_TRANSFORM = "xformOpOrder"
 """The attribute that stands for a transform as a whole, as in diagnostics."""
 _SHAPE = ("points", "velocities", "accelerations", "primvars:normals", "normals", "radius", "height", "size")
-_EXTENTS = ("width", "length", "radiusTop", "radiusBottom")
-_TOPOLOGY = ("faceVertexCounts", "faceVertexIndices")
+_EXTENTS = ("width", "length", "radiusTop", "radiusBottom", "pointWeights", "extentsHint")
+_TOPOLOGY = ("faceVertexCounts", "faceVertexIndices", "surfaceFaceVertexIndices", "tetVertexIndices")
 _INSTANCER = ("positions", "orientationsf", "orientations", "scales")
 _RATES = ("velocities", "accelerations", "angularVelocities", "protoIndices")
 _ANIMATION = ("translations", "rotations", "scales", "blendShapeWeights")

@@ -14,24 +14,24 @@ from .primvars import MovingPrimvar, find_primvar, held_by, sample_primvar
 
 
 def add_displacement(
-    mesh: MeshInput, prim: Usd.Prim, is_mesh: bool, materials: Materials, context: FrameContext
+    mesh: MeshInput, prim: Usd.Prim, instead: str, materials: Materials, context: FrameContext
 ) -> None:
-    """After the mesh's materials. An implicit shape stays as it is, with a warning."""
+    """After the mesh's materials. `instead`: what the prim is if it is no mesh, and stays as it is, with a warning."""
     if not materials.displace:
         return
     numbers = {mesh.material} if mesh.face_materials is None else set(np.unique(mesh.face_materials).tolist())
     found = [each for number in numbers if (each := materials.displacement(number)) is not None]
     if not found:
         return
-    if not is_mesh:
-        leave_undisplaced(str(prim.GetPath()), context)
+    if instead:
+        leave_undisplaced(str(prim.GetPath()), context, instead)
         mesh.displaced = False
         return
     mesh.named_primvars = _named_primvars(prim, found, context)
 
 
-def leave_undisplaced(path: str, context: FrameContext) -> None:
-    message = "displacement of an implicit shape is not supported; drawn without it"
+def leave_undisplaced(path: str, context: FrameContext, what: str = "an implicit shape") -> None:
+    message = f"displacement of {what} is not supported; drawn without it"
     context.diagnostics.group(path, "material:binding", message)
 
 

@@ -28,10 +28,12 @@ class Part:
     inherited: frozenset[str] = frozenset()
     """Names of primvars and material bindings that have opinions above the prim (inherited_names())."""
     is_mesh: bool = False
-    """A Mesh, not an implicit shape."""
+    """A shape of points that it has itself, such as a Mesh: not an implicit one."""
     has_children: bool = True
     is_round: bool = False
     """Curves or points."""
+    draw_mode: str = ""
+    """origin, bounds or cards in place of the prim and all below it; empty: it is drawn in full."""
 
     def authors(self, name: str) -> bool:
         """Whether a primvar is authored at the prim or above."""

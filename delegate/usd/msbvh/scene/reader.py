@@ -72,6 +72,8 @@ class ReadSettings:
     """linear, quadratic or cubic tracks only; auto: the cheapest for each prim."""
     segments: int = 0
     """Exactly these for whatever moves, a power of two; 0: as few as it takes."""
+    disable_draw_modes: bool = False
+    """Models are drawn in full, whatever their model:drawMode is."""
     max_instances: int = MAX_INSTANCES
     """More are refused, nested ones multiplied out."""
     keep_faces: bool = False
@@ -173,8 +175,9 @@ class _FrameReader:
                 settings.shutter,
             )
             shutter = self._camera.shutter
-            self._context = FrameContext(stage, shutter, is_held(stage), diagnostics, found=found)
-            self._traversal = Traversal(self._context, purposes)
+            drawn = ("default", *purposes)
+            self._context = FrameContext(stage, shutter, is_held(stage), diagnostics, drawn, found)
+            self._traversal = Traversal(self._context, not settings.disable_draw_modes)
             self._graph = InstanceGraph(self._traversal.groups, self._context)
             self._graph.check(settings.max_instances)
             self._caches = XformCaches(shutter)
@@ -182,7 +185,8 @@ class _FrameReader:
         self._translator = make_translator(**self._translator_settings())
         materials = Materials(self._translator, self._context)
         silhouette = SILHOUETTES[settings.complexity]
-        self._shapes = Shapes(self._context, self._caches, materials, settings.motion_tolerance, silhouette)
+        tolerance, edge = settings.motion_tolerance, self._edge_length
+        self._shapes = Shapes(self._context, self._caches, materials, tolerance, silhouette, edge)
         self._shared = SharedShapes(
             self._context, self._caches, materials, self._translator, settings.motion_tolerance, silhouette
         )
@@ -246,9 +250,14 @@ class _FrameReader:
             "interpolation": settings.interpolation,
             "segments": settings.segments,
             "keep_faces": settings.keep_faces,
-            "edge_length": EDGE_LENGTHS[settings.complexity] if settings.edge_length is None else settings.edge_length,
+            "edge_length": self._edge_length,
             "displacement": settings.displacement,
         }
+
+    @property
+    def _edge_length(self) -> float:
+        given = self._settings.edge_length
+        return EDGE_LENGTHS[self._settings.complexity] if given is None else given
 
     def _add_world_meshes(self) -> None:
         """Meshes by the hundred, so that those that move alike are evaluated together."""

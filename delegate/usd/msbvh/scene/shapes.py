@@ -25,9 +25,11 @@ from ..skel.skinning import Poser
 from ..stage.usd_faults import FAULTS, report_left_out
 from .displaced import add_displacement
 from .implicit import ImplicitShape
-from .meshes import faces_by_subset, held_at, held_attributes, read_shape
+from .meshes import Form, faces_by_subset, held_at, held_attributes, read_shape
+from .nurbs_patch import NurbsShape, RefinedPatch
 from .part import Part
 from .shape_sizes import sides_of
+from .stand_ins import StandIn
 
 BATCH_WEIGHT = 2**22
 """Points that are held in memory at once, for meshes that are evaluated together."""
@@ -48,7 +50,7 @@ class Draft:
     context: FrameContext
     """With the prim's own shutter."""
     mesh: MeshInput
-    form: Samples | ImplicitShape
+    form: Form
     """Its points at rest, or what has them and the topology."""
     binding: SkelBinding | None
     placed_by: Usd.Prim
@@ -72,6 +74,8 @@ class Shape:
     """Whose transform places it: itself, or its skeleton."""
     course: Course
     """Whether that may vary, where it may change its course, and over which shutter."""
+    patch: RefinedPatch | None = None
+    """What its primvars are still to be refined by."""
 
     @cached_property
     def box(self) -> Box:
@@ -93,12 +97,14 @@ class Shapes:
         materials: Materials,
         tolerance_pixels: float,
         silhouette_pixels: float,
+        edge_pixels: float,
     ) -> None:
         self._context = context
         self._caches = caches
         self._materials = materials
         self._tolerance = tolerance_pixels
         self._silhouette = silhouette_pixels
+        self._edge = edge_pixels
 
     def read(self, part: Part, root: Usd.Prim | None) -> Draft | None:
         """A mesh and how it moves; None if it is not drawn."""
@@ -116,7 +122,7 @@ class Shapes:
         mesh, form = read
         if part.blinking:
             mesh.visible = visible_intervals(part.blinking, self._context.shutter)
-        binding = read_binding(part.prim, context, part.authored)
+        binding = None if part.draw_mode else read_binding(part.prim, context, part.authored)
         placed_by, course = part.prim, (part.varying, part.breakpoints, context.shutter)
         if binding is not None and binding.placed_by != part.prim:
             placed_by = binding.placed_by
@@ -136,9 +142,13 @@ class Shapes:
         part, mesh, form = draft.part, draft.mesh, draft.form
         if isinstance(form, ImplicitShape):
             mesh = mesh.copy()
-            samples = form.fill(mesh, self._sides(form, part, root, draft.context, pixel_size))
+            matrices = self._few_matrices(draft, root)
+            samples = form.fill(mesh, sides_of(form, matrices, pixel_size, self._silhouette))
+        elif isinstance(form, StandIn):
+            mesh = mesh.copy()
+            samples = form.fill(mesh, self._few_matrices(draft, root), pixel_size)
         else:
-            samples = form
+            samples = form.controls if isinstance(form, NurbsShape) else form
         posed_at: list[float] = []
         if draft.binding is not None:
             poser = draft.poser or Poser(draft.binding, mesh, samples, draft.context)
@@ -153,16 +163,20 @@ class Shapes:
             mesh.velocities = mesh.accelerations = None
             mesh.computed_points = True
             posed_at = [time01 for time01, _ in samples.values if time01 is not None]
+        patch = None
+        if isinstance(form, NurbsShape):
+            mesh, matrices = mesh.copy(), self._few_matrices(draft, root)
+            samples, patch = form.refined(mesh, samples, matrices, pixel_size, self._edge)
         if draft.context.found is not None:
             moved_by = draft.binding.moved_by if draft.binding is not None else None
             own = part.prim, part.blinking, root, draft.context.shutter
             draft.context.found.shape(*own, draft.placed_by, moved_by, posed_at)
         mesh.points, mesh.points_held = samples.values, samples.held
-        return Shape(part, mesh, samples, draft.placed_by, draft.course)
+        return Shape(part, mesh, samples, draft.placed_by, draft.course, patch)
 
     def extent(self, draft: Draft, root: Usd.Prim | None) -> Box | None:
         """Around the points in the space of the group, at a few times; None if it is not drawn."""
-        if draft.binding is None and isinstance(draft.form, ImplicitShape):
+        if draft.binding is None and not isinstance(draft.form, Samples):
             box = draft.form.box
         else:
             shape = self.shape(draft, root, _UNLIMITED)
@@ -196,7 +210,7 @@ class Shapes:
         for index, transform in sorted(moved.items(), key=itemgetter(0)):
             for mesh, context in self._stretches(shapes[index]):
                 mesh.transform = transform
-                self._add_shape(shapes[index].part, mesh, add, context)
+                self._add_shape(shapes[index], mesh, add, context)
 
     def _stretches(self, shape: Shape) -> Iterator[tuple[MeshInput, FrameContext]]:
         """A mesh, once for each part of the shutter over which its faces are the same; with the context to read them
@@ -209,27 +223,33 @@ class Shapes:
         for stretch in stretches(held, context.shutter, context.diagnostics):
             yield held_at(part, shape.mesh, stretch, context), context.at(stretch.code)
 
-    def _add_shape(self, part: Part, mesh: MeshInput, add: Callable[[MeshInput], None], context: FrameContext) -> None:
+    def _add_shape(
+        self, shape: Shape, mesh: MeshInput, add: Callable[[MeshInput], None], context: FrameContext
+    ) -> None:
         """With the materials of the subsets of `context`."""
+        part = shape.part
         if self._context.found is not None:
             self._context.found.evaluated_shape(mesh.path, mesh.transform.times01.tolist())
-        mesh.material = self._materials.bound_to(part.prim) if part.binds_material else None
-        if part.is_mesh and part.has_children:
-            mesh.face_materials = self._face_materials(UsdGeom.Mesh(part.prim), mesh, context)
-        add_displacement(mesh, part.prim, part.is_mesh, self._materials, context)
+        mesh.material = self._materials.bound_to(part.prim) if part.binds_material and not part.draw_mode else None
+        if shape.patch is not None:
+            shape.patch.set_primvars(mesh)
+        elif part.is_mesh and part.has_children:
+            mesh.face_materials = self._face_materials(UsdGeom.Imageable(part.prim), mesh, context)
+        instead = "" if part.is_mesh else "curves and points" if part.is_round else "an implicit shape"
+        if shape.patch is not None:
+            instead = "a NURBS patch"
+        add_displacement(mesh, part.prim, instead, self._materials, context)
         add(mesh)
 
-    def _face_materials(self, prim: UsdGeom.Mesh, mesh: MeshInput, context: FrameContext) -> np.ndarray | None:
+    def _face_materials(self, prim: UsdGeom.Imageable, mesh: MeshInput, context: FrameContext) -> np.ndarray | None:
         """int32: one a face, negative for none; None where no subset has a material of its own."""
         subsets, owners = faces_by_subset(prim, len(mesh.face_vertex_counts), context)
         if not subsets:
             return None
         return face_materials(owners, [self._materials.bound_to(subset) for subset in subsets], mesh.material)
 
-    def _sides(
-        self, form: ImplicitShape, part: Part, root: Usd.Prim | None, context: FrameContext, pixel_size: PixelSize
-    ) -> int:
-        """Of an implicit shape, by its size in pixels."""
-        motion = self._caches.motion([part.prim], root, part.varying, context.shutter, part.breakpoints)
-        matrices = motion.at_times(motion.few_times01())[:, 0]
-        return sides_of(form, matrices, pixel_size, self._silhouette)
+    def _few_matrices(self, draft: Draft, root: Usd.Prim | None) -> np.ndarray:
+        """float64[T, 4, 4]: where a shape is, at a few times."""
+        varying, breakpoints, shutter = draft.course
+        motion = self._caches.motion([draft.placed_by], root, varying, shutter, breakpoints)
+        return np.ascontiguousarray(motion.at_times(motion.few_times01())[:, 0])

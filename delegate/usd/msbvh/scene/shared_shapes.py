@@ -97,7 +97,7 @@ class SharedShapes:
 
     def gather(self, parts: list[Part], root: Usd.Prim | None) -> tuple[list[Crowd], list[Part]]:
         """The crowds among the shapes of a group, and the shapes that stand for themselves."""
-        implicit = [part for part in parts if part.prim.GetTypeName() in IMPLICIT_TYPES]
+        implicit = [part for part in parts if part.prim.GetTypeName() in IMPLICIT_TYPES and not part.draw_mode]
         if len(implicit) < SHARED_FROM:
             return [], parts
         alike: dict[Alike, list[Simple]] = {}

@@ -21,19 +21,22 @@ from ..motion.visibility import changes_inside, visible_at_opening
 from ..motion.xform_ops import Orders, may_vary, resets
 from ..skel.skeletons import Skeletons
 from ..stage.inherited import inheritable, inherited_names
-from ..stage.tokens import draw_mode, inherited_purpose
+from ..stage.tokens import applied_draw_mode, draw_mode, inherited_purpose
 from ..stage.usd_faults import FAULTS, report_left_out
-from ..stage.value_types import BOOL, TOKEN
+from ..stage.value_types import TOKEN
 from ..stage.values import value
-from .meshes import is_shape
+from .meshes import has_own_points, is_shape
 from .part import Part
 from .point_instancers import prototypes
 from .primvars import primvar_source
 from .round import is_round
+from .unsupported import why_not_drawn
 
 WORLD: tuple[Hashable, ...] = ("world",)
 DEEPEST_NESTING = 100
 """Instances in instances, far below what Python's stack holds."""
+
+_DRAW_MODES = ("origin", "bounds", "cards")
 
 _DEFINED = Usd.TraverseInstanceProxies(Usd.PrimDefaultPredicate)
 _PROTOTYPE = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
@@ -82,7 +85,7 @@ class _Type:
     @staticmethod
     def of(prim: Usd.Prim) -> _Type:
         is_a = prim.IsA
-        instancer, mesh = is_a(UsdGeom.PointInstancer), is_a(UsdGeom.Mesh)
+        instancer, mesh = is_a(UsdGeom.PointInstancer), has_own_points(prim)
         return _Type(is_a(UsdGeom.Imageable), is_a(UsdGeom.Xformable), instancer, mesh, is_shape(prim), is_round(prim))
 
 
@@ -104,6 +107,7 @@ class _State:
     inherited: frozenset[str] = frozenset()
     """See Part."""
     has_children: bool = False
+    draw_mode: str = ""
 
     def below(self) -> _State:
         """What children start from."""
@@ -114,14 +118,15 @@ class _State:
 class Traversal:
     """Scans a stage: groups by key, the world's first."""
 
-    def __init__(self, context: FrameContext, purposes: list[str]) -> None:
-        """`purposes` are drawn beside the default one."""
+    def __init__(self, context: FrameContext, draw_modes: bool = True) -> None:
+        """`draw_modes`: models that have one are drawn as it says, not in full."""
         self.groups: dict[Hashable, Group] = {}
         self._context = context
         self._depth = 0
         self._orders = Orders()
         self._types: dict[str, _Type] = {}
-        self._purposes = {"default", *purposes}
+        self._purposes = set(context.purposes)
+        self._draw_modes = draw_modes
         top = context.stage.GetPseudoRoot()
         self._add_group(Group(WORLD, str(top.GetPath()), None), _State(False, "default"), top, _DEFINED)
 
@@ -165,9 +170,12 @@ class Traversal:
                     continue
                 if not is_root and self._leaves(prim, above, here, group, predicate):
                     continue
-                self._warn_of_draw_mode(prim)
+                here.draw_mode = self._draw_mode(prim)
             except FAULTS as error:
                 report_left_out(prim, error, self._context.code)
+                continue
+            if here.draw_mode:
+                yield prim, here
                 continue
             is_instance = prim.IsInstance()
             if is_instance and predicate is _PROTOTYPE and is_root:
@@ -259,10 +267,15 @@ class Traversal:
             state.blinking,
             state.authored,
             state.inherited,
-            kind.mesh,
+            kind.mesh and not state.draw_mode,
             state.has_children,
-            kind.round,
+            kind.round and not state.draw_mode,
+            state.draw_mode,
         )
+        if state.draw_mode:
+            if state.purpose in self._purposes:
+                group.shapes.append(part)
+            return
         if is_light(prim):
             group.lights.append(part)
         if prim.IsInstance() and prim != group.root:
@@ -273,13 +286,10 @@ class Traversal:
         elif kind.shape or kind.round:
             if state.purpose in self._purposes:
                 group.shapes.append(part)
-        elif prim.IsA(UsdGeom.Gprim) or prim.GetTypeName() == "Volume":
-            if state.purpose in self._purposes:
-                message = f"prims of type {prim.GetTypeName()} are not supported yet; not drawn"
+        elif state.purpose in self._purposes:
+            message = why_not_drawn(prim)
+            if message is not None:
                 self._context.diagnostics.group(str(prim.GetPath()), "", message)
-        elif prim.GetTypeName() and not prim.GetPrimTypeInfo().GetSchemaType():
-            message = f"prim type '{prim.GetTypeName()}' is unknown; not drawn"
-            self._context.diagnostics.group(str(prim.GetPath()), "", message)
 
     def _add_instancer(self, part: Part, group: Group) -> None:
         group.instancers.append(part)
@@ -344,16 +354,18 @@ class Traversal:
         children = group.root.GetFilteredChildren(_DEFINED)
         group.resets[:] = [child.GetPath().MakeRelativePath(root) for child in children]
 
-    def _warn_of_draw_mode(self, prim: Usd.Prim) -> None:
-        """They take effect on models: on components, on others by model:applyDrawMode (UsdGeomModelAPI)."""
-        if not prim.IsModel() or prim.IsPseudoRoot():
-            return
-        model = UsdGeom.ModelAPI(prim)
-        mode = draw_mode(prim)
-        applied = prim.IsComponent() or value(model.GetModelApplyDrawModeAttr(), Usd.TimeCode.Default(), BOOL)
-        if applied and mode != UsdGeom.Tokens.default_:
-            message = f"draw mode '{mode}' is not supported yet; drawn in full"
-            self._context.diagnostics.group(str(prim.GetPath()), "model:drawMode", message)
+    def _draw_mode(self, prim: Usd.Prim) -> str:
+        """What is drawn in place of a prim; empty: the prim itself."""
+        if not self._draw_modes:
+            return ""
+        mode = applied_draw_mode(prim)
+        if mode == UsdGeom.Tokens.default_:
+            return ""
+        if mode in _DRAW_MODES:
+            return mode
+        message = f"found '{mode}', expected default, inherited, {', '.join(_DRAW_MODES)}; drawn in full"
+        self._context.diagnostics.group(str(prim.GetPath()), "model:drawMode", message)
+        return ""
 
     def _instanced(self, prim: Usd.Prim, state: _State) -> Hashable:
         """The group that a native instance shows; one for each set of looks and skeletal bindings that
@@ -365,6 +377,7 @@ class Traversal:
             primvar_source(prim, "displayColor"),
             primvar_source(prim, "displayOpacity"),
             self._context.cache(Skeletons).inherited_binding(prim),
+            draw_mode(prim),
             state.scales,
         )
         key = ("instance", str(prim.GetPrototype().GetPath()), inherited)

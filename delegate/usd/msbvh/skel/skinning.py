@@ -43,7 +43,7 @@ class Poser:
         self._context = context
         self._moving_rest = _moving_points(binding.prim, context)
         self._rest = rest.values[0][1]
-        if self._moving_rest is not None or binding.prim.IsA(UsdGeom.Mesh):
+        if self._moving_rest is not None or binding.prim.IsA(UsdGeom.PointBased):
             self._rest = array(
                 required(UsdGeom.PointBased(binding.prim).GetPointsAttr(), context.code, FLOAT3S), np.float32, 3
             )

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from pxr import Usd, UsdGeom
 
-from .value_types import TOKEN
+from .value_types import BOOL, TOKEN
 from .values import value
 
 
@@ -31,6 +31,20 @@ def draw_mode(prim: Usd.Prim) -> str:
         if found and found != UsdGeom.Tokens.inherited:
             return found
     return str(UsdGeom.Tokens.default_)
+
+
+def applied_draw_mode(prim: Usd.Prim) -> str:
+    """What takes the place of a prim and all below it: origin, bounds or cards; default where it is drawn in full.
+
+    Draw modes apply to models: to components, to others by model:applyDrawMode (UsdGeomModelAPI).
+    """
+    default = str(UsdGeom.Tokens.default_)
+    if not prim.IsModel() or prim.IsPseudoRoot():
+        return default
+    if prim.IsComponent():
+        return draw_mode(prim)
+    applied = prim.GetAttribute("model:applyDrawMode")
+    return draw_mode(prim) if applied and value(applied, Usd.TimeCode.Default(), BOOL) else default
 
 
 def _at_and_above(prim: Usd.Prim) -> Iterator[Usd.Prim]:
