@@ -43,7 +43,8 @@ bool same_round(const Set& a, const Set& b) {
   return a.form() == b.form() && a.vertices == b.vertices;
 }
 bool same_curves(const CurveSet& a, const CurveSet& b) {
-  return same_round(a, b) && a.spans == b.spans && a.loops == b.loops;
+  return same_round(a, b) && a.shape == b.shape && a.normals == b.normals && a.spans == b.spans &&
+         a.loops == b.loops;
 }
 
 // The same parts to refer to. What has no width has no reference.

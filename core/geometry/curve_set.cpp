@@ -79,9 +79,6 @@ void validate(const CurveSet& curves) {
   check_normals(curves, part);
   check_spans(curves, part);
   check_loops(curves, part);
-  if (curves.shape != CurveShape::kRibbon)
-    throw Error(part +
-                ": shape: found tubes, or ribbons with normals; expected ribbons, which alone are traced");
   if (curves.spans.size() > kMaxSpans) {
     throw Error(part + ": spans: found " + std::to_string(curves.spans.size()) + "; expected at most " +
                 std::to_string(kMaxSpans));

@@ -50,6 +50,39 @@ class VerticesAtTime {
   float w_ = 0.0f;
 };
 
+// Where a set's normals are, likewise.
+template <Movement kMovement>
+class NormalsAtTime {
+ public:
+  HWY_INLINE NormalsAtTime(const Vec3f* normals, std::size_t count, FormCode form,
+                           const RaySetup<kMovement>& setup)
+      : first_(normals), stride_(count), moves_(kMovement != Movement::kStill && form.level() != 0) {
+    if (!moves_) return;
+    degree_ = kMovement == Movement::kPolynomial ? form.degree() : 1;
+    const SegmentTime at = setup.at_level[form.level()];
+    first_ += std::size_t(at.key) * degree_ * count;
+    w_ = at.w;
+  }
+  HWY_INLINE Vec3f operator[](std::uint32_t vertex) const {
+    const D4f d;
+    const auto control = [&](std::size_t c) {
+      const Vec3f& n = first_[vertex + c * stride_];
+      alignas(16) const float lanes[4] = {n.x, n.y, n.z, 0.0f};
+      return hn::Load(d, lanes);
+    };
+    alignas(16) float n[4];
+    hn::Store(moves_ ? simd_bezier(control, degree_, Weights<D4f>(d, w_)) : control(0), d, n);
+    return {n[0], n[1], n[2]};
+  }
+
+ private:
+  const Vec3f* first_;
+  std::size_t stride_;
+  bool moves_;
+  std::uint32_t degree_ = 1;
+  float w_ = 0.0f;
+};
+
 // A ray's direction, from what its setup keeps of it: to a rounding or two, 0 where it is 0.
 HWY_INLINE Vec3f direction_of(const StillSetup& setup) {
 #if HWY_TARGET == HWY_AVX3
@@ -79,6 +112,11 @@ struct RayFrame {
     const float sign = std::copysign(1.0f, z.z), a = -1.0f / (sign + z.z), b = z.x * z.y * a;
     x = {1.0f + sign * z.x * z.x * a, sign * b, -sign * z.x};
     y = {b, sign + z.y * z.y * a, -z.y};
+  }
+  // A vector on the frame's axes.
+  HWY_INLINE Vec3f seen(const Vec3f& v) const {
+    const auto on = [&](const Vec3f& axis) { return axis.x * v.x + axis.y * v.y + axis.z * v.z; };
+    return {on(x), on(y), on(z)};
   }
 };
 

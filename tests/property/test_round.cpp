@@ -1,6 +1,7 @@
 // Curves and points as leaves: every kernel equals the oracle ray by ray, one by one and many at once, and
 // trees hold their invariants.
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -14,6 +15,7 @@ using msbvh::property::check_against_oracle;
 namespace {
 
 const TrackForm kForms[] = {{0, 1}, {1, 1}, {8, 1}, {1, 2}, {2, 3}};
+const CurveShape kShapes[] = {CurveShape::kRibbon, CurveShape::kTube, CurveShape::kOriented};
 const Builder kTrees[] = {Builder::kMsbvh, Builder::kMbvh, Builder::kSwept, Builder::kTimeSplit};
 
 struct Look {
@@ -22,6 +24,16 @@ struct Look {
   float radius;  // at most; some are 0 at one end
 };
 const Look kLooks[] = {{"hair", 0.2f, 0.01f}, {"ribbons", 0.3f, 0.15f}, {"knots", 0.6f, 0.3f}};
+
+// The normals of oriented ones are random.
+CurveSet with_shape(CurveSet curves, CurveShape shape, std::uint64_t seed) {
+  curves.shape = shape;
+  if (shape != CurveShape::kOriented) return curves;
+  Random random(seed);
+  for (std::size_t i = 0; i < curves.vertices.size(); ++i)
+    curves.normals.push_back(random.direction() * random.uniform(0.5f, 2.0f));
+  return curves;
+}
 
 // Chains of one to four spans that wander about the unit ball.
 CurveSet wandering(const Look& look, const TrackForm& form, int chains, const Vec3f& centre, float scale,
@@ -103,16 +115,21 @@ CurveSet stick() {
 
 TEST_CASE("curves equal the oracle ray by ray") {
   std::uint64_t seed = 0;
-  for (const Look& look : kLooks) {
-    for (const TrackForm& form : kForms) {
-      for (const Builder builder : kTrees) {
-        CAPTURE(std::string(look.name));
-        CAPTURE(form.segments);
-        CAPTURE(form.degree);
-        CAPTURE(int(builder));
-        const Accel accel = accel_of(wandering(look, form, 40, {}, 1.0f, ++seed), builder);
-        CHECK_NOTHROW(accel.verify());
-        check_against_oracle(accel, {}, 1.0f, 150, seed);
+  for (const CurveShape shape : kShapes) {
+    for (const Look& look : kLooks) {
+      for (const TrackForm& form : kForms) {
+        for (const Builder builder : kTrees) {
+          CAPTURE(int(shape));
+          CAPTURE(std::string(look.name));
+          CAPTURE(form.segments);
+          CAPTURE(form.degree);
+          CAPTURE(int(builder));
+          ++seed;
+          const CurveSet curves = with_shape(wandering(look, form, 40, {}, 1.0f, seed), shape, seed);
+          const Accel accel = accel_of(curves, builder);
+          CHECK_NOTHROW(accel.verify());
+          check_against_oracle(accel, {}, 1.0f, 40, seed);
+        }
       }
     }
   }
@@ -164,14 +181,19 @@ CurveSet coinciding(const TrackForm& form, bool looped, std::uint64_t seed) {
 
 TEST_CASE("curves whose vertices coincide equal the oracle, and those that close") {
   std::uint64_t seed = 300;
-  for (const TrackForm& form : kForms) {
-    for (const bool looped : {false, true}) {
-      CAPTURE(form.segments);
-      CAPTURE(form.degree);
-      CAPTURE(looped);
-      const Accel accel = accel_of(coinciding(form, looped, ++seed), Builder::kMsbvh);
-      CHECK_NOTHROW(accel.verify());
-      check_against_oracle(accel, {}, 0.8f, 600, seed);
+  for (const CurveShape shape : kShapes) {
+    for (const TrackForm& form : kForms) {
+      for (const bool looped : {false, true}) {
+        CAPTURE(int(shape));
+        CAPTURE(form.segments);
+        CAPTURE(form.degree);
+        CAPTURE(looped);
+        ++seed;
+        const CurveSet curves = with_shape(coinciding(form, looped, seed), shape, seed);
+        const Accel accel = accel_of(curves, Builder::kMsbvh);
+        CHECK_NOTHROW(accel.verify());
+        check_against_oracle(accel, {}, 0.8f, 30, seed);
+      }
     }
   }
 }
@@ -223,17 +245,21 @@ TEST_CASE("a loop has no seam, and one that does not close is refused") {
 }
 
 TEST_CASE("curves far away, huge and tiny") {
-  for (const TrackForm& form : kForms) {
-    for (const float scale : {1e-4f, 1.0f, 1e4f}) {
-      for (const Vec3f& centre : {Vec3f{}, Vec3f{1e3f, -5e2f, 2e2f}}) {
-        if (scale < 1.0f && centre != Vec3f{}) continue;
-        CAPTURE(form.segments);
-        CAPTURE(scale);
-        CAPTURE(centre.x);
-        const Accel accel =
-            accel_of(wandering(kLooks[1], form, 30, centre * scale, scale, 77), Builder::kMsbvh);
-        CHECK_NOTHROW(accel.verify());
-        check_against_oracle(accel, centre * scale, scale, 100, 5);
+  for (const CurveShape shape : kShapes) {
+    for (const TrackForm& form : kForms) {
+      for (const float scale : {1e-4f, 1.0f, 1e4f}) {
+        for (const Vec3f& centre : {Vec3f{}, Vec3f{1e3f, -5e2f, 2e2f}}) {
+          if (scale < 1.0f && centre != Vec3f{}) continue;
+          CAPTURE(int(shape));
+          CAPTURE(form.segments);
+          CAPTURE(scale);
+          CAPTURE(centre.x);
+          const CurveSet curves =
+              with_shape(wandering(kLooks[1], form, 30, centre * scale, scale, 77), shape, 7);
+          const Accel accel = accel_of(curves, Builder::kMsbvh);
+          CHECK_NOTHROW(accel.verify());
+          check_against_oracle(accel, centre * scale, scale, 20, 5);
+        }
       }
     }
   }
@@ -348,6 +374,48 @@ TEST_CASE("a ribbon's width, ends and joints") {
   CHECK(covered(3.06f, 0.06f));
   CHECK_FALSE(covered(3.09f, 0.09f));
   CHECK(covered(2.95f, -0.05f));
+}
+
+TEST_CASE("a tube is round, and so are its ends") {
+  const Accel accel = accel_of(with_shape(stick(), CurveShape::kTube, 0), Builder::kMsbvh);
+  const auto distance = [&](const Vec3f& org, const Vec3f& dir) {
+    Hit hit;
+    return accel.intersect({.org = org, .dir = dir}, hit) ? hit.t : -1.0f;
+  };
+  CHECK(distance({1.5f, 0, 4}, {0, 0, -1}) == doctest::Approx(3.9));
+  CHECK(distance({1.5f, 0.06f, 4}, {0, 0, -1}) == doctest::Approx(3.92));
+  CHECK(distance({1.5f, 0.101f, 4}, {0, 0, -1}) < 0.0f);
+  CHECK(distance({-0.06f, 0, 4}, {0, 0, -1}) == doctest::Approx(3.92));  // the cap
+  CHECK(distance({-0.101f, 0, 4}, {0, 0, -1}) < 0.0f);
+  CHECK(distance({-2, 0, 0}, {1, 0, 0}) == doctest::Approx(1.9));  // along it
+  CHECK(distance({5, 0.06f, 0}, {-2, 0, 0}) == doctest::Approx(0.96));
+  CHECK(distance({1.5f, 0, 0}, {0, 0, 1}) < 0.0f);  // from inside: it is not entered
+}
+
+TEST_CASE("a ribbon across normals has its own side, and no width along the ray") {
+  CurveSet curves = with_shape(stick(), CurveShape::kOriented, 0);
+  for (Vec3f& n : curves.normals) n = {0, 0, 2};
+  const auto hit_of = [](const CurveSet& set, float x, float y) {
+    Hit hit;
+    const bool found = accel_of(set, Builder::kMsbvh).intersect({.org = {x, y, 4}, .dir = {0, 0, -2}}, hit);
+    return found ? std::optional(hit) : std::nullopt;
+  };
+  // The tangent is x, so that b = x cross z is -y.
+  const auto right = hit_of(curves, 1.5f, -0.05f);
+  REQUIRE(right);
+  CHECK(right->t == doctest::Approx(2.0));
+  CHECK(right->u == doctest::Approx(0.5));
+  CHECK(right->v == doctest::Approx(-0.5));
+  CHECK(hit_of(curves, 1.5f, 0.099f));
+  CHECK_FALSE(hit_of(curves, 1.5f, 0.101f));
+  CHECK_FALSE(hit_of(curves, -0.01f, 0.0f));
+  for (Vec3f& n : curves.normals) n = {0, 1, 1};  // half turned: seen as wide as cos 45
+  const auto turned = hit_of(curves, 1.5f, 0.05f);
+  REQUIRE(turned);
+  CHECK(turned->t == doctest::Approx(2.025));
+  CHECK_FALSE(hit_of(curves, 1.5f, 0.072f));
+  for (Vec3f& n : curves.normals) n = {0, 1, 0};  // seen from its edge
+  CHECK_FALSE(hit_of(curves, 1.5f, 0.001f));
 }
 
 TEST_CASE("rays without a direction, from inside a point, and behind") {

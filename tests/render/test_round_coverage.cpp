@@ -38,7 +38,7 @@ Scene scene_of(Curves curves) {
   return scene;
 }
 
-constexpr CurveShape kShapes[] = {CurveShape::kRibbon};
+constexpr CurveShape kShapes[] = {CurveShape::kRibbon, CurveShape::kTube, CurveShape::kOriented};
 
 TEST_CASE("a still curve covers its width") {
   for (const CurveShape shape : kShapes) {
