@@ -117,7 +117,12 @@ struct RoundInput {
   CurveTopology topology;   // of curves
   PrimvarInput<float>
       widths;  // diameters, in the prim's space; of curves `varying` unless they say otherwise
-  bool has_normals = false;
+};
+
+// What curves are drawn as.
+enum class CurveStyle : std::uint8_t {
+  kRibbon,  // flat: across their normals where they have some, else turned to each ray
+  kTube     // round, whatever their normals say
 };
 
 // Of a mesh or, by `round`, of curves or points, which have no faces.

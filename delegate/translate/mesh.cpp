@@ -197,12 +197,13 @@ bool add_round(const MeshMotion& motion, const MovingArray& points, const Candid
   return check_range(result.box(), log);
 }
 
-// With a key wherever widths that change have one, in even time.
-PointFit with_widths(PointFit fit, const MeshMotion& motion, const MovingArray& points,
-                     const ScreenMeasure& measure, FitSettings settings) {
-  const std::uint32_t needed = motion.round->width_segments();
+// With a key wherever widths and normals that change have one, in even time.
+PointFit with_own_keys(PointFit fit, const MeshMotion& motion, const MovingArray& points, const Box3d& box,
+                       const ScreenMeasure& measure, FitSettings settings) {
+  const std::uint32_t needed =
+      motion.round->needed_segments(points.transform, fit.track.layout, measure, box, settings);
   const TrackForm form = fit.track.form();
-  if (needed == 0 || (fit.track.layout.is_even() && form.segments >= needed)) return fit;
+  if (needed == 0 || (fit.track.layout.is_even() && form.degree == 1 && form.segments >= needed)) return fit;
   settings.choice = {1, 1, std::max(needed, form.segments)};
   PointFit finer = fit_points(points, measure, settings);
   // Points that stand still need no keys of their own.
@@ -289,7 +290,7 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
   if (!check_range(own, log) || !check_range(bounds(own, transform.rebased(shift, *target.origin)), log)) {
     return std::nullopt;
   }
-  const Box3d box = grown(own, displacements.reach());
+  const Box3d box = grown(own, round ? round->reach() : displacements.reach());
   const TransformSamples& samples = input.world_from_object;
   const std::vector<InstanceLevel> levels{{samples.times01,
                                            samples.matrices,
@@ -363,7 +364,7 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
   const ScreenMeasure measure = measure_of(target, box);
   PointFit fit = fit_points(moving, measure, target.settings);
   if (round) {
-    fit = with_widths(std::move(fit), motion, moving, measure, target.settings);
+    fit = with_own_keys(std::move(fit), motion, moving, box, measure, target.settings);
     report_fit({fit.track.form().segments, fit.error}, target.settings, kPoints, "the motion", log);
     TranslatedMesh result;
     if (!add_round(motion, moving, fit.track, target, result, log)) return std::nullopt;
@@ -407,7 +408,8 @@ std::optional<TranslatedMesh> translate_mesh(const MeshInput& input, MeshTarget&
   std::optional<RoundShape> round;
   Triangulation polygons;
   if (is_round(input)) {
-    round = RoundShape::make(input, points->track.size(), target.settings.max_segments, log);
+    round = RoundShape::make(input, points->track.size(), points->frame_only, target.curves,
+                             target.settings.max_segments, log);
     if (!round) return std::nullopt;
   } else {
     if (!check_topology(input, points->track.size(), log)) return std::nullopt;
@@ -418,8 +420,7 @@ std::optional<TranslatedMesh> translate_mesh(const MeshInput& input, MeshTarget&
   const bool in_world = target.measure != nullptr;
   const FaceDisplacements displacements(input, target.displacements, log);
   const MeshMotion motion{input, *points, transform, polygons, displacements, round ? &*round : nullptr};
-  const bool still =
-      points->track.is_still() && displacements.is_still() && (!round || round->width_segments() == 0);
+  const bool still = points->track.is_still() && displacements.is_still() && (!round || round->is_still());
   const bool keeps_transform =
       in_world && still && !transform.is_still() && !transform.is_singular_somewhere();
   return keeps_transform ? in_moving_transform(motion, target, log) : baked(motion, target, log);

@@ -35,6 +35,7 @@ struct MeshTarget {
   double edge_length_pixels = 0.0;         // of subdivided surfaces; 0: their cages are drawn as polygons
   Displacements displacements{};           // by material; none: nothing is displaced
   bool patches = false;                    // displaced subdivision surfaces become grids
+  CurveStyle curves = CurveStyle::kRibbon;
   RefinementCache* refinements = nullptr;  // not null; of all meshes and frames of a front-end
 };
 

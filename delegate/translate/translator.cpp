@@ -108,6 +108,7 @@ MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
                     settings.edge_length_pixels,
                     {},
                     settings.displaced == TranslatorSettings::Displaced::kAsPatches,
+                    settings.curves,
                     refinements.get()};
   if (in_world) result.origin = origin;
   return result;

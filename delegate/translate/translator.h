@@ -31,6 +31,7 @@ struct TranslatorSettings {
   bool keep_faces = false;  // for the AOV elementId: which face each triangle is of
   // About how long the edges of a subdivided surface are in the picture; 0: cages are drawn as polygons.
   double edge_length_pixels = 1.0;
+  CurveStyle curves = CurveStyle::kRibbon;
   // Surfaces whose materials say so.
   enum class Displaced : std::uint8_t { kNot, kAsTriangles, kAsPatches } displaced = Displaced::kAsPatches;
 };

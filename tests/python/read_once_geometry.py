@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 from drawn import assert_as_the_stage
@@ -332,6 +334,56 @@ def _widths() -> None:
         expected = np.array(attribute.Get(result.camera.shutter.time_code(time01)))
         assert interpolated(times, values, time01) == pytest.approx(expected, abs=1e-5)
     assert next(t for t in result.tracks if t.path == "/Curves").segments >= 2
+
+
+@case("HermiteCurves.tangents")
+def _tangents() -> None:
+    shot = Shot(SHUTTER)
+    curves = UsdGeom.HermiteCurves.Define(shot.stage, "/Curves")
+    curves.CreatePointsAttr([Gf.Vec3f(0, 0, 0), Gf.Vec3f(1, 0, 0)])
+    curves.CreateCurveVertexCountsAttr([2])
+    curves.CreateWidthsAttr([0.1, 0.1])
+    tangents = [[Gf.Vec3f(0, y, 0), Gf.Vec3f(x, 0, 0)] for x, y in ((3, 3), (6, -3), (3, 9))]
+    set_in_turn(curves.CreateTangentsAttr(), tangents)
+    result = shot.read()
+    for time01 in DENSE_TIMES01:
+        (a, b) = curves.GetTangentsAttr().Get(result.camera.shutter.time_code(time01))
+        expected = np.array([(0, 0, 0), a / 3, Gf.Vec3f(1, 0, 0) - b / 3, (1, 0, 0)])
+        assert np.abs(result.scene.points("/Curves", time01) - expected).max() < 1e-2
+
+
+def _spline(name: str, values: Sequence[object]) -> None:
+    shot = Shot(SHUTTER)
+    curves = UsdGeom.NurbsCurves.Define(shot.stage, "/Curves")
+    curves.CreatePointsAttr([Gf.Vec3f(x, x % 2, 0) for x in range(4)])
+    curves.CreateCurveVertexCountsAttr([4])
+    curves.CreateOrderAttr([4])
+    curves.CreateKnotsAttr([0, 0, 0, 0, 1, 1, 1, 1])
+    curves.CreateRangesAttr([Gf.Vec2d(0, 1)])
+    curves.CreatePointWeightsAttr([1, 1, 1, 1])
+    curves.CreateWidthsAttr([0.1, 0.1])
+    set_in_turn(curves.GetPrim().GetAttribute(name), values)
+    named(shot, f"/Curves.{name}", "changes within the shutter", "as the topology")
+
+
+@case("NurbsCurves.order")
+def _orders() -> None:
+    _spline("order", ([4], [4, 4], [4]))
+
+
+@case("NurbsCurves.knots")
+def _knots_of_curves() -> None:
+    _spline("knots", ([0, 0, 0, 0, 1, 1, 1, 1], [0, 0, 0, 0, 2, 2, 2, 2], [0, 0, 0, 0, 1, 1, 1, 1]))
+
+
+@case("NurbsCurves.ranges")
+def _ranges() -> None:
+    _spline("ranges", ([Gf.Vec2d(0, 1)], [Gf.Vec2d(0, 0.5)], [Gf.Vec2d(0, 1)]))
+
+
+@case("NurbsCurves.pointWeights")
+def _weights_of_curves() -> None:
+    _spline("pointWeights", ([1, 1, 1, 1], [1, 2, 1, 1], [1, 1, 1, 1]))
 
 
 @case("BasisCurves.curveVertexCounts")

@@ -6,7 +6,6 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +15,7 @@ from msbvh.conform.suite import Rule, allowed_errors, conform, errors, own_rende
 from msbvh.output.images import read_alpha
 from projection_oracle import Sampling, coverage
 from pxr import Usd, UsdGeom
+from soak import is_soak, soak_figure
 
 SUITE = ROOT / "testenv" / "motion"
 sys.path.insert(0, str(SUITE))
@@ -45,25 +45,19 @@ def test_the_scenes_are_what_their_authors_write(tmp_path: Path) -> None:
         assert path.read_text(encoding="utf-8") == committed.read_text(encoding="utf-8"), path.name
 
 
-@pytest.mark.parametrize("entry", ENTRIES[::9], ids=lambda entry: entry["rule"])
-def test_expected_answers_are_made_again(entry: dict) -> None:
-    """A sample of them; `make_expected.py` makes all. Rounding may turn one sample of 8192 a pixel."""
-    again = make_expected.expected(entry, SUITE / entry["scene"])
-    committed = read_alpha(SUITE / entry["expected"]) * 65535
-    assert np.abs(again - committed).max() <= 65535 / (512 * 16) + 1
-
-
-NOT_YET = {"curves_oriented": "curves are drawn turned to each ray, whatever their normals say"}
-"""Rules that we do not follow, and why."""
-
-
-def _ours(rule: Rule) -> Any:
-    marks = [pytest.mark.xfail(strict=True, reason=NOT_YET[rule.name])] if rule.name in NOT_YET else []
-    return pytest.param(rule, id=rule.name, marks=marks)
+@pytest.mark.soak
+def test_expected_answers_are_made_again() -> None:
+    """Rounding may turn one sample of 8192 a pixel."""
+    entries = ENTRIES if is_soak() else ENTRIES[::18]
+    for entry in entries:
+        again = make_expected.expected(entry, SUITE / entry["scene"])
+        committed = read_alpha(SUITE / entry["expected"]) * 65535
+        assert np.abs(again - committed).max() <= 65535 / (512 * 16) + 1, entry["rule"]
+    soak_figure("expected answers", f"{len(entries)} made again")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("rule", [_ours(rule) for rule in read_rules(SUITE)])
+@pytest.mark.parametrize("rule", read_rules(SUITE), ids=lambda rule: rule.name)
 def test_our_renderer_follows_the_rule(rule: Rule, tmp_path: Path) -> None:
     """Within what noise explains, and within three standard errors of the recorded run."""
     (outcome,) = conform([rule], own_renderer(256), 256, tmp_path, record=read_record(SUITE, 256))

@@ -40,15 +40,15 @@ BAD: list[tuple[Callable[[UsdGeom.NurbsPatch], object], str]] = [
     (lambda p: p.GetUKnotsAttr().Set(knots((9, INF))), "uKnots: knot 9 is inf; expected a finite number"),
     (
         lambda p: p.GetUKnotsAttr().Set([1.0] * 10),
-        "uKnots: knots 3 and 6 are both 1; expected the surface to lie between them",
+        "uKnots: knots 3 and 6 are both 1; expected different ones: what is drawn lies between them",
     ),
     (
         lambda p: p.CreateURangeAttr(Gf.Vec2d(2, 1)),
-        "uRange: found (2, 1); expected a part of (0, 3), where the knots have a surface",
+        "uRange: found (2, 1); expected a part of (0, 3), where the knots have a spline",
     ),
     (
         lambda p: p.CreateURangeAttr(Gf.Vec2d(NAN, 1)),
-        "uRange: found (nan, 1); expected a part of (0, 3), where the knots have a surface",
+        "uRange: found (nan, 1); expected a part of (0, 3), where the knots have a spline",
     ),
     (
         lambda p: p.GetPointsAttr().Set(vectors(bumpy().points)[:7]),
@@ -60,7 +60,7 @@ BAD: list[tuple[Callable[[UsdGeom.NurbsPatch], object], str]] = [
 MENDED: list[tuple[Callable[[UsdGeom.NurbsPatch], object], str]] = [
     (
         lambda p: p.CreateURangeAttr(Gf.Vec2d(-1, 2)),
-        "uRange: found (-1, 2); expected a part of (0, 3), where the knots have a surface; drew that",
+        "uRange: found (-1, 2); expected a part of (0, 3), where the knots have a spline; drew that",
     ),
     (
         lambda p: p.CreatePointWeightsAttr([1.0] * 7),

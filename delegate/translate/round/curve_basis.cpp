@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
+
+#include "delegate/translate/round/left_out.h"
+#include "delegate/translate/round/nurbs_basis.h"
 
 namespace msbvh::translate {
 namespace {
@@ -91,10 +95,7 @@ class Chain {
       out_.loops.push_back({before, before + static_cast<std::uint32_t>(spans) - 1});
     }
     for (std::size_t s = 0; s < spans; ++s) {
-      // The end of one span is the beginning of the next.
-      const std::uint32_t begin = static_cast<std::uint32_t>(out_.vertex_count()) - (s > 0 ? 1 : 0);
-      out_.spans.push_back(begin);
-      out_.span_curves.push_back(curve_);
+      out_.add_span(curve_, s > 0);
       const std::uint32_t from = first_varying + static_cast<std::uint32_t>(s);
       const std::uint32_t to = first_varying + static_cast<std::uint32_t>((s + 1) % kind_.varying(spans));
       for (std::uint32_t v = s > 0 ? 1 : 0; v < 4; ++v) add_vertex(s, v, {from, to, v / 3.0});
@@ -108,10 +109,7 @@ class Chain {
     for (std::uint32_t i = 0; i < 4; ++i) {
       if (row[i] != 0.0) add_term(first_of(span) + i, row[i], terms);
     }
-    out_.terms.insert(out_.terms.end(), terms.begin(), terms.end());
-    out_.first_term.push_back(static_cast<std::uint32_t>(out_.terms.size()));
-    out_.varying.push_back(varying);
-    out_.vertex_curves.push_back(curve_);
+    out_.add_vertex(curve_, terms, varying);
   }
 
   // The place of a span's first vertex among the curve's; pinned curves begin one before them.
@@ -151,6 +149,34 @@ class Chain {
   CurveBasis& out_;
 };
 
+// Between two vertices: with an end's tangent as long as the parameter's whole way.
+void add_hermite_span(std::uint32_t curve, std::uint32_t first, std::uint32_t points, bool continues,
+                      std::uint32_t varying, CurveBasis& out) {
+  const auto at = [&](std::uint32_t v) { return CurveBasis::Between{varying, varying + 1, v / 3.0}; };
+  const std::uint32_t tip = first + points;
+  out.add_span(curve, continues);
+  if (!continues) out.add_vertex(curve, std::array{Term{first, 1.0}}, at(0));
+  out.add_vertex(curve, std::array{Term{first, 2.0 / 3}, Term{tip, 1.0 / 3}}, at(1));
+  out.add_vertex(curve, std::array{Term{first + 1, 4.0 / 3}, Term{tip + 1, -1.0 / 3}}, at(2));
+  out.add_vertex(curve, std::array{Term{first + 1, 1.0}}, at(3));
+}
+
+void add_hermite(const CurveTopology& topology, std::uint32_t points, LeftOut& left_out, CurveBasis& out) {
+  out.vertex_as_varying = true;
+  std::uint32_t first = 0;
+  for (std::uint32_t curve = 0; curve < out.curves; ++curve) {
+    const auto count = static_cast<std::uint32_t>(topology.vertex_counts[curve]);
+    if (count < 2) {
+      left_out.add(curve, message("has ", count, " vertices, which no hermite curve has"));
+    } else {
+      for (std::uint32_t i = 0; i + 1 < count; ++i)
+        add_hermite_span(curve, first + i, points, i > 0, first + i, out);
+    }
+    first += count;
+  }
+  out.authored_varying = points;
+}
+
 bool check_counts(const CurveTopology& topology, std::size_t points, PrimLog& log) {
   std::size_t sum = 0;
   for (const int count : topology.vertex_counts) {
@@ -161,6 +187,21 @@ bool check_counts(const CurveTopology& topology, std::size_t points, PrimLog& lo
   if (sum == points) return true;
   return log.reject("curveVertexCounts",
                     message("they add up to ", sum, "; expected ", points, ", the number of points"));
+}
+
+void add_of_basis(const CurveTopology& topology, const Kind& kind, LeftOut& left_out, CurveBasis& out) {
+  std::uint32_t first = 0;
+  for (std::uint32_t curve = 0; curve < out.curves; ++curve) {
+    const auto count = static_cast<std::size_t>(topology.vertex_counts[curve]);
+    const std::size_t spans = kind.spans(count);
+    if (spans == 0) {
+      left_out.add(curve, message("has ", count, " vertices, which no ", topology.wrap, " ",
+                                  topology.type == "linear" ? "linear" : topology.basis, " curve has"));
+    }
+    Chain(kind, curve, first, count, out).add(spans, std::uint32_t(out.authored_varying));
+    if (spans > 0) out.authored_varying += kind.varying(spans);
+    first += std::uint32_t(count);
+  }
 }
 
 std::optional<Kind> kind_of(const CurveTopology& topology, PrimLog& log) {
@@ -178,28 +219,37 @@ std::optional<Kind> kind_of(const CurveTopology& topology, PrimLog& log) {
 }  // namespace
 
 std::optional<CurveBasis> curve_basis(const CurveTopology& topology, std::size_t points, PrimLog& log) {
-  const std::optional<Kind> kind = kind_of(topology, log);
-  if (!kind || !check_counts(topology, points, log)) return std::nullopt;
+  const bool hermite = topology.type == "hermite", nurbs = topology.type == "nurbs";
+  const std::size_t vertices = hermite ? points / 2 : points;
+  std::optional<Kind> kind;
+  if (!hermite && !nurbs && !(kind = kind_of(topology, log))) return std::nullopt;
+  if (!check_counts(topology, vertices, log)) return std::nullopt;
   CurveBasis result;
   result.first_term.push_back(0);
   result.curves = topology.vertex_counts.size();
-  result.authored_vertices = points;
-  std::uint32_t first = 0, left_out = 0, first_left_out = 0;
-  for (std::uint32_t curve = 0; curve < result.curves; ++curve) {
-    const auto count = static_cast<std::size_t>(topology.vertex_counts[curve]);
-    const std::size_t spans = kind->spans(count);
-    if (spans == 0 && left_out++ == 0) first_left_out = curve;
-    Chain(*kind, curve, first, count, result).add(spans, std::uint32_t(result.authored_varying));
-    if (spans > 0) result.authored_varying += kind->varying(spans);
-    first += std::uint32_t(count);
+  result.authored_vertices = vertices;
+  LeftOut left_out;
+  if (hermite) {
+    add_hermite(topology, static_cast<std::uint32_t>(vertices), left_out, result);
+  } else if (nurbs) {
+    if (!add_nurbs(topology, left_out, result, log)) return std::nullopt;
+  } else {
+    add_of_basis(topology, *kind, left_out, result);
   }
-  if (left_out > 0) {
-    log.warn("curveVertexCounts",
-             message(left_out, " of ", result.curves, " curves are not drawn: curve ", first_left_out,
-                     " has ", topology.vertex_counts[first_left_out], " vertices, which no ", topology.wrap,
-                     " ", topology.type == "linear" ? "linear" : topology.basis, " curve has"));
-  }
+  left_out.report(result.curves, log);
   return result;
+}
+
+void CurveBasis::add_span(std::uint32_t curve, bool continues) {
+  spans.push_back(static_cast<std::uint32_t>(vertex_count()) - (continues ? 1 : 0));
+  span_curves.push_back(curve);
+}
+
+void CurveBasis::add_vertex(std::uint32_t curve, std::span<const Term> mix, const Between& between) {
+  terms.insert(terms.end(), mix.begin(), mix.end());
+  first_term.push_back(static_cast<std::uint32_t>(terms.size()));
+  varying.push_back(between);
+  vertex_curves.push_back(curve);
 }
 
 }  // namespace msbvh::translate

@@ -16,12 +16,18 @@
 
 namespace msbvh::translate {
 
-// UsdGeomBasisCurves' tokens.
+// UsdGeomBasisCurves' tokens, and those of two other kinds of curves.
 struct CurveTopology {
-  std::string type = "cubic";        // linear, cubic
+  // linear, cubic; hermite: the points are those of the curves, then as many tips of their tangents (point +
+  // tangent); nurbs
+  std::string type = "cubic";
   std::string basis = "bezier";      // of cubic ones: bezier, bspline, catmullRom
-  std::string wrap = "nonperiodic";  // nonperiodic, periodic, pinned
+  std::string wrap = "nonperiodic";  // of linear and cubic ones: nonperiodic, periodic, pinned
   std::span<const int> vertex_counts;
+  // Of nurbs, as UsdGeomNurbsCurves has them: one order a curve, the knots of all curves, the first and the
+  // last parameter of each or none, one weight a point or none.
+  std::span<const int> orders{};
+  std::span<const double> knots{}, ranges{}, weights{};
 };
 
 // A share of an authored value.
@@ -45,7 +51,14 @@ struct CurveBasis {
   std::vector<std::uint32_t> span_curves;  // the authored curve of each span
   std::vector<std::uint32_t> vertex_curves;
   std::size_t curves = 0, authored_vertices = 0, authored_varying = 0;
+  // Values of interpolation `vertex` are blended as those of `varying`: the curve does not blend its
+  // vertices.
+  bool vertex_as_varying = false;
 
+  // A span of a curve, which carries on the one before it or not; its vertices come next, without the shared
+  // one.
+  void add_span(std::uint32_t curve, bool continues);
+  void add_vertex(std::uint32_t curve, std::span<const Term> mix, const Between& between);
   std::size_t vertex_count() const { return vertex_curves.size(); }
   std::span<const Term> terms_of(std::size_t vertex) const {
     return {terms.data() + first_term[vertex], first_term[vertex + 1] - first_term[vertex]};

@@ -69,25 +69,67 @@ bool check_colors(const PrimvarInput<T>& input, const std::string& attribute, Pr
 
 }  // namespace
 
-std::optional<RoundShape> RoundShape::make(const MeshInput& input, std::size_t points,
-                                           std::uint32_t max_segments, PrimLog& log) {
+std::optional<RoundShape> RoundShape::make(const MeshInput& input, std::size_t points, bool frame_only,
+                                           CurveStyle style, std::uint32_t max_segments, PrimLog& log) {
   RoundShape shape(points);
   if (input.round.kind == RoundInput::Kind::kCurves) {
     shape.curves_ = curve_basis(input.round.topology, points, log);
     if (!shape.curves_) return std::nullopt;
-    if (input.round.has_normals) {
-      log.warn_in_common("normals", "curves are drawn turned to each ray, whatever their normals say");
-    }
+    PrimLog optional = log.of_optional_part();
+    if (style == CurveStyle::kRibbon)
+      shape.normals_ = CurveNormals::make(input, *shape.curves_, frame_only, optional);
+    shape.style_ = style == CurveStyle::kTube ? CurveShape::kTube
+                   : shape.normals_           ? CurveShape::kOriented
+                                              : CurveShape::kRibbon;
   }
   if (shape.vertex_count() == 0 || !shape.read_widths(input, max_segments, log)) return std::nullopt;
   return shape;
+}
+
+double RoundShape::reach() const {
+  return widths_.values.empty() ? 0.0 : 0.5 * double(*std::ranges::max_element(widths_.values));
+}
+
+std::uint32_t RoundShape::needed_segments(const TransformTrack& transform, const TimeLayout& layout,
+                                          const ScreenMeasure& measure, const Box3d& box,
+                                          const FitSettings& settings) const {
+  const std::uint32_t by_normals =
+      normals_ ? normals_->segments(transform, layout, settings.max_segments) : 0;
+  return std::max({widths_.segments, by_normals, scale_segments(transform, measure, box, settings)});
+}
+
+// As many as keep radii, which the transform scales, within the tolerance: linear between keys, and the
+// centre's throughout where there is no segment.
+std::uint32_t RoundShape::scale_segments(const TransformTrack& transform, const ScreenMeasure& measure,
+                                         const Box3d& box, const FitSettings& settings) const {
+  constexpr double kBetween[] = {0.0, 0.25, 0.5, 0.75, 1.0};
+  if (transform.is_still()) return 0;
+  const double reach = this->reach();
+  const auto radius = [&](double time01) { return reach * mean_scale(transform.at(time01, time01)); };
+  const auto within = [&](std::uint32_t segments) {
+    for (std::uint32_t k = 0; k < std::max(1u, segments); ++k) {
+      const double a = segments == 0 ? 0.0 : double(k) / segments;
+      const double b = segments == 0 ? 1.0 : (k + 1.0) / segments;
+      for (const double w : kBetween) {
+        const double time01 = lerp(a, b, w);
+        const double kept = segments == 0 ? radius(0.5) : lerp(radius(a), radius(b), w);
+        const double error = std::abs(kept - radius(time01));
+        if (measure.at(time01).in_box(error, box) > settings.tolerance) return false;
+      }
+    }
+    return true;
+  };
+  for (std::uint32_t segments = 0; segments < settings.max_segments; segments = std::max(1u, 2 * segments)) {
+    if (within(segments)) return segments;
+  }
+  return settings.max_segments;
 }
 
 // 0: there is no such interpolation.
 std::size_t RoundShape::expected(const std::string& interpolation) const {
   if (interpolation == "constant") return 1;
   if (interpolation == "uniform") return curves_ ? curves_->curves : 1;
-  if (interpolation == "vertex") return point_count_;
+  if (interpolation == "vertex") return curves_ ? curves_->authored_vertices : point_count_;
   if (interpolation == "varying" || interpolation == "faceVarying")
     return curves_ ? curves_->authored_varying : point_count_;
   return 0;
@@ -105,8 +147,9 @@ void RoundShape::expand(const std::string& interpolation, const std::vector<T>& 
   } else {
     for (std::size_t v = 0; v < vertex_count(); ++v) {
       const CurveBasis::Between& at = curves_->varying[v];
-      out.push_back(interpolation == "vertex" ? mixed(authored, curves_->terms_of(v))
-                                              : between(authored[at.from], authored[at.to], at.w));
+      const bool by_curve = interpolation == "vertex" && !curves_->vertex_as_varying;
+      out.push_back(by_curve ? mixed(authored, curves_->terms_of(v))
+                             : between(authored[at.from], authored[at.to], at.w));
     }
   }
 }
@@ -216,6 +259,11 @@ Curves RoundShape::curves(const MeshInput& input, const MovingArray& points, con
   out.shape.degree = track.form().degree;
   out.shape.vertex_count = std::uint32_t(vertex_count());
   out.shape.vertices = vertices(points, track);
+  out.shape.shape = style_;
+  if (normals_) {
+    out.shape.normals =
+        normals_->at_controls(points.transform, track.layout, track.form().controls(), *curves_);
+  }
   out.shape.spans = curves_->spans;
   out.shape.loops = curves_->loops;
   out.span_curves = curves_->span_curves;

@@ -38,7 +38,7 @@ bool check_knots(const SplineInput& input, PrimLog& log) {
   const double last = input.knots[std::size_t(input.vertex_count)];
   if (first < last) return true;
   return log.reject(attribute, message("knots ", input.order - 1, " and ", input.vertex_count, " are both ",
-                                       first, "; expected the surface to lie between them"));
+                                       first, "; expected different ones: what is drawn lies between them"));
 }
 
 // The range that is drawn: what is authored, as far as there is a surface.
@@ -50,12 +50,12 @@ std::optional<std::array<double, 2>> drawn_range(const SplineInput& input, PrimL
   const double from = std::max(begin, first), to = std::min(end, last);
   if (!(begin < end) || !(from < to)) {
     log.reject(input.name + "Range", message("found (", begin, ", ", end, "); expected a part of (", first,
-                                             ", ", last, "), where the knots have a surface"));
+                                             ", ", last, "), where the knots have a spline"));
     return std::nullopt;
   }
   if (begin < first || end > last) {
     log.warn(input.name + "Range", message("found (", begin, ", ", end, "); expected a part of (", first,
-                                           ", ", last, "), where the knots have a surface; drew that"));
+                                           ", ", last, "), where the knots have a spline; drew that"));
   }
   return std::array{from, to};
 }

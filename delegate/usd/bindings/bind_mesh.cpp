@@ -56,8 +56,11 @@ constexpr Attribute<MeshObject> kAttributes[] = {
     {"curve_basis", &MeshObject::curve_basis},
     {"curve_wrap", &MeshObject::curve_wrap},
     {"curve_vertex_counts", &MeshObject::curve_vertex_counts},
+    {"curve_orders", &MeshObject::curve_orders},
+    {"curve_knots", &MeshObject::curve_knots},
+    {"curve_ranges", &MeshObject::curve_ranges},
+    {"curve_weights", &MeshObject::curve_weights},
     {"widths", &MeshObject::widths},
-    {"has_normals", &MeshObject::has_normals},
 };
 
 const nb::object& needed(const nb::object& given, const char* name) {
@@ -93,8 +96,14 @@ RoundInput round_from(const MeshObject& mesh, Borrowed& borrowed) {
   take(result.topology.basis, mesh.curve_basis, "curve_basis", "a str");
   take(result.topology.wrap, mesh.curve_wrap, "curve_wrap", "a str");
   result.topology.vertex_counts = borrowed.ints(mesh.curve_vertex_counts, "curve_vertex_counts");
+  result.topology.orders = borrowed.ints(mesh.curve_orders, "curve_orders");
+  const auto doubles = [&](const nb::object& given, const char* name) {
+    return given.is_none() ? std::span<const double>() : borrowed.doubles(given, name);
+  };
+  result.topology.knots = doubles(mesh.curve_knots, "curve_knots");
+  result.topology.ranges = doubles(mesh.curve_ranges, "curve_ranges");
+  result.topology.weights = doubles(mesh.curve_weights, "curve_weights");
   result.widths = borrowed.primvar<float>(mesh.widths, "widths");
-  take(result.has_normals, mesh.has_normals, "has_normals", "a bool");
   return result;
 }
 

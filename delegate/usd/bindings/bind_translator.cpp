@@ -101,6 +101,13 @@ TranslatorSettings::Displaced displaced_from(Arguments& arguments) {
   return TranslatorSettings::Displaced::kNot;
 }
 
+CurveStyle curves_from(Arguments& arguments) {
+  const std::string name = arguments.value_or("curves", std::string("ribbon"), "a str");
+  if (name == "tube") return CurveStyle::kTube;
+  if (name != "ribbon") bad_choice("curves", name, "ribbon or tube");
+  return CurveStyle::kRibbon;
+}
+
 TranslatorSettings settings_from(Arguments& arguments) {
   TranslatorSettings settings;
   settings.width = arguments.value<std::uint32_t>("width", "an int of at least 1");
@@ -117,6 +124,7 @@ TranslatorSettings settings_from(Arguments& arguments) {
   if (!arguments.optional("edge_length").is_none())
     settings.edge_length_pixels = arguments.value<double>("edge_length", "a float");
   settings.displaced = displaced_from(arguments);
+  settings.curves = curves_from(arguments);
   return settings;
 }
 

@@ -19,7 +19,8 @@ struct MeshObject {
   nanobind::object topology_varies, computed_points, visible, transform;
   nanobind::object normals, normals_interpolation, normals_indices, computed_normals;
   nanobind::object display_color, display_opacity, named_primvars, displaced, material, face_materials;
-  nanobind::object round, curve_type, curve_basis, curve_wrap, curve_vertex_counts, widths, has_normals;
+  nanobind::object round, curve_type, curve_basis, curve_wrap, curve_vertex_counts, widths;
+  nanobind::object curve_orders, curve_knots, curve_ranges, curve_weights;
 
   MeshObject();
 

@@ -202,6 +202,7 @@ class Translator:
         keep_faces: bool = False,
         edge_length: float = 1.0,
         displacement: Literal["patches", "tessellate", "none"] = "patches",
+        curves: Literal["ribbon", "tube"] = "ribbon",
         refinements: RefinementCache | None = None,
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
@@ -211,7 +212,8 @@ class Translator:
         ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
         ``keep_faces``: for the AOV elementId. ``edge_length``: about how long edges of a subdivided surface are in pixels;
         0: cages are drawn as polygons. ``displacement``: what surfaces become whose
-        materials displace them. ``refinements``: of earlier frames, for this one and the next.
+        materials displace them. ``curves``: flat, across their normals where they have some, or round.
+        ``refinements``: of earlier frames, for this one and the next.
 
         Raises Error for a camera or settings that cannot be used.
         """

@@ -26,10 +26,14 @@ class MeshInput:
     curve_basis: str | None
     curve_wrap: str | None
     curve_vertex_counts: I32 | None
+    curve_orders: I32 | None
+    """This and the next three: of curve_type nurbs. One a curve."""
+    curve_knots: F64 | None
+    curve_ranges: F64 | None
+    """Two a curve."""
+    curve_weights: F64 | None
     widths: tuple[str, F32 | list[tuple[float, F32]], I32 | None] | None
     """As display_color: of curves and points."""
-    has_normals: bool | None
-    """Curves have normals of their own."""
     face_vertex_counts: I32
     face_vertex_indices: I32
     indices_name: str | None

@@ -331,6 +331,7 @@ def _read_settings(options: dict[str, Any]) -> ReadSettings:
         complexity=options["complexity"],
         edge_length=options["edge_length"],
         displacement=options["displacement"],
+        curves=options["curves"],
         keep_faces="elementId" in options.get("aovs", ()),
     )
 

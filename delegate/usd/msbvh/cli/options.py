@@ -20,6 +20,7 @@ PURPOSES = ("default", "render", "proxy", "guide")
 MAX_PIXELS_ACROSS = 65535
 MAX_SPP = 1 << 20
 DISPLACEMENTS = ("patches", "tessellate", "none")
+CURVES = ("ribbon", "tube")
 INTERPOLATIONS = ("auto", "linear", "quadratic", "cubic")
 
 
@@ -172,6 +173,14 @@ SCENE: Sequence[Decorator] = (
         metavar="PIXELS",
         help="About how long edges of a subdivided surface are, in place of --complexity's; half of it takes four times the"
         " triangles. 0: cages are drawn as polygons.",
+    ),
+    click.option(
+        "--curves",
+        type=click.Choice(CURVES),
+        default="ribbon",
+        show_default=True,
+        help="What BasisCurves are drawn as. ribbon: flat, across their normals where these are authored, else turned to each"
+        " ray. tube: round, with round ends, for close-ups.",
     ),
     click.option(
         "--displacement",

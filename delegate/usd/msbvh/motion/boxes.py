@@ -37,6 +37,10 @@ class Box:
         """Around both."""
         return Box(np.minimum(self.lo, other.lo), np.maximum(self.hi, other.hi))
 
+    def grown(self, by: float) -> Box:
+        """To all sides."""
+        return Box(self.lo - by, self.hi + by)
+
     def ends(self) -> np.ndarray:
         """float64[2, 3]: lo and hi."""
         return np.array([self.lo, self.hi], np.float64)

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from pxr import Usd, UsdGeom
 
 from .._core import MeshInput, binds_faces, face_owners
 from ..motion.context import FrameContext, array
 from ..motion.held_values import Stretch, warn_of_change
-from ..motion.points import RawSamples, Samples, changes, optional_samples, rate_times, sample_points
+from ..motion.points import RawSamples, Samples, changes, rate_times, sample_points
 from ..motion.visibility import common_intervals
 from ..stage.value_types import INTS, TOKEN
 from ..stage.values import might_vary, required, value
 from .implicit import IMPLICIT_TYPES, ImplicitShape, read_implicit
+from .normals import add_normals
 from .nurbs_patch import NurbsShape, read_nurbs_patch
 from .part import Part
 from .primvars import MovingPrimvar, find_primvar, held_by, sample_primvar
@@ -99,7 +98,7 @@ def _read_mesh(target: MeshInput, prim: Usd.Prim, context: FrameContext, part: P
     subdivided = add_subdivision(target, mesh, context, authored)
     target.computed_normals = "smooth" if subdivided else "faceted"
     if not subdivided:
-        _add_normals(target, mesh, context, authored)
+        add_normals(target, mesh, context, authored)
     return samples
 
 
@@ -113,7 +112,7 @@ def _read_tet_mesh(target: MeshInput, prim: Usd.Prim, context: FrameContext, par
     target.face_vertex_indices = faces.ravel()
     target.indices_name = source.GetName()
     target.topology_varies = changes(source, context)
-    _add_normals(target, mesh, context, part.authored)
+    add_normals(target, mesh, context, part.authored)
     return samples
 
 
@@ -144,37 +143,9 @@ def _set_carriers(
         target.left_handed = value(gprim.GetOrientationAttr(), context.code, TOKEN) == UsdGeom.Tokens.leftHanded
 
 
-def _add_normals(target: MeshInput, mesh: UsdGeom.PointBased, context: FrameContext, authored: frozenset[str]) -> None:
-    if authored.isdisjoint(("normals", "primvars:normals")):
-        return
-    for name, given in _normals(mesh, context).items():
-        setattr(target, name, given)
-
-
 def _holes(mesh: UsdGeom.Mesh, code: Usd.TimeCode) -> np.ndarray | None:
     holes = array(value(mesh.GetHoleIndicesAttr(), code, INTS), np.int32)
     return holes if len(holes) else None
-
-
-def _normals(mesh: UsdGeom.PointBased, context: FrameContext) -> dict[str, Any]:
-    """The translator's names of authored normals: primvars:normals, which may be indexed, before normals (UsdGeomPointBased)."""
-    primvar = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("normals")
-    indices = None
-    if primvar and primvar.HasAuthoredValue():
-        attribute, interpolation = primvar.GetAttr(), primvar.GetInterpolation()
-        indices = array(value(primvar.GetIndicesAttr(), context.code, INTS), np.int32) if primvar.IsIndexed() else None
-    else:
-        attribute, interpolation = mesh.GetNormalsAttr(), mesh.GetNormalsInterpolation()
-    if not attribute.HasAuthoredValue():
-        return {}
-    samples = optional_samples(attribute, context)
-    if not samples or not any(len(values) for _, values in samples):
-        return {}
-    return {
-        "normals": samples,
-        "normals_interpolation": str(interpolation),
-        "normals_indices": indices,
-    }
 
 
 def held_attributes(part: Part, mesh: MeshInput, context: FrameContext) -> list[Usd.Attribute]:

@@ -62,6 +62,8 @@ class ReadSettings:
     """How fine implicit shapes and subdivided surfaces are; a key of SILHOUETTES and EDGE_LENGTHS."""
     edge_length: float | None = None
     """About how long edges of a subdivided surface are in pixels, 0 for its cage; None: by the complexity."""
+    curves: str = "ribbon"
+    """What BasisCurves are drawn as: ribbon, flat, across their normals or turned to each ray; tube, round."""
     displacement: str = "patches"
     """What surfaces become that are displaced: patches, tessellate for triangles; none: they are not."""
     motion_tolerance: float = 0.1
@@ -252,6 +254,7 @@ class _FrameReader:
             "keep_faces": settings.keep_faces,
             "edge_length": self._edge_length,
             "displacement": settings.displacement,
+            "curves": settings.curves,
         }
 
     @property

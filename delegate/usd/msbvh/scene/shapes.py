@@ -28,6 +28,7 @@ from .implicit import ImplicitShape
 from .meshes import Form, faces_by_subset, held_at, held_attributes, read_shape
 from .nurbs_patch import NurbsShape, RefinedPatch
 from .part import Part
+from .round import reach_of
 from .shape_sizes import sides_of
 from .stand_ins import StandIn
 
@@ -79,8 +80,9 @@ class Shape:
 
     @cached_property
     def box(self) -> Box:
-        """Around its points over the shutter, in their own space."""
-        return self.samples.box()
+        """Around what is drawn over the shutter, in its own space."""
+        box = self.samples.box()
+        return box.grown(reach_of(self.mesh)) if self.part.is_round else box
 
     def weight(self) -> int:
         """Points in all samples, and a thousand for the prim itself."""

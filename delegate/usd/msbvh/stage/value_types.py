@@ -100,6 +100,7 @@ FLOATS = Kind("float[]", Vt.FloatArray, _number_arrays(Vt.FloatArray, *_REAL_ARR
 DOUBLES = Kind(
     "double[]", Vt.DoubleArray, _number_arrays(Vt.DoubleArray, Vt.HalfArray, Vt.FloatArray, *_INTEGER_ARRAYS)
 )
+DOUBLE2S = Kind("double2[]", Vt.Vec2dArray, _number_arrays(Vt.Vec2dArray, Vt.Vec2fArray, Vt.Vec2hArray, Vt.Vec2iArray))
 FLOAT3S = Kind("float3[]", Vt.Vec3fArray, _number_arrays(Vt.Vec3fArray, *_TRIPLE_ARRAYS))
 HALF3S = Kind("half3[]", Vt.Vec3hArray, _number_arrays(Vt.Vec3hArray))
 QUATERNIONS = Kind("quatf[]", Vt.QuatfArray, dict.fromkeys((Vt.QuathArray, Vt.QuatdArray), _numbers(Vt.QuatfArray)))
