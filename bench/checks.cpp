@@ -18,8 +18,13 @@ bool is_wrong(const Bvh& bvh, const Tracer& tracer, RayKind kind, const Ray& ray
   return judge_intersection(bvh, ray, found ? std::optional(hit) : std::nullopt).has_value();
 }
 
+// A span takes the oracle as long as so many triangles.
+constexpr double kOfSpan = 1000.0;
+
 double triangles_shown(const Bvh& bvh) {
   double sum = 0.0;
+  for (const auto& set : bvh.points) sum += static_cast<double>(set->point_count);
+  for (const auto& set : bvh.curves) sum += kOfSpan * static_cast<double>(set->span_count());
   for (const auto& mesh : bvh.meshes) sum += static_cast<double>(mesh->triangles.size());
   for (const Instance& instance : bvh.instances) sum += triangles_shown(*instance.object);
   return sum;

@@ -67,8 +67,8 @@ ScenePtr with_linear_keys(const ScenePtr& scene) {
   fill_peer_input(*scene, kTolerance * diagonal(*scene), input);
   auto out = std::make_shared<Scene>();
   out->camera = scene->camera;
-  for (std::size_t i = 0; i < input.scene.world.size(); ++i) {
-    const PeerMesh& keys = input.scene.world[i];
+  for (std::size_t i = 0; i < input.scene.world.meshes.size(); ++i) {
+    const PeerMesh& keys = input.scene.world.meshes[i];
     TriangleMesh shape = scene->mesh(scene->world[i]).shape;
     shape.segments = keys.keys - 1;
     shape.degree = 1;

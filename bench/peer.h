@@ -14,11 +14,12 @@
 #include <vector>
 
 #include "core/base/affine.h"
+#include "core/geometry/round_vertex.h"
 #include "core/trace/ray.h"
 
 namespace msbvh::bench {
 
-inline constexpr std::uint32_t kPeerAbi = 2;
+inline constexpr std::uint32_t kPeerAbi = 3;
 
 // All borrowed for the life of the peer. Linear keys, evenly spaced over the shutter.
 struct PeerMesh {
@@ -27,14 +28,26 @@ struct PeerMesh {
   const std::uint32_t* triangles;  // [count][3]
   std::uint32_t triangle_count;
 };
+// Cubic Bezier spans, or spheres.
+struct PeerRound {
+  enum class Kind : std::uint8_t { kRibbons, kTubes, kSpheres } kind;
+  const RoundVertex* vertices;  // [keys][vertex_count]
+  std::uint32_t keys, vertex_count;
+  const std::uint32_t* firsts;  // of the four vertices of each span; null for spheres
+  std::uint32_t span_count;
+};
+struct PeerObject {
+  std::vector<PeerMesh> meshes;
+  std::vector<PeerRound> round;
+};
 struct PeerInstance {
   std::uint32_t object;
   std::uint32_t keys;
   const Affine3f* world_from_object;  // [keys]
 };
 struct PeerScene {
-  std::vector<PeerMesh> world;
-  std::vector<std::vector<PeerMesh>> objects;
+  PeerObject world;
+  std::vector<PeerObject> objects;
   std::vector<PeerInstance> instances;
 };
 

@@ -88,8 +88,8 @@ class Embree : public Peer {
 
   void build() override {
     const FlushDenormals flush;
-    for (const std::vector<PeerMesh>& meshes : input_.objects) {
-      embree::Scene object = make_scene(meshes);
+    for (const PeerObject& each : input_.objects) {
+      embree::Scene object = make_scene(each);
       api.rtcCommitScene(object);
       objects_.push_back(object);
     }
@@ -103,10 +103,8 @@ class Embree : public Peer {
 
   std::uint64_t bytes() const override {
     std::uint64_t sum = static_cast<std::uint64_t>(bytes_.load());
-    for (const PeerMesh& mesh : input_.world) sum += vertex_bytes(mesh);
-    for (const std::vector<PeerMesh>& object : input_.objects) {
-      for (const PeerMesh& mesh : object) sum += vertex_bytes(mesh);
-    }
+    sum += vertex_bytes(input_.world);
+    for (const PeerObject& object : input_.objects) sum += vertex_bytes(object);
     return sum;
   }
 
@@ -198,31 +196,65 @@ class Embree : public Peer {
     return true;
   }
 
-  // Leaves of still, robust scenes hold the vertices; those of moving ones index them.
-  static std::uint64_t vertex_bytes(const PeerMesh& mesh) {
-    return mesh.keys > 1 ? std::uint64_t(mesh.keys) * mesh.vertices * sizeof(Vec3f) : 0;
+  // Leaves of still, robust scenes hold the vertices of triangles; those of moving ones index them, as all
+  // leaves of curves and points do.
+  static std::uint64_t vertex_bytes(const PeerObject& object) {
+    std::uint64_t sum = 0;
+    for (const PeerMesh& mesh : object.meshes) {
+      if (mesh.keys > 1) sum += std::uint64_t(mesh.keys) * mesh.vertices * sizeof(Vec3f);
+    }
+    for (const PeerRound& round : object.round)
+      sum += std::uint64_t(round.keys) * round.vertex_count * sizeof(RoundVertex);
+    return sum;
   }
 
-  embree::Scene make_scene(const std::vector<PeerMesh>& meshes) {
+  embree::Scene make_scene(const PeerObject& object) {
     embree::Scene scene = api.rtcNewScene(device_);
     api.rtcSetSceneBuildQuality(scene, embree::kHighQuality);
     api.rtcSetSceneFlags(scene, robust_ ? embree::kRobustScene : 0);
-    for (const PeerMesh& mesh : meshes) {
-      embree::Geometry geometry = api.rtcNewGeometry(device_, embree::kTriangleGeometry);
-      api.rtcSetGeometryBuildQuality(geometry, embree::kHighQuality);
-      api.rtcSetGeometryTimeStepCount(geometry, mesh.keys);
-      const std::size_t key_bytes = std::size_t(mesh.vertices) * sizeof(Vec3f);
-      for (std::uint32_t key = 0; key < mesh.keys; ++key) {
-        api.rtcSetSharedGeometryBuffer(geometry, embree::kVertexBuffer, key, embree::kFloat3, mesh.positions,
-                                       key * key_bytes, sizeof(Vec3f), mesh.vertices);
-      }
-      api.rtcSetSharedGeometryBuffer(geometry, embree::kIndexBuffer, 0, embree::kUint3, mesh.triangles, 0,
-                                     3 * sizeof(std::uint32_t), mesh.triangle_count);
-      api.rtcCommitGeometry(geometry);
-      api.rtcAttachGeometry(scene, geometry);
-      api.rtcReleaseGeometry(geometry);
-    }
+    for (const PeerMesh& mesh : object.meshes) attach_mesh(mesh, scene);
+    for (const PeerRound& round : object.round) attach_round(round, scene);
     return scene;
+  }
+
+  embree::Geometry new_geometry(int type, std::uint32_t keys) {
+    embree::Geometry geometry = api.rtcNewGeometry(device_, type);
+    api.rtcSetGeometryBuildQuality(geometry, embree::kHighQuality);
+    api.rtcSetGeometryTimeStepCount(geometry, keys);
+    return geometry;
+  }
+  static void set_vertices(embree::Geometry geometry, int format, const void* vertices, std::size_t size,
+                           std::uint32_t count, std::uint32_t keys) {
+    for (std::uint32_t key = 0; key < keys; ++key)
+      api.rtcSetSharedGeometryBuffer(geometry, embree::kVertexBuffer, key, format, vertices,
+                                     key * (count * size), size, count);
+  }
+  static void attach_to(embree::Scene scene, embree::Geometry geometry) {
+    api.rtcCommitGeometry(geometry);
+    api.rtcAttachGeometry(scene, geometry);
+    api.rtcReleaseGeometry(geometry);
+  }
+
+  void attach_mesh(const PeerMesh& mesh, embree::Scene scene) {
+    embree::Geometry geometry = new_geometry(embree::kTriangleGeometry, mesh.keys);
+    set_vertices(geometry, embree::kFloat3, mesh.positions, sizeof(Vec3f), mesh.vertices, mesh.keys);
+    api.rtcSetSharedGeometryBuffer(geometry, embree::kIndexBuffer, 0, embree::kUint3, mesh.triangles, 0,
+                                   3 * sizeof(std::uint32_t), mesh.triangle_count);
+    attach_to(scene, geometry);
+  }
+
+  void attach_round(const PeerRound& round, embree::Scene scene) {
+    const int type = round.kind == PeerRound::Kind::kSpheres ? embree::kSphereGeometry
+                     : round.kind == PeerRound::Kind::kTubes ? embree::kRoundBezierGeometry
+                                                             : embree::kFlatBezierGeometry;
+    embree::Geometry geometry = new_geometry(type, round.keys);
+    set_vertices(geometry, embree::kFloat4, round.vertices, sizeof(RoundVertex), round.vertex_count,
+                 round.keys);
+    if (round.firsts) {
+      api.rtcSetSharedGeometryBuffer(geometry, embree::kIndexBuffer, 0, embree::kUint, round.firsts, 0,
+                                     sizeof(std::uint32_t), round.span_count);
+    }
+    attach_to(scene, geometry);
   }
 
   void attach(const PeerInstance& instance) {

@@ -26,12 +26,11 @@ class Filler {
       : in_(scene), tolerance_(tolerance), out_(out) {}
 
   void run() {
-    for (const GeometryId i : in_.world) out_.scene.world.push_back(mesh(in_.mesh(i).shape, {}));
+    for (const GeometryId i : in_.world) add(i, {}, out_.scene.world);
     for (const Prototype& prototype : in_.prototypes) {
       expect_visible(prototype.time_remap, prototype.name);
-      auto& object = out_.scene.objects.emplace_back();
-      for (const GeometryId i : prototype.geometry)
-        object.push_back(mesh(in_.mesh(i).shape, prototype.time_remap));
+      PeerObject& object = out_.scene.objects.emplace_back();
+      for (const GeometryId i : prototype.geometry) add(i, prototype.time_remap, object);
     }
     for (const InstanceSet& set : in_.instances) {
       expect_visible(set.time_remap, set.name);
@@ -46,6 +45,40 @@ class Filler {
     const auto hidden = [](const TimeRemapPiece& piece) { return !piece.visible; };
     if (std::ranges::any_of(time_remap.pieces, hidden))
       out_.missing = name + ": visible for a part of the shutter";
+  }
+
+  void add(GeometryId id, const TimeRemap& time_remap, PeerObject& object) {
+    switch (id.kind()) {
+      case GeometryKind::kTriangleMesh:
+        object.meshes.push_back(mesh(in_.mesh(id).shape, time_remap));
+        return;
+      case GeometryKind::kCurves: {
+        const CurveSet& set = in_.curves[id.index()].shape;
+        if (set.shape == CurveShape::kOriented) out_.missing = set.name + ": ribbons across normals";
+        const auto kind =
+            set.shape == CurveShape::kTube ? PeerRound::Kind::kTubes : PeerRound::Kind::kRibbons;
+        object.round.push_back({kind, set.vertices.data(), key_count(set.segments), set.vertex_count,
+                                set.spans.data(), set.span_count()});
+        expect_linear(set, time_remap);
+        return;
+      }
+      case GeometryKind::kPoints: {
+        const PointSet& set = in_.points[id.index()].shape;
+        object.round.push_back({PeerRound::Kind::kSpheres, set.vertices.data(), key_count(set.segments),
+                                set.point_count, nullptr, 0});
+        expect_linear(set, time_remap);
+        return;
+      }
+      case GeometryKind::kGridMesh:
+        out_.missing = "patches";
+        return;
+    }
+  }
+  template <typename Set>
+  void expect_linear(const Set& set, const TimeRemap& time_remap) {
+    if (set.segments != 0 && (set.degree > 1 || !time_remap.is_shutter()))
+      out_.missing = set.name + ": curves and points on tracks that are not linear at even times";
+    out_.keys = std::max(out_.keys, key_count(set.segments));
   }
 
   PeerMesh mesh(const TriangleMesh& shape, const TimeRemap& time_remap) {

@@ -45,14 +45,24 @@ std::vector<BuilderName> chosen_builders(const std::vector<std::string>& names) 
 Box3f bounds_of(const Scene& scene) {
   Box3f box;
   for (const GeometryId i : scene.world) {
+    if (!i.is(GeometryKind::kTriangleMesh)) continue;
     const TriangleMesh& mesh = scene.mesh(i).shape;
     for (std::size_t p = 0; p < mesh.position_count(); ++p) box.grow(mesh.positions[p]);
+  }
+  for (const Curves& curves : scene.curves) {
+    for (const RoundVertex& v : curves.shape.vertices) box.grow(v.p);
+  }
+  for (const Points& points : scene.points) {
+    for (const RoundVertex& v : points.shape.vertices) box.grow(v.p);
   }
   for (const InstanceSet& set : scene.instances) {
     for (const Affine3f& map : set.world_from_prototype) box.grow(map.t);
   }
   return box;
 }
+
+// Triangles, spans of curves and points.
+std::uint64_t primitives_of(const BvhStatistics& tree) { return tree.triangles + tree.spans + tree.points; }
 
 class SceneRun {
  public:
@@ -204,7 +214,7 @@ class SceneRun {
     const BvhStatistics& tree = ours_[i]->trees().statistics();
     JsonRow row;
     row.add("scene", settings_.name);
-    row.add("triangles", tree.triangles);
+    row.add("triangles", primitives_of(tree));
     row.add("instances", tree.instances);
     row.add("keys", key_count(most_segments()));
     row.add("degree", most_degree());
@@ -223,8 +233,9 @@ class SceneRun {
     row.add("blocks_per_ray", static_cast<double>(set.work[i].blocks) / rays);
     row.add("tests_per_ray", static_cast<double>(set.work[i].triangles) / rays);
     row.add("sah", tree.sah_cost);
-    row.add("duplication", static_cast<double>(tree.references) / static_cast<double>(std::max<std::uint64_t>(
-                                                                      1, tree.triangles + tree.instances)));
+    row.add("duplication",
+            static_cast<double>(tree.references) /
+                static_cast<double>(std::max<std::uint64_t>(1, primitives_of(tree) + tree.instances)));
     row.add("misses", misses_[i]);
     row.add("peer_misses", p < sides_.size() ? misses_[p] : kNotMeasured);
     row.add("mismatches", set.oracle[i].wrong);
@@ -303,7 +314,7 @@ class SceneRun {
   void write_sizes(JsonRow& row, std::size_t i, std::size_t p) const {
     const bool beside = p < sides_.size();
     const BvhStatistics& tree = ours_[i]->trees().statistics();
-    const double triangles = static_cast<double>(std::max<std::uint64_t>(1, tree.triangles));
+    const double triangles = static_cast<double>(std::max<std::uint64_t>(1, primitives_of(tree)));
     row.add("bytes_per_tri", static_cast<double>(ours_[i]->bytes()) / triangles);
     row.add("node_bytes_per_tri", static_cast<double>(tree.node_bytes) / triangles);
     row.add("leaf_bytes_per_tri", static_cast<double>(tree.leaf_bytes) / triangles);
@@ -319,12 +330,16 @@ class SceneRun {
   std::uint32_t most_segments() const {
     std::uint32_t most = 0;
     for (const Mesh& mesh : scene_.scene->meshes) most = std::max(most, mesh.shape.segments);
+    for (const Curves& curves : scene_.scene->curves) most = std::max(most, curves.shape.segments);
+    for (const Points& points : scene_.scene->points) most = std::max(most, points.shape.segments);
     for (const InstanceSet& set : scene_.scene->instances) most = std::max(most, set.segments);
     return most;
   }
   std::uint32_t most_degree() const {
     std::uint32_t most = 1;
     for (const Mesh& mesh : scene_.scene->meshes) most = std::max(most, mesh.shape.degree);
+    for (const Curves& curves : scene_.scene->curves) most = std::max(most, curves.shape.degree);
+    for (const Points& points : scene_.scene->points) most = std::max(most, points.shape.degree);
     for (const InstanceSet& set : scene_.scene->instances) most = std::max(most, set.degree);
     return most;
   }

@@ -16,11 +16,6 @@ constexpr TrackForm kStill{0, 1};
 constexpr TrackForm kLinear2{1, 1}, kLinear3{2, 1}, kLinear5{4, 1}, kLinear9{8, 1}, kLinear33{32, 1},
     kLinear129{128, 1};
 
-Vec3d turned(const Vec3d& v, const Vec3d& axis, double radians) {
-  const double c = std::cos(radians), s = std::sin(radians);
-  return v * c + cross(axis, v) * s + axis * (dot(axis, v) * (1.0 - c));
-}
-
 Camera camera_at(const Vec3f& eye, const Vec3f& target) {
   const Vec3f z = normalize(eye - target), x = normalize(cross(Vec3f{0, 1, 0}, z)), y = cross(z, x);
   Camera camera;
@@ -254,6 +249,37 @@ BenchScene rods(std::uint32_t triangles, const TrackForm& form, std::uint32_t se
   return {std::move(scene), {}};
 }
 
+BenchScene scene_of(Curves curves, const Vec3f& eye) {
+  auto scene = std::make_shared<Scene>();
+  scene->curves.push_back(std::move(curves));
+  scene->world = {curves_id(0)};
+  scene->camera = camera_at(eye, {});
+  return {std::move(scene), {}};
+}
+
+BenchScene hair(std::uint32_t spans, const TrackForm& form, std::uint32_t seed) {
+  Random random(seed);
+  Curves curves;
+  curves.shape = hairs(std::max(1u, spans / 8), 8, 0.002f, form, random);
+  return scene_of(std::move(curves), {1.5f, 1.1f, 2.0f});
+}
+
+BenchScene grass(std::uint32_t spans, const TrackForm& form, std::uint32_t seed) {
+  Random random(seed);
+  Curves curves;
+  curves.shape = blades(std::max(1u, spans / 2), form, random);
+  return scene_of(std::move(curves), {1.3f, 0.5f, 1.3f});
+}
+
+BenchScene particles(std::uint32_t count, const TrackForm& form, std::uint32_t seed) {
+  Random random(seed);
+  auto scene = std::make_shared<Scene>();
+  scene->points.emplace_back().shape = balls(count, form, random);
+  scene->world = {points_id(0)};
+  scene->camera = camera_at({2.2f, 1.6f, 3.0f}, {});
+  return {std::move(scene), {}};
+}
+
 const std::vector<SceneClass>& classes() {
   static const std::vector<SceneClass> kClasses = {
       {"hairball",
@@ -328,6 +354,27 @@ const std::vector<SceneClass>& classes() {
        {kStill, kLinear2, kLinear9},
        {kLinear2},
        subdiv},
+      {"hair",
+       "strands of eight cubic spans, as ribbons, that sway on a ball",
+       800000,
+       16000,
+       {kStill, kLinear2, kLinear3, kLinear9},
+       {kLinear2},
+       hair},
+      {"grass",
+       "blades of two cubic spans, as ribbons, in a wind",
+       400000,
+       16000,
+       {kStill, kLinear2, kLinear9},
+       {kLinear2},
+       grass},
+      {"particles",
+       "balls with velocities of their own",
+       1000000,
+       20000,
+       {kStill, kLinear2, kLinear9},
+       {kLinear2},
+       particles},
       {"mini", "shards, as few as 10 thousand", 10000, 10000, {kLinear2}, {kLinear2}, debris},
   };
   return kClasses;

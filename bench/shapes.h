@@ -5,6 +5,8 @@
 
 #include "bench/moved_mesh.h"
 #include "bench/procedural.h"
+#include "core/geometry/curve_set.h"
+#include "core/geometry/point_set.h"
 
 namespace msbvh::bench {
 
@@ -26,5 +28,16 @@ struct Wheel {
   Vec3d hub, axis;
 };
 Pose wheels(std::uint32_t triangles, Random& random, std::vector<Wheel>& placed);
+
+// About a unit axis.
+Vec3d turned(const Vec3d& v, const Vec3d& axis, double radians);
+
+// Strands of `spans` cubic spans each from a ball of radius 0.6 outwards, bent, `width` wide at the root and
+// a fifth of it at the tip. Each sways about its root while the shutter is open.
+CurveSet hairs(std::uint32_t count, std::uint32_t spans, float width, const TrackForm& form, Random& random);
+// Blades of two spans on a square of 2 x 2, leaning with a wind that runs over it.
+CurveSet blades(std::uint32_t count, const TrackForm& form, Random& random);
+// Balls in the cube [-1, 1]^3 with velocities of their own, about as wide as they lie apart.
+PointSet balls(std::uint32_t count, const TrackForm& form, Random& random);
 
 }  // namespace msbvh::bench

@@ -5,10 +5,23 @@
 namespace msbvh::bench {
 namespace {
 
-void add_meshes(const std::shared_ptr<const Scene>& scene, const std::vector<GeometryId>& meshes,
-                Accel& accel) {
-  for (const GeometryId i : meshes) {
-    accel.add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->mesh(i).shape));
+void add_all(const std::shared_ptr<const Scene>& scene, const std::vector<GeometryId>& geometry,
+             Accel& accel) {
+  for (const GeometryId i : geometry) {
+    switch (i.kind()) {
+      case GeometryKind::kTriangleMesh:
+        accel.add_mesh(std::shared_ptr<const TriangleMesh>(scene, &scene->mesh(i).shape));
+        break;
+      case GeometryKind::kGridMesh:
+        accel.add_grids(std::shared_ptr<const GridMesh>(scene, &scene->grids[i.index()].shape));
+        break;
+      case GeometryKind::kCurves:
+        accel.add_curves(std::shared_ptr<const CurveSet>(scene, &scene->curves[i.index()].shape));
+        break;
+      case GeometryKind::kPoints:
+        accel.add_points(std::shared_ptr<const PointSet>(scene, &scene->points[i.index()].shape));
+        break;
+    }
   }
 }
 
@@ -22,11 +35,11 @@ Trees::Trees(const std::shared_ptr<const Scene>& scene, const BuildSettings& set
   }
   parallel_for(prototypes_.size(), [&](std::size_t i) {
     if (!prototypes_[i]) return;
-    add_meshes(scene, scene->prototypes[i].geometry, *prototypes_[i]);
+    add_all(scene, scene->prototypes[i].geometry, *prototypes_[i]);
     prototypes_[i]->set_time_remap(scene->prototypes[i].time_remap);
     prototypes_[i]->commit(settings);
   });
-  add_meshes(scene, scene->world, world_);
+  add_all(scene, scene->world, world_);
   for (const InstanceSet& set : scene->instances) {
     if (instance_count(set) == 0) continue;
     world_.add_instances(prototypes_[set.prototype], set.form(), set.world_from_prototype, set.time_remap);
