@@ -25,7 +25,7 @@ CXX_SOURCES := $(shell find CMakeLists.txt core delegate tests bench examples -n
 PYTHON_SOURCES := $(shell find delegate/usd/msbvh -name '*.py')
 LINTERS := ruff==0.17.6 mypy==2.4.1 clang-format==16.0.6
 PYTHON_FOLDERS := delegate docs testenv tests/python bench
-LONG_CASES := every scene class*,a million triangles*,degenerate sets build*,curves equal*,points equal*
+LONG_CASES := every scene class*,a million triangles*,degenerate sets build*,curves equal*,curves whose*,curves far*,points equal*
 SHOWCASE := testenv/showcase/showcase.usda
 SHOWCASE_OPTIONS := --frames 6 --imageWidth 960 --spp 64
 
@@ -64,12 +64,12 @@ out/showcase.exr out/showcase.png &: $(SHOWCASE) $(STAMPS)/installed $(PYTHON_SO
 	@$(BIN)/msbvh record $(SHOWCASE) out/showcase.exr out/showcase.png $(SHOWCASE_OPTIONS)
 	@echo 'Look at out/showcase.png'
 
-# Both suites at once, since most tests keep one core busy. Every test runs even where an earlier one fails; the C++
-# tests' output comes last.
+# Both suites at once, the Python tests by as many processes as there are cores. Every test runs even where an earlier one
+# fails; the C++ tests' output comes last.
 test: setup  ## every test: C++ (ctest) beside Python (pytest)
 	@status=0; \
 	ctest --test-dir $(BUILD) --output-on-failure --no-tests=error > build/ctest.log 2>&1 & ctest=$$!; \
-	$(BIN)/pytest || status=$$?; \
+	$(BIN)/pytest -n $(JOBS) --dist worksteal --durations 30 || status=$$?; \
 	wait $$ctest || status=$$?; \
 	cat build/ctest.log; \
 	exit $$status
