@@ -32,9 +32,10 @@ struct MeshTarget {
   FitSettings settings;
   std::uint32_t material_count = 0;
   bool keep_faces = false;
-  double edge_length_pixels = 0.0;         // of subdivided surfaces; 0: their cages are drawn as polygons
-  Displacements displacements{};           // by material; none: nothing is displaced
-  bool patches = false;                    // displaced subdivision surfaces become grids
+  double edge_length_pixels = 0.0;  // of subdivided surfaces; 0: their cages are drawn as polygons
+  Displacements displacements{};    // by material; none: nothing is displaced
+  Displaced displaced = Displaced::kAsTriangles;
+  std::uint64_t* triangle_bytes_left = nullptr;  // of Displaced::kByMemory, for all meshes of a frame
   CurveStyle curves = CurveStyle::kRibbon;
   RefinementCache* refinements = nullptr;  // not null; of all meshes and frames of a front-end
 };

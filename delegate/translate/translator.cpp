@@ -84,6 +84,7 @@ struct Translator::Data {
   std::uint32_t part_with(const TimeRemap& time_remap, PrototypeState& state);
 
   TranslatorSettings settings;
+  std::uint64_t triangle_bytes_left = settings.displaced_triangle_bytes;
   FitSettings fit;
   Vec3d origin;
   ScreenMeasure measure;
@@ -107,7 +108,8 @@ MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
                     settings.keep_faces,
                     settings.edge_length_pixels,
                     {},
-                    settings.displaced == TranslatorSettings::Displaced::kAsPatches,
+                    settings.displaced,
+                    &triangle_bytes_left,
                     settings.curves,
                     refinements.get()};
   if (in_world) result.origin = origin;
@@ -249,7 +251,7 @@ void Translator::add_instances(const InstancesInput& input) {
 
 std::uint32_t Translator::add_material(const Material& material, std::optional<Displacement> displacement) {
   PrimLog log(data_->diagnostics, material.name);
-  if (data_->settings.displaced == TranslatorSettings::Displaced::kNot) displacement.reset();
+  if (data_->settings.displaced == Displaced::kNot) displacement.reset();
   data_->displacements.push_back(std::move(displacement));
   data_->scene.materials.push_back(checked_material(material, log));
   return std::uint32_t(data_->scene.materials.size() - 1);

@@ -120,3 +120,29 @@ def test_patches_take_less_memory(tmp_path: Path) -> None:
         renderer.render(lambda _: True)
         bytes_of[kept] = renderer.statistics["accel"]["total_bytes"]
     assert bytes_of["patches"] < 0.4 * bytes_of["tessellate"]  # With their points.
+
+
+def test_what_does_not_fit_as_triangles_becomes_patches(tmp_path: Path) -> None:
+    """By the default: one surface after the other."""
+    shot = Displaced()
+    for name in ("/A", "/B", "/C"):
+        rough(shot, tmp_path, name)
+
+    def kinds(**settings: Any) -> list[bool]:
+        """Whether each is kept as patches."""
+        result = read_frame(shot.stage, 10.0, ReadSettings(width=96, **settings))
+        size = {"width": result.camera.width, "height": result.camera.height}
+        plan = _core.Renderer(result.scene, spp=1, max_bounces=0, **size).plan
+        return ["as patches" in why for effect, _, why in plan if effect == "displacement"]
+
+    result = read_frame(shot.stage, 10.0, ReadSettings(width=96, displacement="tessellate"))
+    renderer = _core.Renderer(
+        result.scene, width=result.camera.width, height=result.camera.height, spp=1, max_bounces=0
+    )
+    renderer.render(lambda _: True)
+    whole = renderer.statistics["accel"]["total_bytes"]
+    assert kinds() == [False] * 3
+    assert kinds(displaced_triangle_bytes=0) == [True] * 3
+    assert kinds(displaced_triangle_bytes=2 * whole) == [False] * 3
+    assert kinds(displaced_triangle_bytes=whole // 2)[0] is False
+    assert kinds(displaced_triangle_bytes=whole // 2)[2] is True

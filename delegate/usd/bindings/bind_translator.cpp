@@ -93,12 +93,13 @@ CameraInput camera_from(Arguments& arguments) {
   return camera;
 }
 
-TranslatorSettings::Displaced displaced_from(Arguments& arguments) {
-  const std::string name = arguments.value_or("displacement", std::string("patches"), "a str");
-  if (name == "patches") return TranslatorSettings::Displaced::kAsPatches;
-  if (name == "tessellate") return TranslatorSettings::Displaced::kAsTriangles;
-  if (name != "none") bad_choice("displacement", name, "patches, tessellate or none");
-  return TranslatorSettings::Displaced::kNot;
+Displaced displaced_from(Arguments& arguments) {
+  const std::string name = arguments.value_or("displacement", std::string("auto"), "a str");
+  if (name == "auto") return Displaced::kByMemory;
+  if (name == "patches") return Displaced::kAsPatches;
+  if (name == "tessellate") return Displaced::kAsTriangles;
+  if (name != "none") bad_choice("displacement", name, "auto, patches, tessellate or none");
+  return Displaced::kNot;
 }
 
 CurveStyle curves_from(Arguments& arguments) {
@@ -124,6 +125,8 @@ TranslatorSettings settings_from(Arguments& arguments) {
   if (!arguments.optional("edge_length").is_none())
     settings.edge_length_pixels = arguments.value<double>("edge_length", "a float");
   settings.displaced = displaced_from(arguments);
+  if (!arguments.optional("displaced_triangle_bytes").is_none())
+    settings.displaced_triangle_bytes = arguments.value<std::uint64_t>("displaced_triangle_bytes", "an int");
   settings.curves = curves_from(arguments);
   return settings;
 }

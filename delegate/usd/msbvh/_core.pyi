@@ -201,7 +201,8 @@ class Translator:
         segments: int = 0,
         keep_faces: bool = False,
         edge_length: float = 1.0,
-        displacement: Literal["patches", "tessellate", "none"] = "patches",
+        displacement: Literal["auto", "patches", "tessellate", "none"] = "auto",
+        displaced_triangle_bytes: int = 2**28,
         curves: Literal["ribbon", "tube"] = "ribbon",
         refinements: RefinementCache | None = None,
     ) -> None:
@@ -212,7 +213,8 @@ class Translator:
         ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
         ``keep_faces``: for the AOV elementId. ``edge_length``: about how long edges of a subdivided surface are in pixels;
         0: cages are drawn as polygons. ``displacement``: what surfaces become whose
-        materials displace them. ``curves``: flat, across their normals where they have some, or round.
+        materials displace them; auto: triangles, as long as their trees take about
+        ``displaced_triangle_bytes``, then patches. ``curves``: flat, across their normals where they have some, or round.
         ``refinements``: of earlier frames, for this one and the next.
 
         Raises Error for a camera or settings that cannot be used.

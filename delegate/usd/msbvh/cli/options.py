@@ -19,7 +19,7 @@ from .option_types import Names, PowerOfTwo, ShutterRange
 PURPOSES = ("default", "render", "proxy", "guide")
 MAX_PIXELS_ACROSS = 65535
 MAX_SPP = 1 << 20
-DISPLACEMENTS = ("patches", "tessellate", "none")
+DISPLACEMENTS = ("auto", "patches", "tessellate", "none")
 CURVES = ("ribbon", "tube")
 INTERPOLATIONS = ("auto", "linear", "quadratic", "cubic")
 
@@ -185,11 +185,11 @@ SCENE: Sequence[Decorator] = (
     click.option(
         "--displacement",
         type=click.Choice(DISPLACEMENTS),
-        default="patches",
+        default="auto",
         show_default=True,
-        help="What subdivided surfaces become that UsdPreviewSurface's displacement moves along their normals. patches: grids"
-        " of points in the tree, for a fifth of the bytes of triangles. tessellate: triangles, the same picture, faster rays"
-        " as long as the tree fits the caches. none: they are not displaced.",
+        help="What subdivided surfaces become that UsdPreviewSurface's displacement moves along their normals, always with the"
+        " same picture. patches: grids of points in the tree, for a fifth of the bytes of triangles. tessellate: triangles,"
+        " whose rays are faster. auto: triangles up to about 256 MB a frame, then patches. none: they are not displaced.",
     ),
     click.option(
         "--sessionLayer",

@@ -64,8 +64,11 @@ class ReadSettings:
     """About how long edges of a subdivided surface are in pixels, 0 for its cage; None: by the complexity."""
     curves: str = "ribbon"
     """What BasisCurves are drawn as: ribbon, flat, across their normals or turned to each ray; tube, round."""
-    displacement: str = "patches"
-    """What surfaces become that are displaced: patches, tessellate for triangles; none: they are not."""
+    displacement: str = "auto"
+    """What surfaces become that are displaced: patches, tessellate for triangles, auto for triangles as long as there is
+    room; none: they are not."""
+    displaced_triangle_bytes: int = 2**28
+    """The room of `auto`: about as many bytes of trees."""
     motion_tolerance: float = 0.1
     """Pixels by which a moving point may stray from the stage's own evaluation. Less: more keys, more memory.
     """
@@ -254,6 +257,7 @@ class _FrameReader:
             "keep_faces": settings.keep_faces,
             "edge_length": self._edge_length,
             "displacement": settings.displacement,
+            "displaced_triangle_bytes": settings.displaced_triangle_bytes,
             "curves": settings.curves,
         }
 
