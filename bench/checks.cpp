@@ -25,6 +25,7 @@ double triangles_shown(const Bvh& bvh) {
   double sum = 0.0;
   for (const auto& set : bvh.points) sum += static_cast<double>(set->point_count);
   for (const auto& set : bvh.curves) sum += kOfSpan * static_cast<double>(set->span_count());
+  for (const auto& mesh : bvh.grids) sum += static_cast<double>(mesh->triangle_count());
   for (const auto& mesh : bvh.meshes) sum += static_cast<double>(mesh->triangles.size());
   for (const Instance& instance : bvh.instances) sum += triangles_shown(*instance.object);
   return sum;

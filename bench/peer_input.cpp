@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/procedural.h"
 #include "core/motion/affine_track.h"
 
 namespace msbvh::bench {
@@ -70,7 +71,8 @@ class Filler {
         return;
       }
       case GeometryKind::kGridMesh:
-        out_.missing = "patches";
+        out_.meshes.push_back(procedural::triangles_of(in_.grids[id.index()].shape));
+        object.meshes.push_back(mesh(out_.meshes.back(), time_remap));
         return;
     }
   }

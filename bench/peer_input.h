@@ -20,6 +20,7 @@ struct PeerInput {
   // What was sampled; deques keep their elements in place.
   std::deque<std::vector<Vec3f>> positions;
   std::deque<std::vector<Affine3f>> maps;
+  std::deque<TriangleMesh> meshes;  // what grids are
 };
 
 // Sampled tracks get the fewest of 2, 3, 5, ... 129 keys that stay within `tolerance` of ours. Borrows from

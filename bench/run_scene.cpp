@@ -49,6 +49,9 @@ Box3f bounds_of(const Scene& scene) {
     const TriangleMesh& mesh = scene.mesh(i).shape;
     for (std::size_t p = 0; p < mesh.position_count(); ++p) box.grow(mesh.positions[p]);
   }
+  for (const Grids& grids : scene.grids) {
+    for (const GridPatch& patch : grids.shape.patches) box.grow(grids.shape.bounds(patch, 0));
+  }
   for (const Curves& curves : scene.curves) {
     for (const RoundVertex& v : curves.shape.vertices) box.grow(v.p);
   }
@@ -61,8 +64,10 @@ Box3f bounds_of(const Scene& scene) {
   return box;
 }
 
-// Triangles, spans of curves and points.
-std::uint64_t primitives_of(const BvhStatistics& tree) { return tree.triangles + tree.spans + tree.points; }
+// Triangles, those of patches among them, spans of curves and points.
+std::uint64_t primitives_of(const BvhStatistics& tree) {
+  return tree.triangles + 2 * tree.quads + tree.spans + tree.points;
+}
 
 class SceneRun {
  public:
@@ -330,6 +335,7 @@ class SceneRun {
   std::uint32_t most_segments() const {
     std::uint32_t most = 0;
     for (const Mesh& mesh : scene_.scene->meshes) most = std::max(most, mesh.shape.segments);
+    for (const Grids& grids : scene_.scene->grids) most = std::max(most, grids.shape.segments);
     for (const Curves& curves : scene_.scene->curves) most = std::max(most, curves.shape.segments);
     for (const Points& points : scene_.scene->points) most = std::max(most, points.shape.segments);
     for (const InstanceSet& set : scene_.scene->instances) most = std::max(most, set.segments);

@@ -8,6 +8,7 @@
 #include "bench/limit_mesh.h"
 #include "bench/shapes.h"
 #include "core/base/error.h"
+#include "core/geometry/subdivision/dice.h"
 
 namespace msbvh::bench {
 namespace {
@@ -249,6 +250,26 @@ BenchScene rods(std::uint32_t triangles, const TrackForm& form, std::uint32_t se
   return {std::move(scene), {}};
 }
 
+// Bumps as fine as a fortieth of the torus, finer than its cage by far.
+double bump(const SurfacePoint& at) {
+  const Vec3d p = at.position * 30.0;
+  return 0.02 * std::sin(p.x) * std::cos(p.y) * std::sin(p.z + 0.7);
+}
+
+BenchScene displaced(std::uint32_t triangles, const TrackForm& form, std::uint32_t seed) {
+  constexpr double kFaces = 240.0;
+  Random random(seed);
+  const double level = 0.5 * std::log2(static_cast<double>(triangles) / (2.0 * kFaces));
+  DiceSettings settings;
+  settings.level = static_cast<std::uint32_t>(std::clamp(std::round(level), 1.0, 9.0));
+  settings.displacement = bump;
+  auto scene = std::make_shared<Scene>();
+  scene->grids.emplace_back().shape = dice(torus_cage(form, random), settings);
+  scene->world = {grids_id(0)};
+  scene->camera = camera_at({2.2f, 1.6f, 3.0f}, {});
+  return {std::move(scene), {}};
+}
+
 BenchScene scene_of(Curves curves, const Vec3f& eye) {
   auto scene = std::make_shared<Scene>();
   scene->curves.push_back(std::move(curves));
@@ -354,6 +375,13 @@ const std::vector<SceneClass>& classes() {
        {kStill, kLinear2, kLinear9},
        {kLinear2},
        subdiv},
+      {"displaced",
+       "a twisting cage's displaced limit surface, as patches; the peer has their triangles",
+       500000,
+       30000,
+       {kStill, kLinear2, kLinear9},
+       {kLinear2},
+       displaced},
       {"hair",
        "strands of eight cubic spans, as ribbons, that sway on a ball",
        800000,

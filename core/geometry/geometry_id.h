@@ -33,6 +33,7 @@ class GeometryId {
 };
 
 constexpr GeometryId mesh_id(std::uint32_t index) { return {GeometryKind::kTriangleMesh, index}; }
+constexpr GeometryId grids_id(std::uint32_t index) { return {GeometryKind::kGridMesh, index}; }
 constexpr GeometryId curves_id(std::uint32_t index) { return {GeometryKind::kCurves, index}; }
 constexpr GeometryId points_id(std::uint32_t index) { return {GeometryKind::kPoints, index}; }
 

@@ -21,7 +21,4 @@ SubdivisionMesh moved(SubdivisionMesh centre_pose, const TrackForm& form, const 
 std::function<double(const SurfacePoint&)> bumps(double amplitude, double wave_length,
                                                  const Vec3d& origin = {});
 
-// The grids' triangles as a mesh of triangles: triangle i is triangle i of the grids.
-TriangleMesh triangles_of(const GridMesh& grids);
-
 }  // namespace msbvh::procedural
