@@ -43,6 +43,11 @@ class Cubic {
  public:
   HWY_INLINE void set(const float (&c)[kSpanVertices]) {
     for (int i = 0; i < 4; ++i) control[i] = c[i];
+    prepare();
+  }
+  // From the controls.
+  HWY_INLINE void prepare() {
+    const float* c = control;
     for (int i = 0; i < 3; ++i) slope_[i] = 3.0f * (c[i + 1] - c[i]);
     for (int i = 0; i < 2; ++i) bend_[i] = 6.0f * (c[i + 2] - 2.0f * c[i + 1] + c[i]);
   }
@@ -78,15 +83,36 @@ class SeenSpan {
   template <Movement kMovement>
   HWY_INLINE SeenSpan(const VerticesAtTime<kMovement>& vertices, std::uint32_t first, const RayFrame& frame,
                       const float* org) {
-    float c[4][kSpanVertices];
     for (std::uint32_t i = 0; i < kSpanVertices; ++i) {
       alignas(16) float v[4];
       hn::Store(vertices[first + i], D4f(), v);
       const Vec3f seen = frame.seen({v[0] - org[0], v[1] - org[1], v[2] - org[2]});
-      for (int k = 0; k < 3; ++k) c[k][i] = seen[k];
-      c[kRadius][i] = v[3];
+      for (int k = 0; k < 3; ++k) axis_[k].control[i] = seen[k];
+      axis_[kRadius].control[i] = v[3];
     }
-    for (int k = 0; k < 4; ++k) axis_[k].set(c[k]);
+  }
+
+  // Whether the hull of the control points lies beside the ray, farther than the largest radius: nothing is
+  // met, and most spans in the leaves that rays visit are sorted out.
+  HWY_INLINE bool is_aside() const {
+    const float r = largest_radius();
+    for (const Axis axis : {kX, kY}) {
+      const float* c = axis_[axis].control;
+      const float lo = std::min(std::min(c[0], c[1]), std::min(c[2], c[3]));
+      const float hi = std::max(std::max(c[0], c[1]), std::max(c[2], c[3]));
+      if (lo > r || hi < -r) return true;
+    }
+    return false;
+  }
+  // Before anything but the controls is asked for.
+  HWY_INLINE void prepare() {
+    for (Cubic& axis : axis_) axis.prepare();
+  }
+  // Whether the ray meets the ball at an end.
+  HWY_INLINE bool touches(bool at_end) const {
+    const int i = at_end ? kSpanVertices - 1 : 0;
+    const float x = axis_[kX].control[i], y = axis_[kY].control[i], r = axis_[kRadius].control[i];
+    return x * x + y * y <= r * r;
   }
 
   const Cubic& operator[](Axis axis) const { return axis_[axis]; }

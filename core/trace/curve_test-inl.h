@@ -42,15 +42,21 @@ class CurveTest {
       : span_(span), shape_(shape), inverse_length_(inverse_length), tnear_(tnear) {}
 
   // The nearest hit of the piece up to `hit.t`, which it replaces. Any will do: the first that is found.
-  // `before` and `after`: the ways of the spans that it carries on and that carry it on.
-  HWY_INLINE bool run(const CurvePiece& piece, const Way& before, const Way& after, CurveHit& hit) const {
+  // `beyond(at_end)`: the way of the span that it carries on, or that carries it on.
+  template <typename Beyond>
+  HWY_INLINE bool run(const CurvePiece& piece, const Beyond& beyond, CurveHit& hit) const {
     const Way begins = span_.way(false, Shape::kAxes);
     if (!begins.there) return false;
     bool found = roots(piece, hit);
     if (!Shape::kJoints) return found;
-    if (piece.part == 0 && (before.there || Shape::kCaps)) found |= end(0.0f, before, begins, hit);
-    if (piece.part + 1 == piece.parts && (after.there || Shape::kCaps))
-      found |= end(1.0f, span_.way(true, Shape::kAxes), after, hit);
+    if (piece.part == 0 && span_.touches(false)) {
+      const Way before = beyond(false);
+      if (before.there || Shape::kCaps) found |= end(0.0f, before, begins, hit);
+    }
+    if (piece.part + 1 == piece.parts && span_.touches(true)) {
+      const Way after = beyond(true);
+      if (after.there || Shape::kCaps) found |= end(1.0f, span_.way(true, Shape::kAxes), after, hit);
+    }
     return found;
   }
 
@@ -250,14 +256,11 @@ class CurveBlockTest {
     bool found = false;
     for (std::uint32_t i = 0; i < block_.count; ++i) {
       const CurvePiece piece = CurvePiece::of(block_.triangles()[i]);
-      const SeenSpan span(vertices_, curves_.spans[piece.span], frame_, setup_.org);
-      Way before, after;
-      if (Shape::kJoints && piece.part == 0)
-        before = way_beyond(curves_, vertices_, piece.span, false, frame_);
-      if (Shape::kJoints && piece.part + 1 == piece.parts)
-        after = way_beyond(curves_, vertices_, piece.span, true, frame_);
+      SeenSpan span(vertices_, curves_.spans[piece.span], frame_, setup_.org);
+      if (span.is_aside()) continue;
+      span.prepare();
       CurveHit hit{tfar, 0.0f, 0.0f};
-      if (!met<Shape>(span, piece, before, after, hit)) continue;
+      if (!met<Shape>(span, piece, hit)) continue;
       tfar = hit.t;
       visit_(piece.span, hit);
       found = true;
@@ -266,11 +269,12 @@ class CurveBlockTest {
   }
 
   template <class Shape>
-  HWY_INLINE bool met(const SeenSpan& span, const CurvePiece& piece, const Way& before, const Way& after,
-                      CurveHit& hit) const {
+  HWY_INLINE bool met(const SeenSpan& span, const CurvePiece& piece, CurveHit& hit) const {
+    const auto beyond = [&](bool at_end) {
+      return way_beyond(curves_, vertices_, piece.span, at_end, frame_);
+    };
     const auto run = [&](const Shape& shape) {
-      return CurveTest<Shape>(span, shape, frame_.inverse_length, setup_.tnear)
-          .run(piece, before, after, hit);
+      return CurveTest<Shape>(span, shape, frame_.inverse_length, setup_.tnear).run(piece, beyond, hit);
     };
     if constexpr (std::is_same_v<Shape, OrientedShape>) {
       const NormalsAtTime<kMovement> at_time(curves_.normals.data(), curves_.vertex_count, block_.form_code,
