@@ -73,7 +73,8 @@ struct PacketSetup {
   }
 };
 
-template <Movement kMovement, bool kMixed, bool kAnyHit>
+// In a tree without instances, whatever else is in its leaves.
+template <Movement kMovement, LeafKinds kKinds, bool kMixed, bool kAnyHit>
 class Packet {
  public:
   using Setup = PacketSetup<kMovement>;
@@ -310,8 +311,8 @@ class Packet {
   HWY_INLINE void go_alone_in(Place at, RayMask rays) {
     for (; rays != 0; rays &= rays - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(rays));
-      Traversal<kTree, kTrianglesAlone, kAnyHit, false>(*bvh_, rays_[i], setup.ray[i], kNoInstance,
-                                                        queries_[i], nullptr)
+      Traversal<kTree, kKinds, kAnyHit, false>(*bvh_, rays_[i], setup.ray[i], kNoInstance, queries_[i],
+                                               nullptr)
           .run(at);
       take_answer(i);
     }
@@ -326,11 +327,26 @@ class Packet {
     for (; rays != 0; rays &= rays - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(rays));
       for (const BlockHeader* block = &first;; block = next_block(block)) {
-        test_triangles<kTree, kAnyHit>(*bvh_, *block, setup.ray[i], kNoInstance, queries_[i]);
+        visit_block<kTree>(*block, i);
         if ((kAnyHit && queries_[i].found) || block->last) break;
       }
       take_answer(i);
     }
+  }
+
+  template <Movement kTree>
+  HWY_INLINE void visit_block(const BlockHeader& block, std::uint32_t i) {
+    if constexpr (kKinds.has(LeafKind::kGrids)) {
+      if (block.kind == BlockKind::kGrid) {
+        test_grid<kTree, kAnyHit>(*bvh_, block, setup.ray[i], kNoInstance, queries_[i]);
+        return;
+      }
+    }
+    if constexpr (kKinds.has(LeafKind::kCurves) || kKinds.has(LeafKind::kPoints)) {
+      if (block.kind >= BlockKind::kCurves)
+        return test_round<kTree, kAnyHit>(*bvh_, block, setup.ray[i], kNoInstance, queries_[i]);
+    }
+    test_triangles<kTree, kAnyHit>(*bvh_, block, setup.ray[i], kNoInstance, queries_[i]);
   }
 
   const Bvh* bvh_;
@@ -358,7 +374,7 @@ inline bool coherent(const Ray* rays) {
 
 // Coherent rays by packets as long as that pays. One a thread for each kind: large, and it remembers whether
 // it did.
-template <Movement kMovement, bool kMixed, bool kAnyHit>
+template <Movement kMovement, LeafKinds kKinds, bool kMixed, bool kAnyHit>
 class Packets {
  public:
   // kPacket rays; `finish(i, query)` takes the answers.
@@ -394,7 +410,7 @@ class Packets {
   static constexpr std::size_t kTrial = 4, kPause = 124;
   static constexpr std::int64_t kSetup = 60;  // as of Packet::saved
 
-  Packet<kMovement, kMixed, kAnyHit> packet_;
+  Packet<kMovement, kKinds, kMixed, kAnyHit> packet_;
   const Bvh* tree_ = nullptr;  // to tell it from others only
   std::size_t traced_ = 0, passed_over_ = 0;
 };

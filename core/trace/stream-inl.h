@@ -272,15 +272,15 @@ struct TimeSorted {
 };
 
 // Coherent rays, `count` a multiple of kPacket: by packets, and interleaved where those do not pay.
-template <Movement kMovement, bool kMixed, bool kAnyHit, typename Finish>
+template <Movement kMovement, LeafKinds kKinds, bool kMixed, bool kAnyHit, typename Finish>
 void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes& modes,
                     const Finish& finish) {
-  using P = Packets<kMovement, kMixed, kAnyHit>;
+  using P = Packets<kMovement, kKinds, kMixed, kAnyHit>;
   static thread_local const std::unique_ptr<P> packets = std::make_unique<P>();
   const auto interleaved = [&](const Ray* some, std::size_t n, const auto& place) {
     if (n == 0) return;
     modes.interleaved += n;
-    thread_stream<kMovement, kTrianglesAlone, kMixed, kAnyHit>().run(
+    thread_stream<kMovement, kKinds, kMixed, kAnyHit>().run(
         bvh, some, n, [&](std::size_t k, const Query& query) { finish(place(k), query); });
   };
   for (std::size_t from = 0; from < count;) {
@@ -303,7 +303,7 @@ void trace_coherent(const Bvh& bvh, const Ray* rays, std::size_t count, TraceMod
 }
 
 // Coherent rays in packets, the others interleaved.
-template <Movement kMovement, bool kMixed, bool kAnyHit, typename Finish>
+template <Movement kMovement, LeafKinds kKinds, bool kMixed, bool kAnyHit, typename Finish>
 void trace_by_coherence(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes& modes,
                         const Finish& finish) {
   const auto packet_at = [&](std::size_t i) { return i + kPacket <= count && coherent(rays + i); };
@@ -312,11 +312,11 @@ void trace_by_coherence(const Bvh& bvh, const Ray* rays, std::size_t count, Trac
     const auto ours = [&](std::size_t k, const Query& query) { finish(i + k, query); };
     while (packet_at(end)) end += kPacket;
     if (end > i) {
-      trace_coherent<kMovement, kMixed, kAnyHit>(bvh, rays + i, end - i, modes, ours);
+      trace_coherent<kMovement, kKinds, kMixed, kAnyHit>(bvh, rays + i, end - i, modes, ours);
     } else {
       while (end < count && !packet_at(end)) end = std::min(count, end + kPacket);
       modes.interleaved += end - i;
-      thread_stream<kMovement, kTrianglesAlone, kMixed, kAnyHit>().run(bvh, rays + i, end - i, ours);
+      thread_stream<kMovement, kKinds, kMixed, kAnyHit>().run(bvh, rays + i, end - i, ours);
     }
     i = end;
   }
@@ -326,9 +326,11 @@ void trace_by_coherence(const Bvh& bvh, const Ray* rays, std::size_t count, Trac
 // different slices of the shutter: all interleaved.
 template <Movement kMovement, LeafKinds kKinds, bool kMixed, bool kAnyHit, typename Finish>
 void trace_many(const Bvh& bvh, const Ray* rays, std::size_t count, TraceModes& modes, const Finish& finish) {
-  if constexpr (kKinds == kTrianglesAlone) {
-    if (bvh.slice_roots.empty())
-      return trace_by_coherence<kMovement, kMixed, kAnyHit>(bvh, rays, count, modes, finish);
+  constexpr bool kMayHaveInstances = kKinds.has(LeafKind::kInstances);
+  // Kernels for triangles and instances serve trees that have instances.
+  if constexpr (!kMayHaveInstances || kKinds.has(LeafKind::kGrids)) {
+    if (bvh.slice_roots.empty() && (!kMayHaveInstances || !bvh.leaf_kinds.has(LeafKind::kInstances)))
+      return trace_by_coherence<kMovement, kKinds, kMixed, kAnyHit>(bvh, rays, count, modes, finish);
   }
   modes.interleaved += count;
   thread_stream<kMovement, kKinds, kMixed, kAnyHit>().run(bvh, rays, count, finish);
