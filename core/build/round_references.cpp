@@ -22,16 +22,17 @@ Box3f box_at_centre(const Primitives& primitives, const Reference& reference) {
   return box;
 }
 
-float area_of_pieces(const CurveSet& curves, std::uint32_t span, std::uint32_t parts, float u) {
+float area_of_pieces(const SpanVertices& vertices, std::uint32_t parts) {
   float area = 0.0f;
-  for (std::uint32_t i = 0; i < parts; ++i) area += half_area(piece_box_at(curves, {span, i, parts}, u));
+  for (std::uint32_t i = 0; i < parts; ++i) area += half_area(piece_box(vertices, {0, i, parts}));
   return area;
 }
 
 std::uint32_t pieces_of(const CurveSet& curves, std::uint32_t span, float u) {
+  const SpanVertices vertices = span_vertices_at(curves, span, u);
   std::uint32_t parts = 1;
-  for (float area = area_of_pieces(curves, span, 1, u); parts < kMaxPieces; parts *= 2) {
-    const float next = area_of_pieces(curves, span, 2 * parts, u);
+  for (float area = area_of_pieces(vertices, 1); parts < kMaxPieces; parts *= 2) {
+    const float next = area_of_pieces(vertices, 2 * parts);
     if (!(next <= kWorthwhile * area)) break;
     area = next;
   }

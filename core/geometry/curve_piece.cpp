@@ -51,8 +51,17 @@ Box3f piece_box(const CurveSet& curves, const CurvePiece& piece, std::uint32_t c
 }
 
 Box3f piece_box_at(const CurveSet& curves, const CurvePiece& piece, float u) {
-  const std::uint32_t first = curves.spans[piece.span];
-  return box_of(piece, [&](std::uint32_t i) { return curves.vertex(first + i, u); });
+  return piece_box(span_vertices_at(curves, piece.span, u), piece);
+}
+
+SpanVertices span_vertices_at(const CurveSet& curves, std::uint32_t span, float u) {
+  SpanVertices vertices;
+  for (std::uint32_t i = 0; i < kSpanVertices; ++i) vertices[i] = curves.vertex(curves.spans[span] + i, u);
+  return vertices;
+}
+
+Box3f piece_box(const SpanVertices& vertices, const CurvePiece& piece) {
+  return box_of(piece, [&](std::uint32_t i) { return vertices[i]; });
 }
 
 }  // namespace msbvh

@@ -3,6 +3,7 @@
 // eighths of a span, which bound it as tightly and need no clipping.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 
@@ -37,5 +38,9 @@ bool is_there(const CurveSet& curves, std::uint32_t span);
 // so that interpolated between controls it encloses the piece as a kernel sees it.
 Box3f piece_box(const CurveSet& curves, const CurvePiece& piece, std::uint32_t control);
 Box3f piece_box_at(const CurveSet& curves, const CurvePiece& piece, float u);
+// The same of a span's vertices, for many pieces of it.
+using SpanVertices = std::array<RoundVertex, kSpanVertices>;
+SpanVertices span_vertices_at(const CurveSet& curves, std::uint32_t span, float u);
+Box3f piece_box(const SpanVertices& vertices, const CurvePiece& piece);
 
 }  // namespace msbvh
