@@ -21,6 +21,8 @@ constexpr double kDistanceTolerance = 1e-4;
 double triangles_shown(const Bvh& bvh) {
   double sum = 2.0 * static_cast<double>(bvh.statistics.quads);
   for (const auto& mesh : bvh.meshes) sum += static_cast<double>(mesh->triangles.size());
+  for (const auto& set : bvh.curves) sum += static_cast<double>(set->span_count());
+  for (const auto& set : bvh.points) sum += static_cast<double>(set->point_count);
   for (const Instance& instance : bvh.instances) sum += triangles_shown(*instance.object);
   return sum;
 }

@@ -59,6 +59,8 @@ std::string form_text(const TrackForm& form) {
 TrackForm finest_form(const Scene& scene) {
   TrackForm form;
   for (const Mesh& mesh : scene.meshes) form = common_form(form, mesh.shape.form());
+  for (const Curves& curves : scene.curves) form = common_form(form, curves.shape.form());
+  for (const Points& points : scene.points) form = common_form(form, points.shape.form());
   return form;
 }
 

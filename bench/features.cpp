@@ -74,6 +74,7 @@ class Features {
     instances();
     edge_rates();
     patches();
+    pieces();
     refit();
     many_rays();
   }
@@ -258,6 +259,16 @@ class Features {
              .scene_name = "displaced prism",
              .without = side("triangles", [=](Accel& accel) { accel.add_mesh(triangles_of(*grids)); }),
              .with = side("patches", [=](Accel& accel) { accel.add_grids(*grids); })});
+    }
+  }
+
+  void pieces() const {
+    const Feature feature{"curves in pieces",
+                          "spans as parts by parameter range where these are tighter; without: whole spans",
+                          "paper, 3.1, for curves; docs/design/round.md", "tests/property/test_round.cpp"};
+    for (const char* name : {"hair", "grass"}) {
+      for (const TrackForm& form : {TrackForm{0, 1}, TrackForm{1, 1}, TrackForm{8, 1}})
+        compare(feature, name, scene(name, 40000, form), {"whole", builder(Builder::kMbvh)}, {"pieces", {}});
     }
   }
 
