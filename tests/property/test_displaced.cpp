@@ -65,8 +65,6 @@ struct Cage {
   }
 };
 
-using Displaced = TranslatorSettings::Displaced;
-
 std::shared_ptr<const Scene> translated(const Cage& cage, const std::string& scheme, std::uint32_t max_degree,
                                         Displaced kept) {
   TranslatorSettings settings = settings_of(300);
