@@ -1,10 +1,11 @@
 """Writes docs/performance.md and its plots: how fast we are, what we need, and where we are slower.
 
-    python docs/make_performance.py [--allow-dirty] [--cycles] [--frames frames.json] [bench.json]
+    python docs/make_performance.py [--allow-dirty] [--cycles] [--frames frames.json ... | --no-frames] [bench.json]
 
 bench.json is the report of `msbvh bench --peer embree --json`. Without it the benchmark runs with the options in
 MEASURED, beside Embree where the wheel embreex is installed: some 15 minutes on two quiet cores. frames.json is the report
-of `msbvh bench --frames --json`; without it frames are measured (half an hour), with --cycles beside Cycles (2 hours). Plots
+of `msbvh bench --frames --json`, of all scenes or several of some of them; without it frames are measured (half an hour), with
+--cycles beside Cycles (2 hours), or, with --no-frames, left out. Plots
 need matplotlib; the extra `bench` brings both. A page is of a commit: a tree with uncommitted changes is refused, or with
 --allow-dirty marked.
 """
@@ -77,23 +78,35 @@ denormals as it asks."""
 
 NO_PEER = "There was no peer in this run."
 
+NO_FRAMES = """## Whole frames
+
+Not measured for this page.
+"""
+
 
 def main() -> None:
     options = argument_parser().parse_args()
     try:
         report = of_file(options.report, options.allow_dirty) if options.report else measured(options.allow_dirty)
-        frames = frames_report(options)
+        frames = None if options.no_frames else frames_report(options)
     except provenance.DirtyTree as error:
         sys.exit(f"make_performance: error: {error}")
     IMAGES.mkdir(exist_ok=True)
-    text = "\n".join([*page(report), *performance_frames.section(frames)])
+    of_frames = performance_frames.section(frames) if frames else [NO_FRAMES]
+    text = "\n".join([*page(report), *of_frames])
     (ROOT / "docs" / "performance.md").write_text(text + "\n", encoding="utf-8")
 
 
 def argument_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description="Writes docs/performance.md.")
     parser.add_argument("report", nargs="?", type=Path, help="of `msbvh bench --json`; default: measures")
-    parser.add_argument("--frames", type=Path, help="of `msbvh bench --frames --json`; default: measures")
+    parser.add_argument(
+        "--frames",
+        type=Path,
+        action="append",
+        help="of `msbvh bench --frames --json`; may be repeated, for reports of other scenes; default: measures",
+    )
+    parser.add_argument("--no-frames", action="store_true", help="leave whole frames out")
     parser.add_argument(
         "--cycles", action="store_true", help="measure frames beside Cycles: see msbvh bench --peer-env"
     )
@@ -115,7 +128,7 @@ def of_file(path: Path, allow_dirty: bool) -> dict[str, Any]:
 def frames_report(options: argparse.Namespace) -> dict[str, Any]:
     """Of whole frames, from a file or measured. Raises DirtyTree."""
     if options.frames:
-        return of_file(options.frames, options.allow_dirty)
+        return performance_frames.joined([of_file(path, options.allow_dirty) for path in options.frames])
     return measured(options.allow_dirty, "--frames", *(["--peer", "cycles"] if options.cycles else []))
 
 

@@ -47,6 +47,28 @@ RATIOS = ("trace", "process", "trace x MSE", "process x MSE")
 RATIO_KEYS = ("trace_ratio", "process_ratio", "trace_mse_ratio", "process_mse_ratio")
 
 
+OWN = ("scenes", "seconds", "load_average")
+"""What reports of one page may differ in."""
+
+
+def joined(reports: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """One report of several that were made alike. Raises ValueError where they were not."""
+    first, *others = (report["machine"] for report in reports)
+    for other in others:
+        unlike = [key for key in first if key not in OWN and first[key] != other[key]]
+        if unlike:
+            raise ValueError(
+                f"{unlike[0]}: found {first[unlike[0]]} and {other[unlike[0]]}; expected reports made alike"
+            )
+    machine = {
+        **first,
+        "scenes": [scene for report in reports for scene in report["machine"]["scenes"]],
+        "seconds": sum(report["machine"]["seconds"] for report in reports),
+        "load_average": max(report["machine"]["load_average"] for report in reports),
+    }
+    return {"machine": machine, "rows": [row for report in reports for row in report["rows"]]}
+
+
 def section(report: dict[str, Any]) -> Iterator[str]:
     """The lines of the section: a table for each number of threads."""
     machine, rows = report["machine"], report["rows"]
