@@ -238,9 +238,9 @@ class SceneRun {
     row.add("blocks_per_ray", static_cast<double>(set.work[i].blocks) / rays);
     row.add("tests_per_ray", static_cast<double>(set.work[i].triangles) / rays);
     row.add("sah", tree.sah_cost);
+    const std::uint64_t whole = tree.triangles + tree.patches + tree.spans + tree.points + tree.instances;
     row.add("duplication",
-            static_cast<double>(tree.references) /
-                static_cast<double>(std::max<std::uint64_t>(1, primitives_of(tree) + tree.instances)));
+            static_cast<double>(tree.references) / static_cast<double>(std::max<std::uint64_t>(1, whole)));
     row.add("misses", misses_[i]);
     row.add("peer_misses", p < sides_.size() ? misses_[p] : kNotMeasured);
     row.add("mismatches", set.oracle[i].wrong);
