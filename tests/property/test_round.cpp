@@ -23,7 +23,7 @@ struct Look {
   float step;    // from a control vertex to the next
   float radius;  // at most; some are 0 at one end
 };
-const Look kLooks[] = {{"hair", 0.2f, 0.01f}, {"ribbons", 0.3f, 0.15f}, {"knots", 0.6f, 0.3f}};
+const Look kLooks[] = {{"hair", 0.2f, 0.03f}, {"ribbons", 0.3f, 0.15f}, {"knots", 0.6f, 0.3f}};
 
 // The normals of oriented ones are random.
 CurveSet with_shape(CurveSet curves, CurveShape shape, std::uint64_t seed) {

@@ -128,21 +128,17 @@ def test_what_does_not_fit_as_triangles_becomes_patches(tmp_path: Path) -> None:
     for name in ("/A", "/B", "/C"):
         rough(shot, tmp_path, name)
 
-    def kinds(**settings: Any) -> list[bool]:
-        """Whether each is kept as patches."""
+    def built(**settings: Any) -> dict[str, int]:
         result = read_frame(shot.stage, 10.0, ReadSettings(width=96, **settings))
         size = {"width": result.camera.width, "height": result.camera.height}
-        plan = _core.Renderer(result.scene, spp=1, max_bounces=0, **size).plan
-        return ["as patches" in why for effect, _, why in plan if effect == "displacement"]
+        renderer = _core.Renderer(result.scene, spp=1, max_bounces=0, **size)
+        renderer.render(lambda _: True)
+        return renderer.statistics["accel"]
 
-    result = read_frame(shot.stage, 10.0, ReadSettings(width=96, displacement="tessellate"))
-    renderer = _core.Renderer(
-        result.scene, width=result.camera.width, height=result.camera.height, spp=1, max_bounces=0
-    )
-    renderer.render(lambda _: True)
-    whole = renderer.statistics["accel"]["total_bytes"]
-    assert kinds() == [False] * 3
-    assert kinds(displaced_triangle_bytes=0) == [True] * 3
-    assert kinds(displaced_triangle_bytes=2 * whole) == [False] * 3
-    assert kinds(displaced_triangle_bytes=whole // 2)[0] is False
-    assert kinds(displaced_triangle_bytes=whole // 2)[2] is True
+    every = built(displacement="tessellate")
+    room = every["total_bytes"]
+    assert built()["triangles"] == every["triangles"]
+    assert built(displaced_triangle_bytes=0)["triangles"] == 0
+    assert built(displaced_triangle_bytes=2 * room)["triangles"] == every["triangles"]
+    some = built(displaced_triangle_bytes=room // 2)
+    assert 0 < some["triangles"] < every["triangles"] and some["quads"] > 0
