@@ -165,6 +165,7 @@ void check_class(const SceneClass& kind, const Extent& extent) {
     BenchScene made = kind.make(closed ? extent.closed : extent.triangles, form, 1);
     Extent of_class = extent;
     if (!made.scene->curves.empty()) {  // a span takes the oracle as long as a thousand triangles
+      if (segments != 0 && segments != 1 && segments != 8 && segments != 128) continue;
       made = kind.make(extent.triangles / 8, form, 1);
       of_class.rays /= 4;
     }
