@@ -21,9 +21,11 @@
 namespace msbvh {
 namespace {
 
-// Parts of a span in which roots are told apart, and a kernel's own: of three roots in one it finds one, and
-// of two that are not half of it apart perhaps none.
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// The oracle looks for one root in each of so many parts of a span.
 constexpr int kParts = 512;
+// The kernel cuts a span into eighths. Where an eighth holds three roots, the kernel finds one of them; where
+// it holds two that are less than half an eighth apart, it may find none.
 constexpr double kKernelPart = 1.0 / 8;
 
 struct RoundD {
@@ -34,17 +36,24 @@ RoundD lerp(const RoundD& a, const RoundD& b, double w) {
   return {msbvh::lerp(a.p, b.p, w), msbvh::lerp(a.radius, b.radius, w)};
 }
 
+// A track at a time; `at(control)` is its value at a control.
+template <typename At>
+auto track_at(const TrackForm& form, double u, const At& at) {
+  if (!form.moving()) return at(0);
+  const double scaled = u * form.segments;
+  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), form.segments - 1);
+  return bezier([&](std::uint32_t i) { return at(key * form.degree + i); }, form.degree, scaled - key);
+}
 template <typename Set>
 RoundD vertex_at(const Set& set, std::uint32_t vertex, double u) {
-  const auto at = [&](std::uint32_t control) {
+  return track_at(set.form(), u, [&](std::uint32_t control) {
     const RoundVertex& v = set.control_vertices(control)[vertex];
     return RoundD{Vec3d(v.p), double(v.radius)};
-  };
-  if (set.segments == 0) return at(0);
-  const double scaled = u * set.segments;
-  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), set.segments - 1);
-  return bezier([&](std::uint32_t i) { return at(key * set.degree + i); }, set.degree, scaled - key);
+  });
 }
+
+// Of a ball of radius r, of a line that passes its centre at the distance `off`.
+double half_chord(double r, double off) { return std::sqrt(std::max(0.0, r * r - off * off)); }
 
 double largest(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
@@ -66,7 +75,7 @@ class Answers {
   Verdict verdict() const {
     Verdict v;
     v.possible = first_ <= last_;
-    v.clear = v.hit = surely_ < std::numeric_limits<double>::infinity();
+    v.clear = v.hit = surely_ < kInfinity;
     v.t = v.clear ? t_ : first_;
     v.t_lo = first_;
     v.t_hi = v.clear ? surely_ : last_;
@@ -75,7 +84,7 @@ class Answers {
 
  private:
   const RayD& ray_;
-  double first_ = std::numeric_limits<double>::infinity(), last_ = -first_, surely_ = first_, t_ = 0.0;
+  double first_ = kInfinity, last_ = -kInfinity, surely_ = first_, t_ = 0.0;
 };
 
 Verdict judge_point(const RayD& ray, const RoundD& ball) {
@@ -85,9 +94,8 @@ Verdict judge_point(const RayD& ray, const RoundD& ball) {
   const double along = dot(to, d), aside = length(to - d * along);
   Answers answers(ray);
   if (aside > ball.radius + error || ball.radius <= 0.0) return answers.verdict();
-  const auto half = [&](double r, double off) { return std::sqrt(std::max(0.0, r * r - off * off)); };
-  const double least = half(std::max(0.0, ball.radius - error), aside + error);
-  const double most = half(ball.radius + error, std::max(0.0, aside - error));
+  const double least = half_chord(std::max(0.0, ball.radius - error), aside + error);
+  const double most = half_chord(ball.radius + error, std::max(0.0, aside - error));
   const double middle = 0.5 * (least + most), slack = (0.5 * (most - least) + error) / l;
   const bool clear = aside < ball.radius - error;
   answers.add(clear, (along - middle) / l, slack);
@@ -97,8 +105,6 @@ Verdict judge_point(const RayD& ray, const RoundD& ball) {
 
 // The way of a curve along its parameter next to a place, and how its radius changes; none where it ends.
 using Way = std::optional<RoundD>;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A span seen along the ray: x and y across, z along it.
 class SeenSpan {
@@ -153,11 +159,8 @@ class SeenSpan {
  private:
   Vec3d seen(const Vec3d& v) const { return {dot(v, axes_[0]), dot(v, axes_[1]), dot(v, axes_[2])}; }
   static Vec3d normal_at(const CurveSet& curves, std::uint32_t vertex, double u) {
-    const auto at = [&](std::uint32_t c) { return Vec3d(curves.control_normals(c)[vertex]); };
-    if (curves.segments == 0) return at(0);
-    const double scaled = u * curves.segments;
-    const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), curves.segments - 1);
-    return bezier([&](std::uint32_t i) { return at(key * curves.degree + i); }, curves.degree, scaled - key);
+    return track_at(curves.form(), u,
+                    [&](std::uint32_t c) { return Vec3d(curves.control_normals(c)[vertex]); });
   }
 
   std::array<RoundD, kSpanVertices> p_;
@@ -176,8 +179,6 @@ struct Met {
 struct Change {
   double value = -kInfinity, blur = 0.0;
 };
-
-double half_chord(double r, double off) { return std::sqrt(std::max(0.0, r * r - off * off)); }
 
 struct Ribbon {
   static constexpr double kApart = kKernelPart / 2;

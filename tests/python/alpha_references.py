@@ -22,7 +22,7 @@ from shared_scenes import SharedScene, every_scene
 BOUND = 1.3
 """Our error over the oracle's. The oracle has hardly any noise, 256 samples a pixel have some."""
 SPP = 256
-SAMPLING = Sampling(times=128, subpixels=4)
+SAMPLING = Sampling(times=128, subpixels=4, round=True)
 
 RENDERER_SPECIFIC = {
     "primvars:arnold:deform_keys": (None, "arnold:deform_keys decides how many keys its motion has"),
@@ -134,6 +134,7 @@ def _reasons(prims: list[Usd.Prim]) -> Iterator[str]:
         type_name = str(prim.GetTypeName())
         if type_name in ARNOLD_SHAPES:
             yield f"{prim.GetPath()}: {type_name} is Arnold's own"
-        drawn = prim.IsA(UsdGeom.Mesh) or type_name in IMPLICIT_TYPES
+        own_points = any(prim.IsA(kind) for kind in (UsdGeom.Mesh, UsdGeom.BasisCurves, UsdGeom.Points))
+        drawn = own_points or type_name in IMPLICIT_TYPES
         if prim.IsA(UsdGeom.Gprim) and not drawn:
             yield f"{prim.GetPath()}: the oracle projects no {type_name}"
