@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/motion/bezier.h"
+#include "core/trace/pose.h"
 #include "core/trace/verdict.h"
 
 namespace msbvh {
@@ -79,24 +79,9 @@ class ShearedTriangle {
   double error_, t_error_;
 };
 
-Vec3d vertex_at(const TriangleMesh& mesh, std::uint32_t vertex, double u) {
-  if (mesh.segments == 0) return Vec3d(mesh.positions[vertex]);
-  const double scaled = u * mesh.segments;
-  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), mesh.segments - 1);
-  const auto control = [&](std::uint32_t i) {
-    return Vec3d(mesh.control_positions(key * mesh.degree + i)[vertex]);
-  };
-  return bezier(control, mesh.degree, scaled - key);
-}
-
 Vec3d point_at(const GridMesh& mesh, const Grid& grid, const GridVertex& v, double u) {
-  if (mesh.segments == 0) return Vec3d(mesh.control_point(grid, v.row, v.column, 0));
-  const double scaled = u * mesh.segments;
-  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), mesh.segments - 1);
-  const auto control = [&](std::uint32_t i) {
-    return Vec3d(mesh.control_point(grid, v.row, v.column, key * mesh.degree + i));
-  };
-  return bezier(control, mesh.degree, scaled - key);
+  return track_at(mesh.form(), u,
+                  [&](std::uint32_t c) { return Vec3d(mesh.control_point(grid, v.row, v.column, c)); });
 }
 
 using Id = PrimitiveId;
@@ -125,22 +110,6 @@ void visit_meshes(const Bvh& bvh, const RayD& ray, double u, std::uint32_t insta
       if (verdict.possible) visit({instance, {GeometryKind::kGridMesh, m}, i}, verdict);
     }
   }
-}
-
-Affine3d map_at(const Bvh& bvh, const Instance& instance, double u) {
-  const Affine3f* controls = bvh.controls_of(instance);
-  if (!instance.form.moving()) return Affine3d(controls[0]);
-  const double scaled = u * instance.form.segments;
-  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), instance.form.segments - 1);
-  const Affine3f* first = controls + key * instance.form.degree;
-  return bezier([first](std::uint32_t i) { return Affine3d(first[i]); }, instance.form.degree, scaled - key);
-}
-
-// The time in an object's or instance's own time, as the kernels see it; none where it is not there.
-std::optional<double> local_time(const TimeRemap* time_remap, double u) {
-  if (!time_remap || time_remap->is_shutter()) return u;
-  float local = 0.0f;
-  return time_remap->at(static_cast<float>(u), local) ? std::optional<double>(local) : std::nullopt;
 }
 
 void visit_all(const Bvh& bvh, const Ray& ray, const Visitor& visit) {

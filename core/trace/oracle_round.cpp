@@ -14,8 +14,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "core/motion/bezier.h"
 #include "core/trace/oracle.h"
+#include "core/trace/pose.h"
 #include "core/trace/verdict.h"
 
 namespace msbvh {
@@ -36,14 +36,6 @@ RoundD lerp(const RoundD& a, const RoundD& b, double w) {
   return {msbvh::lerp(a.p, b.p, w), msbvh::lerp(a.radius, b.radius, w)};
 }
 
-// A track at a time; `at(control)` is its value at a control.
-template <typename At>
-auto track_at(const TrackForm& form, double u, const At& at) {
-  if (!form.moving()) return at(0);
-  const double scaled = u * form.segments;
-  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), form.segments - 1);
-  return bezier([&](std::uint32_t i) { return at(key * form.degree + i); }, form.degree, scaled - key);
-}
 template <typename Set>
 RoundD vertex_at(const Set& set, std::uint32_t vertex, double u) {
   return track_at(set.form(), u, [&](std::uint32_t control) {

@@ -58,3 +58,19 @@ class RenderStatistics(TypedDict):
     trees: int
     accel: AccelStatistics
     """Sums over all trees; depth and max_segments are the largest of any."""
+
+class ProbeRow(TypedDict):
+    probe: str
+    instruction_set: str
+    rays: int
+    """Traced one by one, interleaved and in packets."""
+    judged: int
+    """By the oracle."""
+    wrong: int
+    first: str
+    """Of the wrong ones: the ray, and what is wrong; empty for none."""
+
+class ProbeReport(TypedDict):
+    meshes: int
+    closed_meshes: int
+    probes: list[ProbeRow]
