@@ -37,12 +37,22 @@ std::string describe(const Ray& ray) {
   return s.str();
 }
 
+std::string describe(const Bvh& world, const Hit& hit) {
+  if (!hit.found()) return "nothing";
+  std::ostringstream s;
+  s.precision(9);
+  const Bvh& tree = hit.instance == kNoInstance ? world : *world.instances[hit.instance].object;
+  if (hit.geometry.kind() == GeometryKind::kTriangleMesh) s << tree.meshes[hit.geometry.index()]->name << " ";
+  s << "primitive " << hit.triangle << " at t = " << hit.t;
+  return s.str();
+}
+
 void note(ProbeResult& result, const Ray& ray, const std::string& what) {
   if (result.wrong++ == 0) result.first = describe(ray) + ": " + what;
 }
 
 // What one way of tracing says must be what all say, to the bit.
-void compare_ways(const Tracer& tracer, const std::vector<Ray>& rays, ProbeResult& result) {
+void compare_ways(const Bvh& world, const Tracer& tracer, const std::vector<Ray>& rays, ProbeResult& result) {
   std::vector<Hit> many(rays.size());
   const auto occluded = std::make_unique<bool[]>(rays.size());
   tracer.intersect(rays, many.data());
@@ -51,7 +61,8 @@ void compare_ways(const Tracer& tracer, const std::vector<Ray>& rays, ProbeResul
     Hit one;
     if (!tracer.intersect(rays[i], one)) one = Hit{};
     if (!(one == many[i])) {
-      note(result, rays[i], "alone and among many it has different hits");
+      note(result, rays[i],
+           "alone it hits " + describe(world, one) + ", among many " + describe(world, many[i]));
     } else if (tracer.occluded(rays[i]) != one.found() || occluded[i] != one.found()) {
       note(result, rays[i], "asked for any hit and for the closest one, the answers differ");
     }
@@ -117,8 +128,8 @@ InsideRays inside_rays(const ShownMeshes& all, const std::vector<const ShownMesh
   return out;
 }
 
-void find_leaks(const Tracer& tracer, const InsideRays& inside, ProbeResult& result) {
-  compare_ways(tracer, inside.rays, result);
+void find_leaks(const Bvh& world, const Tracer& tracer, const InsideRays& inside, ProbeResult& result) {
+  compare_ways(world, tracer, inside.rays, result);
   std::vector<Hit> hits(inside.rays.size());
   tracer.intersect(inside.rays, hits.data());
   for (std::size_t i = 0; i < hits.size(); ++i) {
@@ -157,7 +168,7 @@ ProbeReport probe(const Bvh& world, const ProbeSettings& settings, const ProbePr
       const Tracer tracer(world, set);
       ProbeResult& result =
           report.results.emplace_back(ProbeResult{std::string("rays ") + aim_name(aim), set, rays.size()});
-      compare_ways(tracer, rays, result);
+      compare_ways(world, tracer, rays, result);
       judge(world, tracer, rays, settings.oracle_tests, result);
       finished_one();
     }
@@ -167,7 +178,7 @@ ProbeReport probe(const Bvh& world, const ProbeSettings& settings, const ProbePr
   for (const InstructionSet set : sets) {
     ProbeResult& result =
         report.results.emplace_back(ProbeResult{"rays from inside closed meshes", set, inside.rays.size()});
-    find_leaks(Tracer(world, set), inside, result);
+    find_leaks(world, Tracer(world, set), inside, result);
     finished_one();
   }
   return report;

@@ -26,17 +26,16 @@ double distance_to_segment(const Vec2d& a, const Vec2d& b) {
 // The triangle sheared along the ray, as Woop et al. do, so that the ray becomes the origin of a plane.
 class ShearedTriangle {
  public:
-  ShearedTriangle(const RayD& ray, const std::array<Vec3d, 3>& vertices) {
+  // `size`: of the largest coordinate that the vertices were interpolated from.
+  ShearedTriangle(const RayD& ray, const std::array<Vec3d, 3>& vertices, double size) {
     const Vec3d a = abs(ray.dir);
     const int kz = a.z >= a.x && a.z >= a.y ? 2 : (a.y >= a.x ? 1 : 0), kx = (kz + 1) % 3, ky = (kz + 2) % 3;
-    double size = 0.0;
+    size = std::max(size, largest_coordinate(ray.org));
     for (int i = 0; i < 3; ++i) {
       const Vec3d v = vertices[i] - ray.org;
       const double z = v[kz] / ray.dir[kz];
       p_[i] = {v[kx] - ray.dir[kx] * z, v[ky] - ray.dir[ky] * z};
       t_[i] = z;
-      const Vec3d m = max(abs(vertices[i]), abs(ray.org));
-      size = std::max({size, m.x, m.y, m.z});
     }
     error_ = ray.error + kOracleError * size;
     t_error_ = error_ / std::abs(ray.dir[kz]);
@@ -92,8 +91,13 @@ void visit_meshes(const Bvh& bvh, const RayD& ray, double u, std::uint32_t insta
     const TriangleMesh& mesh = *bvh.meshes[m];
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
       const Triangle& t = mesh.triangles[i];
+      const double size = largest_control(mesh.form(), u, [&](std::uint32_t c) {
+        const Vec3f* p = mesh.control_positions(c);
+        return std::max({largest_coordinate(Vec3d(p[t[0]])), largest_coordinate(Vec3d(p[t[1]])),
+                         largest_coordinate(Vec3d(p[t[2]]))});
+      });
       const ShearedTriangle sheared(
-          ray, {vertex_at(mesh, t[0], u), vertex_at(mesh, t[1], u), vertex_at(mesh, t[2], u)});
+          ray, {vertex_at(mesh, t[0], u), vertex_at(mesh, t[1], u), vertex_at(mesh, t[2], u)}, size);
       const Verdict verdict = sheared.judge();
       if (verdict.possible) visit({instance, {GeometryKind::kTriangleMesh, m}, i}, verdict);
     }
@@ -104,8 +108,16 @@ void visit_meshes(const Bvh& bvh, const RayD& ray, double u, std::uint32_t insta
       const GridTriangle t = mesh.triangle(i);
       const Grid& grid = mesh.grids[t.grid];
       const auto v = vertices_of(t);
+      const double size = largest_control(mesh.form(), u, [&](std::uint32_t c) {
+        double most = 0.0;
+        for (const GridVertex& corner : v)
+          most = std::max(most,
+                          largest_coordinate(Vec3d(mesh.control_point(grid, corner.row, corner.column, c))));
+        return most;
+      });
       const ShearedTriangle sheared(
-          ray, {point_at(mesh, grid, v[0], u), point_at(mesh, grid, v[1], u), point_at(mesh, grid, v[2], u)});
+          ray, {point_at(mesh, grid, v[0], u), point_at(mesh, grid, v[1], u), point_at(mesh, grid, v[2], u)},
+          size);
       const Verdict verdict = sheared.judge();
       if (verdict.possible) visit({instance, {GeometryKind::kGridMesh, m}, i}, verdict);
     }

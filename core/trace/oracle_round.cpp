@@ -36,6 +36,14 @@ RoundD lerp(const RoundD& a, const RoundD& b, double w) {
   return {msbvh::lerp(a.p, b.p, w), msbvh::lerp(a.radius, b.radius, w)};
 }
 
+// Of a vertex's controls at a time, the radius among them.
+template <typename Set>
+double size_at(const Set& set, std::uint32_t vertex, double u) {
+  return largest_control(set.form(), u, [&](std::uint32_t control) {
+    const RoundVertex& v = set.control_vertices(control)[vertex];
+    return std::max(largest_coordinate(Vec3d(v.p)), double(v.radius));
+  });
+}
 template <typename Set>
 RoundD vertex_at(const Set& set, std::uint32_t vertex, double u) {
   return track_at(set.form(), u, [&](std::uint32_t control) {
@@ -46,8 +54,6 @@ RoundD vertex_at(const Set& set, std::uint32_t vertex, double u) {
 
 // Of a ball of radius r, of a line that passes its centre at the distance `off`.
 double half_chord(double r, double off) { return std::sqrt(std::max(0.0, r * r - off * off)); }
-
-double largest(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 // The answers that a kernel may give for one primitive, from all the places where the ray meets it or may.
 class Answers {
@@ -79,8 +85,8 @@ class Answers {
   double first_ = kInfinity, last_ = -kInfinity, surely_ = first_, t_ = 0.0;
 };
 
-Verdict judge_point(const RayD& ray, const RoundD& ball) {
-  const double l = length(ray.dir), size = std::max({largest(ball.p), largest(ray.org), ball.radius});
+Verdict judge_point(const RayD& ray, const RoundD& ball, double largest_control) {
+  const double l = length(ray.dir), size = std::max(largest_control, largest_coordinate(ray.org));
   const double error = ray.error + kOracleError * size;
   const Vec3d d = ray.dir * (1.0 / l), to = ball.p - ray.org;
   const double along = dot(to, d), aside = length(to - d * along);
@@ -106,13 +112,13 @@ class SeenSpan {
     const Vec3d other = std::abs(z.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
     const Vec3d x = normalize(cross(other, z));
     axes_ = {x, cross(z, x), z};
-    double size = largest(ray.org);
+    double size = largest_coordinate(ray.org);
     for (std::uint32_t i = 0; i < kSpanVertices; ++i) {
       const std::uint32_t vertex = curves.spans[span] + i;
       const RoundD v = vertex_at(curves, vertex, u);
       p_[i] = {seen(v.p - ray.org), v.radius};
       if (curves.shape == CurveShape::kOriented) normal_[i] = seen(normal_at(curves, vertex, u));
-      size = std::max({size, largest(v.p), v.radius});
+      size = std::max(size, size_at(curves, vertex, u));
     }
     error_ = ray.error + kOracleError * size;
   }
@@ -396,7 +402,8 @@ void judge_round(const Bvh& bvh, const RayD& ray, double u, std::uint32_t instan
   if (!(length(ray.dir) > 0.0)) return;
   for (std::uint32_t s = 0; s < bvh.points.size(); ++s) {
     for (std::uint32_t i = 0; i < bvh.points[s]->point_count; ++i) {
-      const Verdict verdict = judge_point(ray, vertex_at(*bvh.points[s], i, u));
+      const PointSet& points = *bvh.points[s];
+      const Verdict verdict = judge_point(ray, vertex_at(points, i, u), size_at(points, i, u));
       if (verdict.possible) visit({instance, {GeometryKind::kPoints, s}, i}, verdict);
     }
   }

@@ -276,7 +276,9 @@ class Packet {
       RayMask before = 0;
       for (std::size_t lane = 0; lane < kPacket; lane += kRayLanes) {
         std::uint8_t bits[8] = {};
-        hn::StoreMaskBits(d, hn::Le(hn::Load(d, entry.enter + lane), hn::Load(d, setup.tfar + lane)), bits);
+        // As is_beyond() has it.
+        const VR farthest = hn::Mul(hn::Load(d, setup.tfar + lane), hn::Set(d, kFarFactor));
+        hn::StoreMaskBits(d, hn::Le(hn::Load(d, entry.enter + lane), farthest), bits);
         before |= (RayMask(bits[0]) | RayMask(bits[1]) << 8) << lane;
       }
       rays = entry.rays & before;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -18,6 +19,20 @@ auto track_at(const TrackForm& form, double u, const At& at) {
   const double scaled = u * form.segments;
   const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), form.segments - 1);
   return bezier([&](std::uint32_t i) { return at(key * form.degree + i); }, form.degree, scaled - key);
+}
+
+// The largest of what `size(control)` says of the controls that count at this time: what interpolation rounds
+// is a share of it, however small the interpolated value is.
+template <typename Size>
+double largest_control(const TrackForm& form, double u, const Size& size) {
+  if (!form.moving()) return size(0);
+  const std::uint32_t key = std::min(static_cast<std::uint32_t>(u * form.segments), form.segments - 1);
+  double most = 0.0;
+  for (std::uint32_t i = 0; i <= form.degree; ++i) most = std::max(most, size(key * form.degree + i));
+  return most;
+}
+inline double largest_coordinate(const Vec3d& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
 // In the mesh's own space.

@@ -162,7 +162,7 @@ class Stream {
         return true;
       }
       const ChildKey key = ChildKeys::load(frame.keys).take_nearest(frame.keys);
-      if (distance_of(key) > slot.query.tfar) {
+      if (is_beyond(distance_of(key), slot.query.tfar)) {
         --slot.top;
         continue;
       }
