@@ -9,8 +9,8 @@
 
 namespace msbvh {
 
-// Whether every edge is used as often in one direction as in the other, by vertex numbers: then the surface
-// has no boundary, however it moves.
+// Whether every edge is used as often in one direction as in the other, vertices that lie in one place at
+// every control counting as one: then the surface has no boundary at any time.
 bool is_closed(const TriangleMesh& mesh);
 
 // A point of the world that the mesh surrounds at this pose, exact in single precision and farther from the

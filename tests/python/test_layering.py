@@ -66,7 +66,14 @@ SUBPACKAGES = [
 ]
 """In the order in which data flows: a subpackage imports itself and those before it."""
 MODULE_HOMES = {
-    "click": {"cli.bench_options", "cli.main", "cli.option_types", "cli.options"},
+    "click": {
+        "cli.bench_options",
+        "cli.frame_options",
+        "cli.main",
+        "cli.option_types",
+        "cli.options",
+        "cli.verify_command",
+    },
     "tqdm": {"base.progress"},
     "lz4": {"stage.crate_check"},
     "OpenImageIO": {"output.images", "look.texture_channel", "look.texture_matrix", "look.texture_mean"},
