@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <numeric>
 
 #include "core/base/parallel.h"
 #include "core/geometry/curve_piece.h"
@@ -39,28 +41,52 @@ std::uint32_t pieces_of(const CurveSet& curves, std::uint32_t span, float u) {
   return parts;
 }
 
+// References to a set's primitives, in their order: so many to each as `pieces` says, `make(i, part, parts)`.
+template <class Pieces, class Make>
+void add(std::size_t count, const Pieces& pieces, const Make& make, std::vector<Reference>& out) {
+  std::vector<std::uint8_t> parts(count);
+  std::vector<std::size_t> first(1 + (count + kPerTask - 1) / kPerTask, out.size());  // of each range
+  parallel_for_ranges(count, kPerTask, [&](std::size_t begin, std::size_t end) {
+    std::size_t sum = 0;
+    for (std::size_t i = begin; i < end; ++i)
+      sum += parts[i] = static_cast<std::uint8_t>(pieces(static_cast<std::uint32_t>(i)));
+    first[begin / kPerTask + 1] = sum;
+  });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  out.resize(first.back());
+  parallel_for_ranges(count, kPerTask, [&](std::size_t begin, std::size_t end) {
+    Reference* at = out.data() + first[begin / kPerTask];
+    for (std::size_t i = begin; i < end; ++i) {
+      for (std::uint32_t part = 0; part < parts[i]; ++part)
+        *at++ = make(static_cast<std::uint32_t>(i), part, parts[i]);
+    }
+  });
+}
+
 void add_curves(const Primitives& primitives, std::uint32_t set, std::vector<Reference>& out) {
   const CurveSet& curves = *primitives.curves[set];
   const float centre = primitives.slice.time(0.5f);
-  std::vector<std::uint8_t> parts(curves.spans.size());
-  parallel_for_ranges(parts.size(), kPerTask, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto span = static_cast<std::uint32_t>(i);
-      if (is_there(curves, span))
-        parts[i] = static_cast<std::uint8_t>(primitives.whole_spans ? 1 : pieces_of(curves, span, centre));
-    }
-  });
-  for (std::uint32_t span = 0; span < parts.size(); ++span) {
-    for (std::uint32_t i = 0; i < parts[span]; ++i)
-      out.push_back({{}, set | Reference::kCurveFlag, CurvePiece{span, i, parts[span]}.code()});
-  }
+  const auto pieces = [&](std::uint32_t span) -> std::uint32_t {
+    if (!is_there(curves, span)) return 0;
+    return primitives.whole_spans ? 1 : pieces_of(curves, span, centre);
+  };
+  const auto make = [&](std::uint32_t span, std::uint32_t part, std::uint32_t parts) {
+    Reference reference{{}, set | Reference::kCurveFlag, CurvePiece{span, part, parts}.code()};
+    reference.box = box_at_centre(primitives, reference);
+    return reference;
+  };
+  add(curves.spans.size(), pieces, make, out);
 }
 
 void add_points(const Primitives& primitives, std::uint32_t set, std::vector<Reference>& out) {
   const PointSet& points = *primitives.points[set];
-  for (std::uint32_t i = 0; i < points.point_count; ++i) {
-    if (is_there(points, i)) out.push_back({{}, set | Reference::kPointFlag, i});
-  }
+  const auto make = [&](std::uint32_t point, std::uint32_t, std::uint32_t) {
+    Reference reference{{}, set | Reference::kPointFlag, point};
+    reference.box = box_at_centre(primitives, reference);
+    return reference;
+  };
+  add(
+      points.point_count, [&](std::uint32_t i) { return is_there(points, i) ? 1u : 0u; }, make, out);
 }
 
 }  // namespace
@@ -69,9 +95,6 @@ std::vector<Reference> round_references(const Primitives& primitives) {
   std::vector<Reference> all;
   for (std::uint32_t set = 0; set < primitives.curves.size(); ++set) add_curves(primitives, set, all);
   for (std::uint32_t set = 0; set < primitives.points.size(); ++set) add_points(primitives, set, all);
-  parallel_for_ranges(all.size(), kPerTask, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) all[i].box = box_at_centre(primitives, all[i]);
-  });
   return all;
 }
 

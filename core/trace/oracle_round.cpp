@@ -149,6 +149,17 @@ class SeenSpan {
     }
     return std::nullopt;
   }
+  // Whether the hull of the control points lies on one side of the ray, well beyond the largest radius:
+  // nothing of the span is near, and there is no need to look along it.
+  bool is_aside() const {
+    double room = 64.0 * error_;
+    Vec3d lo = p_[0].p, hi = lo;
+    for (const RoundD& v : p_) {
+      room = std::max(room, 2.0 * v.radius + 64.0 * error_);
+      lo = min(lo, v.p), hi = max(hi, v.p);
+    }
+    return lo.x > room || lo.y > room || hi.x < -room || hi.y < -room;
+  }
   Way seen(const Way& way) const { return way ? Way(RoundD{seen(way->p), way->radius}) : way; }
   double error() const { return error_; }
   // Of the ray's direction.
@@ -386,6 +397,7 @@ Way way_beyond(const CurveSet& curves, std::uint32_t span, bool at_end, double u
 
 Verdict judge_span(const RayD& ray, const CurveSet& curves, std::uint32_t span, double u) {
   const SeenSpan seen(ray, curves, span, u);
+  if (seen.is_aside()) return {};
   const Way before = seen.seen(way_beyond(curves, span, false, u));
   const Way after = seen.seen(way_beyond(curves, span, true, u));
   Answers answers(ray);

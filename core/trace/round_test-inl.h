@@ -83,6 +83,12 @@ class NormalsAtTime {
   float w_ = 0.0f;
 };
 
+// The dot product of a vector with the one in each lane.
+template <class D>
+HWY_INLINE hn::Vec<D> dot_lanes(D d, const Vec3f& a, hn::Vec<D> x, hn::Vec<D> y, hn::Vec<D> z) {
+  return hn::MulAdd(z, hn::Set(d, a.z), hn::MulAdd(y, hn::Set(d, a.y), hn::Mul(x, hn::Set(d, a.x))));
+}
+
 // A ray's direction, from what its setup keeps of it: to a rounding or two, 0 where it is 0.
 HWY_INLINE Vec3f direction_of(const StillSetup& setup) {
 #if HWY_TARGET == HWY_AVX3
@@ -94,6 +100,13 @@ HWY_INLINE Vec3f direction_of(const StillSetup& setup) {
   const auto along = [&](int axis) { return 1.0f / setup.reciprocal[axis]; };
 #endif
   return {along(0), along(1), along(2)};
+}
+
+// A ray's direction, made as long along its largest axis as 1.
+HWY_INLINE Vec3f sheared_direction(const StillSetup& setup) {
+  Vec3f d;
+  d[setup.axes.x] = setup.shear.x, d[setup.axes.y] = setup.shear.y, d[setup.axes.z] = 1.0f;
+  return d;
 }
 
 // The ray as an axis: z along it, x and y across; all unit. T. Duff et al., "Building an Orthonormal Basis,
