@@ -142,7 +142,9 @@ class SeenNormals {
                          const RayFrame& frame) {
     alignas(16) float c[3][kSpanVertices];
     for (std::uint32_t i = 0; i < kSpanVertices; ++i) {
-      const Vec3f seen = frame.seen(normals[first + i]);
+      alignas(16) float n[4];
+      hn::Store(normals[first + i], D4f(), n);
+      const Vec3f seen = frame.seen({n[0], n[1], n[2]});
       for (int k = 0; k < 3; ++k) c[k][i] = seen[k];
     }
     for (int k = 0; k < 3; ++k) axis_[k].set(hn::Load(D4f(), c[k]));

@@ -20,7 +20,7 @@
 #include <hwy/highway.h>
 #include <memory>
 
-#include "core/trace/packet-inl.h"
+#include "core/trace/packets-inl.h"
 #include "core/trace/traverse-inl.h"
 
 HWY_BEFORE_NAMESPACE();
