@@ -228,7 +228,10 @@ def test_a_planted_include_is_caught(file: str, header: str, reason: str) -> Non
 @pytest.mark.parametrize(
     ("modules", "reason"),
     [
-        ({"stage/opening": "import click"}, "stage.opening imports click: only cli.bench_options, cli.main"),
+        (
+            {"stage/opening": "import click"},
+            "stage.opening imports click: only cli.bench_options, cli.frame_options, cli.main",
+        ),
         (
             {"scene/reader": "from ..cli.main import main", "cli/main": ""},
             "scene.reader imports cli.main: against the direction, scene comes before cli",
