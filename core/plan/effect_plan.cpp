@@ -202,6 +202,7 @@ float largest(const Light& light, float LightValues::*size) {
 }
 
 void plan_light(const Light& light, Planner& planner) {
+  if (!shines(light)) return;
   const bool placeless = light.kind == LightKind::kDome || light.kind == LightKind::kCamera;
   if (light.segments > 0 && !(placeless && light.moving_values.empty())) {
     planner.add(Effect::kMovingLights, light.name, segments_phrase(light.segments));
@@ -220,6 +221,14 @@ void plan_light(const Light& light, Planner& planner) {
                 phrase(largest(light, &LightValues::width), " x ") +
                     phrase(largest(light, &LightValues::height), ""));
   }
+}
+
+// Bounces look for light: where there is none, not even a surface that glows, they would find nothing.
+bool anything_shines(const Scene& scene) {
+  const auto glows = [](const Material& material) {
+    return material.emissive_from_display_color || !(material.emissive_color == Vec3f{});
+  };
+  return std::ranges::any_of(scene.lights, shines) || std::ranges::any_of(scene.materials, glows);
 }
 
 std::string range_phrase(float a, float b) {
@@ -256,7 +265,7 @@ EffectPlan plan_all(const Scene& scene, const PlanSettings& settings, Planner pl
   plan_instances(scene, planner);
   plan_camera(scene.camera, planner);
   for (const Light& light : scene.lights) plan_light(light, planner);
-  if (settings.max_bounces > 0) {
+  if (settings.max_bounces > 0 && anything_shines(scene)) {
     planner.add(Effect::kIndirectLight, "",
                 "up to " + std::to_string(settings.max_bounces) +
                     (settings.max_bounces == 1 ? " bounce" : " bounces"));

@@ -155,11 +155,51 @@ TEST_CASE("a closed lens asks for nothing; one that moves says so") {
 }
 
 TEST_CASE("indirect light is asked for by a setting") {
-  const EffectPlan plan = plan_effects(still_scene(), {.max_bounces = 2});
+  Scene scene = still_scene();
+  scene.lights = {light("/camera", LightKind::kCamera)};
+  const EffectPlan plan = plan_effects(scene, {.max_bounces = 2});
   REQUIRE(plan.why.size() == 1);
   CHECK(plan.why[0].effect == Effect::kIndirectLight);
   CHECK(plan.why[0].prim.empty());
   CHECK(plan.why[0].why == "up to 2 bounces");
+}
+
+TEST_CASE("where nothing shines, bounces fold away; a surface that glows shines") {
+  Scene scene = still_scene();
+  scene.lights = {light("/black", LightKind::kRect), light("/dark", LightKind::kDome)};
+  for (Light& black : scene.lights) black.radiance = {};
+  CHECK(plan_effects(scene, {.max_bounces = 2}).set == EffectSet{});
+  const auto bounces = [&] {
+    return plan_effects(scene, {.max_bounces = 2}).set.has(Effect::kIndirectLight);
+  };
+  SUBCASE("by a colour") {
+    scene.materials.resize(1);
+    CHECK(plan_effects(scene, {.max_bounces = 2}).set == EffectSet{});
+    scene.materials[0].emissive_color = {0, 0, 1};
+    CHECK(bounces());
+  }
+  SUBCASE("by a primvar") {
+    scene.materials.resize(1);
+    scene.materials[0].emissive_from_display_color = true;
+    CHECK(bounces());
+  }
+  SUBCASE("a light") {
+    scene.lights.push_back(light("/camera", LightKind::kCamera));
+    CHECK(bounces());
+  }
+}
+
+TEST_CASE("a light that is black throughout asks for nothing; one that is lit at one key asks") {
+  Scene scene = still_scene();
+  scene.lights = {light("/blinks", LightKind::kSphere)};
+  scene.lights[0].segments = 1;
+  scene.lights[0].world_from_light.resize(2);
+  scene.lights[0].moving_values.resize(2);
+  for (LightValues& values : scene.lights[0].moving_values) values.radiance = {};
+  CHECK(plan_effects(scene, {.max_bounces = 0}).set == EffectSet{});
+  scene.lights[0].moving_values[1].radiance = {1, 1, 1};
+  CHECK(plan_effects(scene, {.max_bounces = 0}).set ==
+        EffectSet{}.with(Effect::kMovingLights).with(Effect::kAreaLights));
 }
 
 TEST_CASE("reasons stand in the order of the effects, once each") {
@@ -167,6 +207,7 @@ TEST_CASE("reasons stand in the order of the effects, once each") {
   scene.meshes.push_back(triangle("/moving", 2));
   scene.prototypes = {{"/prototype", {mesh_id(1)}}};
   scene.instances = {{"/a", 0, 1, std::vector<Affine3f>(2), {}}, {"/b", 0, 4, std::vector<Affine3f>(5), {}}};
+  scene.lights = {light("/camera", LightKind::kCamera)};
   const EffectPlan plan = plan_effects(scene, {.max_bounces = 1});
   REQUIRE(plan.why.size() == 4);
   CHECK(plan.why[0].effect == Effect::kDeformingKeys);
@@ -247,6 +288,7 @@ TEST_CASE("all reasons: each prim that asks, once an effect, in the scene's orde
   scene.meshes[1].display_opacity.values = {0.5f};
   scene.meshes[2].display_opacity.values = {0.25f};
   scene.world = {mesh_id(0), mesh_id(1), mesh_id(2)};
+  scene.lights = {light("/camera", LightKind::kCamera)};
   const PlanSettings settings{.max_bounces = 1};
   const std::vector<Reason> all = all_reasons(scene, settings);
   REQUIRE(all.size() == 5);
