@@ -74,3 +74,15 @@ class ProbeReport(TypedDict):
     meshes: int
     closed_meshes: int
     probes: list[ProbeRow]
+
+class FoundEffect(TypedDict):
+    effect: str
+    asked_by: list[tuple[str, str]]
+    """(prim, why), in the scene's order, each prim once; the prim is empty where a setting asks. Empty: off."""
+    geometry_bytes: int
+
+class FoundEffects(TypedDict):
+    base_bytes: int
+    """Of geometry that no effect brings."""
+    effects: list[FoundEffect]
+    """Every effect, on or off, in the order of core/plan/effect_plan.h."""

@@ -40,7 +40,6 @@ from ..render.record import (
     FrameJob,
     RecordSettings,
     RenderSettings,
-    plan_entries,
     record,
     report,
     software,
@@ -49,6 +48,7 @@ from ..stage.opening import tf_messages
 from .bench_options import BENCH, FRAMES, frame_options
 from .frame_options import check_text, parse, read_one_frame, read_settings
 from .options import CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
+from .plan_command import plan_command
 from .verify_command import verify_command
 
 RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "aovs", "builder", "refit")
@@ -136,24 +136,6 @@ def record_command(
     _note_threads([options["threads"]], reporter)
     record(scene, jobs, settings, reporter)
     return DEGRADED if strict and reporter.degraded else DONE
-
-
-@commands.command("plan")
-@with_options(SCENE, ONE_FRAME)
-def plan_command(scene: str, frame: str | None, as_json: bool, **options: Any) -> int:
-    """Print the effects that SCENE calls for, and the prims that are the reason."""
-    reporter = Reporter()
-    _, _, result = read_one_frame("plan", scene, frame, options, reporter)
-    report(result.diagnostics, reporter)
-    renderer = _core.Renderer(result.scene, width=result.camera.width, height=result.camera.height)
-    plan = plan_entries(renderer)
-    if as_json:
-        said = {"warnings": reporter.warnings, "errors": reporter.errors}
-        print(json.dumps({"scene": scene, "plan": plan, **said}, indent=2))
-    else:
-        for entry in plan:
-            print(f"{entry['effect']:20} {entry['prim']}{': ' if entry['prim'] else ''}{entry['why']}")
-    return DONE
 
 
 @commands.command("motion")
@@ -262,6 +244,7 @@ def _wrong_row(row: dict[str, Any]) -> bool:
     return bool(row["mismatches"] or row["mode_mismatches"] or row["misses"])
 
 
+commands.add_command(plan_command)
 commands.add_command(verify_command)
 
 
