@@ -15,9 +15,9 @@
 namespace msbvh {
 
 // Positions and distances are compared to within this share of the largest coordinate involved (ray origin,
-// controls that vertices are interpolated from, transformed and not). 2^-24 is one rounding; the kernel rounds the interpolated vertex (3), the
-// difference to the origin (1), the sheared coordinate (3) and the distance (about 8), and the instance
-// transform (3).
+// controls that vertices are interpolated from, transformed and not). 2^-24 is one rounding; the kernel
+// rounds the interpolated vertex (3), the difference to the origin (1), the sheared coordinate (3) and the
+// distance (about 8), and the instance transform (3).
 inline constexpr double kOracleError = 0x1p-19;
 
 // Empty if the answer is right, else what is wrong with it, for a person to read. `hit` is the kernel's

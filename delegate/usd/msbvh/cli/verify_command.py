@@ -45,7 +45,7 @@ OPTIONS = (
 @click.argument("scene", required=False, type=click.Path(path_type=str))
 @with_options(READING, ONE_FRAME, OPTIONS)
 def verify_command(
-    scene: str | None, frame: str | None, as_json: bool, rays: int, seed: int, builder: str, **options: Any
+    scene: str | None, frame: str | None, as_json: bool, rays: int, seed: int, builder: Any, **options: Any
 ) -> int:
     """Look for defects in the trees of SCENE: whether boxes enclose what they hold at every key, whether rays at edges,
     at vertices, along faces and from surfaces find what the oracle finds, by every instruction set of this machine, one

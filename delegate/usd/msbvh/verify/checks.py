@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 from .. import _core
 from ..scene.reader import ReadResult
@@ -17,7 +17,7 @@ class VerifySettings:
     rays: int = 100_000
     """Of each probe and instruction set. Time grows with it."""
     seed: int = 1
-    builder: str = "msbvh"
+    builder: Literal["msbvh", "mbvh", "swept", "timesplit"] = "msbvh"
 
 
 @dataclass(frozen=True)
