@@ -65,7 +65,7 @@ def switched(source: str, mutant: dict[str, str], number: int) -> str:
     if search.endswith(";"):
         return source.replace(search, f"if ({asked}) {{ {replace} }} else {{ {search} }}")
     begin = source.index(search)
-    line = source.rindex("\n", 0, begin) + 1
+    line = source.rfind("\n", 0, begin) + 1
     declared = re.sub(r"^(inline )?constexpr (?=\w+ k\w+ = )", r"\1const ", source[line:begin])
     after = source[begin + len(search) :]
     return f"{source[:line]}{declared}({asked} ? ({replace}) : ({search})){after}"
