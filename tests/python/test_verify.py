@@ -13,7 +13,7 @@ from msbvh.cli.main import main
 from msbvh.scene.reader import ReadSettings, read_frame
 from msbvh.verify import checks
 from msbvh.verify.checks import Probe, Verdict, VerifySettings, verify
-from msbvh.verify.hard_shells import CAMERA, FRAME, hard_shells
+from msbvh.verify.hard_shells import FRAME, SHUTTER, hard_shells
 from msbvh.verify.table import verdict_text
 
 FEW = "2000"
@@ -22,7 +22,7 @@ FEW = "2000"
 @pytest.mark.parametrize("name", hard_shells())
 def test_hard_shells_are_closed_and_nothing_gets_out(name: str) -> None:
     stage = hard_shells()[name]
-    frame = read_frame(stage, FRAME, ReadSettings(camera=CAMERA))
+    frame = read_frame(stage, FRAME, ReadSettings(shutter=SHUTTER))
     verdict = verify(name, frame, VerifySettings(rays=2000))
     assert verdict.meshes == verdict.closed_meshes == 1
     assert verdict.holds, verdict_text(verdict)
@@ -33,7 +33,7 @@ def test_hard_shells_are_closed_and_nothing_gets_out(name: str) -> None:
 def test_hard_shells_move_as_they_say() -> None:
     tracks = {}
     for name, stage in hard_shells().items():
-        frame = read_frame(stage, FRAME, ReadSettings(camera=CAMERA))
+        frame = read_frame(stage, FRAME, ReadSettings(shutter=SHUTTER))
         tracks[name] = max((track.segments, track.degree) for track in frame.tracks)
     assert tracks["still"][0] == 0
     assert tracks["accelerated"][1] >= 2
@@ -85,7 +85,7 @@ def test_a_broken_invariant_is_a_verdict(monkeypatch: pytest.MonkeyPatch) -> Non
 
     monkeypatch.setattr(checks._core, "Renderer", Renderer)
     stage = hard_shells()["still"]
-    verdict = verify("still", read_frame(stage, FRAME, ReadSettings(camera=CAMERA)), VerifySettings(rays=10))
+    verdict = verify("still", read_frame(stage, FRAME, ReadSettings(shutter=SHUTTER)), VerifySettings(rays=10))
     assert not verdict.holds and verdict.broken_invariant == "node 64: child 3 lies outside"
 
 

@@ -15,7 +15,7 @@ from ..base.reporter import Reporter
 from ..render.record import report
 from ..scene.reader import ReadResult, read_frame
 from ..verify.checks import Verdict, VerifySettings, verify
-from ..verify.hard_shells import CAMERA, FRAME, hard_shells
+from ..verify.hard_shells import FRAME, SHUTTER, hard_shells
 from ..verify.table import summary_text, verdict_text
 from .frame_options import read_one_frame, read_settings
 from .options import ONE_FRAME, READING, with_options
@@ -76,7 +76,7 @@ def _frames(scene: str | None, frame: str | None, options: dict[str, Any]) -> It
         report(result.diagnostics, reporter)
         yield scene, result
         return
-    settings = read_settings({**options, "camera": CAMERA})
+    settings = read_settings({**options, "shutter": options["shutter"] or SHUTTER})
     for name, stage in hard_shells().items():
         result = read_frame(stage, FRAME, settings)
         report(result.diagnostics, reporter)

@@ -9,11 +9,12 @@ from pxr import Gf, Usd, UsdGeom, Vt
 
 FRAME = 1.0
 RINGS = 12
-CAMERA = "/camera"
+SHUTTER = (-0.5, 0.5)
+"""That they are made for, in frames around it."""
 
 
 def hard_shells() -> dict[str, Usd.Stage]:
-    """A stage for each motion, by its name. All of them have the frame 1 and a shutter of a whole frame around it."""
+    """A stage for each motion, by its name: to be read at FRAME with SHUTTER. None has a camera."""
     return {name: _stage(fill) for name, fill in _MOTIONS.items()}
 
 
@@ -23,13 +24,6 @@ def _stage(fill: Callable[[Usd.Stage], None]) -> Usd.Stage:
     stage.SetEndTimeCode(FRAME)
     stage.SetTimeCodesPerSecond(24.0)
     fill(stage)
-    camera = UsdGeom.Camera.Define(stage, CAMERA)
-    camera.CreateShutterOpenAttr(-0.5)
-    camera.CreateShutterCloseAttr(0.5)
-    camera.CreateClippingRangeAttr(Gf.Vec2f(0.01, 1e9))
-    box = UsdGeom.BBoxCache(FRAME, ["default"]).ComputeWorldBound(stage.GetPseudoRoot()).ComputeAlignedRange()
-    size = max(box.GetSize().GetLength(), 1e-9)
-    camera.AddTranslateOp().Set(box.GetMidpoint() + Gf.Vec3d(0.0, 0.0, 3.0 * size))
     return stage
 
 
