@@ -9,13 +9,14 @@
 #include <vector>
 
 #include "core/base/affine.h"
+#include "core/trace/oracle.h"
 
 namespace msbvh {
 namespace {
 
 constexpr int kTries = 16;
-// Of the largest coordinate: what kernels round of a vertex and of a ray is less than a thousandth of it.
-constexpr double kClearance = 0x1p-14;
+// Of the largest coordinate: four times what a kernel may round of a vertex and of a ray.
+constexpr double kClearance = 4.0 * kOracleError;
 
 // Of the triangle, nearest to the origin: C. Ericson, Real-Time Collision Detection, 5.1.5.
 double distance_to_triangle(const std::array<Vec3d, 3>& v) {

@@ -17,17 +17,6 @@ namespace {
 
 // Closed meshes that rays start in, spread evenly over all that are shown; and starts in each.
 constexpr std::size_t kMostMeshes = 64, kStarts = 4;
-constexpr double kSpanTests = 1000.0;  // a span takes the oracle as long as so many triangles
-
-double primitives_shown(const Bvh& bvh) {
-  double sum = 0.0;
-  for (const auto& set : bvh.points) sum += static_cast<double>(set->point_count);
-  for (const auto& set : bvh.curves) sum += kSpanTests * static_cast<double>(set->span_count());
-  for (const auto& mesh : bvh.grids) sum += static_cast<double>(mesh->triangle_count());
-  for (const auto& mesh : bvh.meshes) sum += static_cast<double>(mesh->triangles.size());
-  for (const Instance& instance : bvh.instances) sum += primitives_shown(*instance.object);
-  return sum;
-}
 
 std::string describe(const Ray& ray) {
   std::ostringstream s;
@@ -72,7 +61,7 @@ void compare_ways(const Bvh& world, const Tracer& tracer, const std::vector<Ray>
 void judge(const Bvh& world, const Tracer& tracer, const std::vector<Ray>& rays, double tests,
            ProbeResult& result) {
   const auto affordable =
-      static_cast<std::size_t>(std::max(1.0, tests / std::max(1.0, primitives_shown(world))));
+      static_cast<std::size_t>(std::max(1.0, tests / std::max(1.0, oracle_tests_per_ray(world))));
   result.judged = std::min(rays.size(), affordable);
   std::vector<std::optional<std::string>> wrong(result.judged);
   parallel_for(result.judged, [&](std::size_t i) {

@@ -158,7 +158,20 @@ std::string describe(const Id& id) {
   return s.str();
 }
 
+// A span is looked at in many parts.
+constexpr double kTestsPerSpan = 1000.0;
+
 }  // namespace
+
+double oracle_tests_per_ray(const Bvh& bvh) {
+  double sum = 0.0;
+  for (const auto& set : bvh.points) sum += static_cast<double>(set->point_count);
+  for (const auto& set : bvh.curves) sum += kTestsPerSpan * static_cast<double>(set->span_count());
+  for (const auto& mesh : bvh.grids) sum += static_cast<double>(mesh->triangle_count());
+  for (const auto& mesh : bvh.meshes) sum += static_cast<double>(mesh->triangles.size());
+  for (const Instance& instance : bvh.instances) sum += oracle_tests_per_ray(*instance.object);
+  return sum;
+}
 
 std::optional<std::string> judge_intersection(const Bvh& bvh, const Ray& ray, const std::optional<Hit>& hit) {
   std::ostringstream wrong;

@@ -27,4 +27,7 @@ std::optional<std::string> judge_intersection(const Bvh& bvh, const Ray& ray, co
 // The same for an any-hit query.
 std::optional<std::string> judge_occlusion(const Bvh& bvh, const Ray& ray, bool occluded);
 
+// About how many tests of a triangle the oracle takes for one ray; a span of a curve counts as a thousand.
+double oracle_tests_per_ray(const Bvh& bvh);
+
 }  // namespace msbvh

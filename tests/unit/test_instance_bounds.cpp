@@ -73,8 +73,8 @@ Scene random_scene(Random& random, const TrackForm& map_form, const TrackForm& b
   return {map_form, box_form, random_maps(random, map_form), random_boxes(random, box_form)};
 }
 
-// Over the middle half of the shutter all of the track's time, or a part of it and then another; hidden
-// before.
+// A part of the track's time over the whole shutter, or hidden first and then two parts that follow each
+// other.
 TimeRemap random_remap(Random& random) {
   const float a = random.uniform(0.0f, 0.4f), b = random.uniform(0.4f, 0.9f), c = random.uniform(0.9f, 1.0f);
   if (random.next() % 2 == 0) return {{{0.0f, 0.0f, b, true}}};

@@ -18,7 +18,7 @@ using namespace msbvh;
 
 namespace {
 
-// Turns once; the name is what a leak is told by.
+// Turns once. A leak names it.
 std::shared_ptr<TriangleMesh> turning_ball() {
   TriangleMesh ball = procedural::moved(procedural::sphere(8), 16, procedural::rotation({0, 1, 0}, 6.28));
   ball.name = "/ball";

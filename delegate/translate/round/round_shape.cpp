@@ -213,7 +213,7 @@ bool RoundShape::read_widths(const MeshInput& input, std::uint32_t max_segments,
   return true;
 }
 
-// A curve or point with a width that is none is not drawn: it has no width at all.
+// A curve or point with a bad width, such as NaN or a negative one, is not drawn: all its widths become 0.
 void RoundShape::drop_bad_widths(PrimLog& log) {
   const std::size_t count = vertex_count();
   const auto owner = [&](std::size_t v) { return curves_ ? curves_->vertex_curves[v] : std::uint32_t(v); };

@@ -26,7 +26,8 @@ OPTIONS = (
         type=click.IntRange(1, 1_000_000_000),
         default=100_000,
         show_default=True,
-        help="Rays of each probe and instruction set; a million of each take about a minute.",
+        help="Rays of each probe and instruction set. Time grows with them, but for the oracle, which judges as many as"
+        " a fixed number of tests allows.",
     ),
     click.option(
         "--seed", type=click.IntRange(0, 2**31 - 1), default=1, show_default=True, help="Random seed of the rays."
