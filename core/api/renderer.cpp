@@ -64,7 +64,7 @@ struct Renderer::Data {
   std::optional<Frame> frame;
 
   void build(SceneTrees* previous);
-  void render_tiles(Image& image, std::atomic<std::size_t>& finished_tiles,
+  void render_tiles(SampleRange samples, Image& image, std::atomic<std::size_t>& finished_tiles,
                     const std::atomic<bool>& cancelled);
 };
 
@@ -75,10 +75,10 @@ void Renderer::Data::build(SceneTrees* previous) {
   trees->add_to(statistics.accel, statistics.trees);
 }
 
-void Renderer::Data::render_tiles(Image& image, std::atomic<std::size_t>& finished_tiles,
+void Renderer::Data::render_tiles(SampleRange samples, Image& image, std::atomic<std::size_t>& finished_tiles,
                                   const std::atomic<bool>& cancelled) {
   const TileGrid grid(settings.width, settings.height);
-  const TileJob job{*frame, plan.set, settings.spp, settings.batch_paths, cancelled};
+  const TileJob job{*frame, plan.set, samples, settings.batch_paths, cancelled};
   WorkspacePool workspaces;
   std::mutex summing;
   TraceModes rays;
@@ -97,7 +97,7 @@ void Renderer::Data::render_tiles(Image& image, std::atomic<std::size_t>& finish
   });
   statistics.trace_seconds = watch.seconds();
   statistics.rays = rays;
-  statistics.camera_rays = std::uint64_t(settings.width) * settings.height * settings.spp;
+  statistics.camera_rays = std::uint64_t(settings.width) * settings.height * samples.count;
 }
 
 Renderer::Renderer() = default;
@@ -116,12 +116,18 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   const Bvh& world = data->trees->world().bvh();
   data->frame.emplace(Frame{SceneIndex(*data->scene), LightSampler(*data->scene, bounds_of(world)), world,
                             Tracer(world), settings.width, settings.height, settings.seed,
-                            settings.max_bounces, settings.show_domes});
+                            settings.max_bounces, settings.show_domes, settings.sampling});
   data_ = std::move(data);
 }
 
 Image Renderer::render(const ProgressFunction& progress) {
+  return render({0, committed().settings.spp}, progress);
+}
+
+Image Renderer::render(SampleRange samples, const ProgressFunction& progress) {
   Data& data = committed();
+  expect_range("first sample", samples.first, 0, kMaxSpp);
+  expect_range("samples", samples.count, 1, kMaxSpp);
   const RenderSettings& settings = data.settings;
   Image image{settings.width, settings.height, {}, {}};
   const std::size_t pixels = std::size_t(settings.width) * settings.height;
@@ -131,7 +137,7 @@ Image Renderer::render(const ProgressFunction& progress) {
   std::atomic<std::size_t> finished_tiles = 0;
   std::atomic<bool> cancelled = false;
 
-  Background work([&] { data.render_tiles(image, finished_tiles, cancelled); });
+  Background work([&] { data.render_tiles(samples, image, finished_tiles, cancelled); });
   try {
     while (!work.finished_within(kProgressInterval)) {
       if (progress && !progress(static_cast<double>(finished_tiles) / tiles)) throw Cancelled();

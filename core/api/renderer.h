@@ -9,6 +9,8 @@
 #include "core/build/settings.h"
 #include "core/bvh/statistics.h"
 #include "core/film/image.h"
+#include "core/film/sum_tree.h"
+#include "core/integrate/sampler.h"
 #include "core/plan/effect_plan.h"
 #include "core/probe/probe.h"
 #include "core/scene/scene.h"
@@ -19,7 +21,8 @@ namespace msbvh {
 struct RenderSettings {
   std::uint32_t width = 960;
   std::uint32_t height = 540;
-  std::uint32_t spp = 64;         // samples a pixel; noise falls with its square root, time grows with it
+  std::uint32_t spp = 64;  // samples a pixel; noise falls with its square root, time grows with it
+  Sampling sampling = Sampling::kSobol;
   std::uint32_t seed = 0;         // same seed, same bits, on any number of threads (one instruction set)
   std::uint32_t max_bounces = 2;  // 0: direct light only
   std::uint32_t threads = 0;      // 0: all
@@ -55,6 +58,9 @@ class Renderer {
   void commit(std::shared_ptr<const Scene> scene, const RenderSettings& settings);
   // All the others throw Error before commit(). Cancelled: within a tile of the progress function's false.
   Image render(const ProgressFunction& progress = {});
+  // Some of each pixel's samples, also beyond settings.spp. Two ranges side by side, weighted by their
+  // counts, have the mean of all at once: so samples can be added to a picture without another noise.
+  Image render(SampleRange samples, const ProgressFunction& progress = {});
 
   // Proves the invariants of every tree, as Accel::verify(). For tests: takes seconds on large scenes.
   void verify() const;

@@ -15,6 +15,11 @@ namespace msbvh {
 
 inline constexpr std::uint32_t kBlockSamples = 16;
 
+// Of each pixel's samples, which are the same whatever range they are taken in.
+struct SampleRange {
+  std::uint32_t first, count;
+};
+
 // Many pixels in step: each has `count()` samples. `Sum` must have += and be zero when made.
 template <typename Sum>
 class SumTrees {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "core/integrate/sampler.h"
 #include "core/shade/clearance.h"
 #include "core/shade/light/light_sampler.h"
 #include "core/shade/scene_index.h"
@@ -20,6 +21,7 @@ struct Frame {
   std::uint32_t seed;
   std::uint32_t max_bounces;  // 0: direct light only
   bool show_domes;            // camera rays that meet nothing see the dome
+  Sampling sampling;
 
   const Scene& scene() const { return index.scene(); }
   Surroundings surroundings() const { return {index, world}; }

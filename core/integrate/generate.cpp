@@ -59,6 +59,7 @@ class TimeStrata {
 };
 
 // Sets batch.times, sample by sample of each pixel in turn.
+template <Sampling kSampling>
 TimeStrata draw_times(const Frame& frame, const Tile& tile, const PixelOrder& pixels, SampleRange samples,
                       PathBatch& batch) {
   TimeStrata strata(samples.count);
@@ -66,7 +67,7 @@ TimeStrata draw_times(const Frame& frame, const Tile& tile, const PixelOrder& pi
   for (const Pixel& p : pixels) {
     const PixelSampler sampler(frame.seed, tile.x0 + p.x, tile.y0 + p.y);
     for (std::uint32_t s = 0; s < samples.count; ++s, ++time) {
-      *time = sampler.time(samples.first + s);
+      *time = sampler.time(sequence_index<kSampling>(sampler, samples.first + s));
       strata.count(*time);
     }
   }
@@ -74,12 +75,12 @@ TimeStrata draw_times(const Frame& frame, const Tile& tile, const PixelOrder& pi
   return strata;
 }
 
-template <bool kLens>
+template <bool kLens, Sampling kSampling>
 void generate(const Frame& frame, const Tile& tile, SampleRange samples, PathBatch& batch) {
   const std::uint32_t pixels_in_tile = tile.pixels();
   batch.reset(std::size_t(samples.count) * pixels_in_tile);
   const PixelOrder pixels(tile);
-  TimeStrata strata = draw_times(frame, tile, pixels, samples, batch);
+  TimeStrata strata = draw_times<kSampling>(frame, tile, pixels, samples, batch);
   const Camera& camera = frame.scene().camera;
   const CameraRays rays(camera);
   const auto width = static_cast<float>(frame.width), height = static_cast<float>(frame.height);
@@ -91,8 +92,9 @@ void generate(const Frame& frame, const Tile& tile, SampleRange samples, PathBat
     std::uint32_t slot = p.y * tile.width() + p.x;
     for (std::uint32_t s = 0; s < samples.count; ++s, ++time, slot += pixels_in_tile) {
       const PathIndex path = strata.take(*time);
-      const Sampler sampler(pixel, samples.first + s);
-      const Point2 in_pixel = pixel.position(samples.first + s);
+      const std::uint32_t index = sequence_index<kSampling>(pixel, samples.first + s);
+      const Sampler sampler(pixel, index);
+      const Point2 in_pixel = pixel.position(index);
       const float screen_x = (x + in_pixel.x) / width, screen_y = (y + in_pixel.y) / height;
       batch.sampler[path] = sampler;
       batch.slot[path] = slot;
@@ -103,10 +105,16 @@ void generate(const Frame& frame, const Tile& tile, SampleRange samples, PathBat
   }
 }
 
+template <Sampling kSampling>
+Generate choose(EffectSet effects) {
+  return effects.has(Effect::kLens) ? generate<true, kSampling> : generate<false, kSampling>;
+}
+
 }  // namespace
 
-Generate choose_generate(EffectSet effects) {
-  return effects.has(Effect::kLens) ? generate<true> : generate<false>;
+Generate choose_generate(EffectSet effects, Sampling sampling) {
+  return sampling == Sampling::kSobol ? choose<Sampling::kSobol>(effects)
+                                      : choose<Sampling::kIndependent>(effects);
 }
 
 }  // namespace msbvh

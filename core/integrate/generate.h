@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "core/film/sum_tree.h"
 #include "core/film/tile.h"
 #include "core/integrate/frame.h"
 #include "core/integrate/path_batch.h"
@@ -10,14 +11,10 @@
 
 namespace msbvh {
 
-struct SampleRange {
-  std::uint32_t first, count;
-};
-
 // Fills the batch: samples.count * tile.pixels() paths, all under way.
 using Generate = void (*)(const Frame& frame, const Tile& tile, SampleRange samples, PathBatch& batch);
 
 // Without any code for a lens where `effects` has none.
-Generate choose_generate(EffectSet effects);
+Generate choose_generate(EffectSet effects, Sampling sampling);
 
 }  // namespace msbvh

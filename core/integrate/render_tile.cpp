@@ -56,15 +56,16 @@ void resolve(const Tile& tile, const TileWorkspace& workspace, Image& image) {
 }  // namespace
 
 TraceModes render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image) {
-  const Generate generate = choose_generate(job.effects);
+  const Generate generate = choose_generate(job.effects, job.frame.sampling);
   const bool aovs = job.effects.has(Effect::kAovs);
   const std::uint32_t pixels = tile.pixels(), most = std::max(1u, job.batch_paths / pixels);
   TraceModes traced;
   workspace.sums.reset(pixels);
   if (aovs) workspace.aov_sums.reset(pixels);
-  for (SampleRange samples{0, 0}; samples.first < job.spp; samples.first += samples.count) {
+  const std::uint32_t end = job.samples.first + job.samples.count;
+  for (SampleRange samples{job.samples.first, 0}; samples.first < end; samples.first += samples.count) {
     if (job.cancelled.load(std::memory_order_relaxed)) return traced;
-    samples.count = std::min(most, job.spp - samples.first);
+    samples.count = std::min(most, end - samples.first);
     generate(job.frame, tile, samples, workspace.batch);
     trace_paths(job.frame, job.effects, workspace.batch);
     accumulate(workspace.batch, pixels, workspace.sums);

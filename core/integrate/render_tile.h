@@ -19,7 +19,7 @@ namespace msbvh {
 struct TileJob {
   const Frame& frame;
   EffectSet effects;
-  std::uint32_t spp;
+  SampleRange samples;
   std::uint32_t batch_paths;           // at most; 1 to kMaxBatchPaths. The picture does not depend on it
   const std::atomic<bool>& cancelled;  // asked before every batch
 };

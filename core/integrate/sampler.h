@@ -20,6 +20,19 @@
 
 namespace msbvh {
 
+// How samples are spread.
+enum class Sampling : std::uint8_t {
+  kSobol,       // well apart, for every number of them
+  kIndependent  // each by itself at random: noisier, for comparisons
+};
+
+struct SamplingName {
+  Sampling sampling;
+  const char* name;
+};
+inline constexpr SamplingName kSamplings[] = {{Sampling::kSobol, "sobol"},
+                                              {Sampling::kIndependent, "independent"}};
+
 enum class Dimension : std::uint32_t {
   kCamera,     // place in the pixel, and time
   kOpacity,    // whether a surface is seen or seen through
@@ -139,6 +152,12 @@ class PixelSampler {
 
   std::uint32_t pixel_, x_, y_, time_;
 };
+
+// Which of the sequence's points a sample takes. Points of indices at random know nothing of each other.
+template <Sampling kSampling>
+constexpr std::uint32_t sequence_index(const PixelSampler& pixel, std::uint32_t sample) {
+  return kSampling == Sampling::kSobol ? sample : hash(~pixel.key(), sample);
+}
 
 // What a pair is drawn for: the same for all paths of a batch, so made once for them. `depth` counts the
 // vertices of the path, `which` the lights or layers at one of them.

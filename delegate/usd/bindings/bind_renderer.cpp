@@ -34,6 +34,15 @@ Builder builder_from(const std::string& name) {
   throw nb::value_error(("builder: found \"" + name + "\"; expected " + known).c_str());
 }
 
+Sampling sampling_from(const std::string& name) {
+  std::string known;
+  for (const SamplingName& sampling : kSamplings) {
+    if (name == sampling.name) return sampling.sampling;
+    known += (known.empty() ? "" : " or ") + std::string(sampling.name);
+  }
+  throw nb::value_error(("sampler: found \"" + name + "\"; expected " + known).c_str());
+}
+
 Refit refit_from(const std::string& name) {
   std::string known;
   for (const RefitName& refit : kRefits) {
@@ -124,6 +133,13 @@ auto without_gil(const nb::object& progress, const Work& work) {
 nb::tuple render_with_aovs(Renderer& renderer, const nb::object& progress) {
   return to_arrays(
       without_gil(progress, [&](const ProgressFunction& report) { return renderer.render(report); }));
+}
+
+nb::tuple render_samples(Renderer& renderer, std::uint32_t first, std::uint32_t count,
+                         const nb::object& progress) {
+  return to_arrays(without_gil(progress, [&](const ProgressFunction& report) {
+    return renderer.render(SampleRange{first, count}, report);
+  }));
 }
 
 nb::dict probe(const Renderer& renderer, std::size_t rays, std::uint64_t seed, const nb::object& progress) {
@@ -228,10 +244,11 @@ std::vector<Aov> aovs_from(const std::vector<std::string>& names) {
 void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width, std::uint32_t height,
                   std::uint32_t spp, std::uint32_t seed, std::uint32_t max_bounces, std::uint32_t threads,
                   bool show_domes, const std::string& builder, const std::string& refit, bool keep_topology,
-                  const std::vector<std::string>& aovs) {
+                  const std::vector<std::string>& aovs, const std::string& sampler, float split_budget) {
   RenderSettings settings{.width = width,
                           .height = height,
                           .spp = spp,
+                          .sampling = sampling_from(sampler),
                           .seed = seed,
                           .max_bounces = max_bounces,
                           .threads = threads,
@@ -240,6 +257,7 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
   settings.build.builder = builder_from(builder);
   settings.build.refit = refit_from(refit);
   settings.build.keep_topology = keep_topology;
+  settings.build.spatial_split_budget = split_budget;
   settings.aovs = aovs_from(aovs);
   commit(self, scene.scene, std::move(settings));
 }
@@ -267,16 +285,19 @@ void bind_renderer(nb::module_& m) {
                  nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
                  nb::arg("show_domes") = defaults.show_domes, nb::arg("builder") = "msbvh",
                  nb::arg("refit") = "auto", nb::arg("keep_topology") = defaults.build.keep_topology,
-                 nb::arg("aovs") = std::vector<std::string>());
+                 nb::arg("aovs") = std::vector<std::string>(), nb::arg("sampler") = "sobol",
+                 nb::arg("split_budget") = defaults.build.spatial_split_budget);
   };
   nb::class_<Renderer> renderer(m, "Renderer");
-  def_with_settings(
-      renderer, "__init__",
-      &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, bool,
-            const std::string&, const std::string&, bool, const std::vector<std::string>&>);
+  def_with_settings(renderer, "__init__",
+                    &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t,
+                          std::uint32_t, bool, const std::string&, const std::string&, bool,
+                          const std::vector<std::string>&, const std::string&, float>);
   def_with_settings(renderer, "commit", &commit_scene);
   renderer.def("render", &render, nb::arg("progress") = nb::none())
       .def("render_with_aovs", &render_with_aovs, nb::arg("progress") = nb::none())
+      .def("render_samples", &render_samples, nb::arg("first"), nb::arg("count"),
+           nb::arg("progress") = nb::none())
       .def("verify", &Renderer::verify, nb::call_guard<nb::gil_scoped_release>())
       .def("probe", &probe, nb::kw_only(), nb::arg("rays"), nb::arg("seed"), nb::arg("progress") = nb::none())
       .def_prop_ro("plan", &plan)

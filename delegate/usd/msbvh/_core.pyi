@@ -297,6 +297,9 @@ class RenderSettings(TypedDict, total=False):
     """So that the next commit() can refit."""
     aovs: Sequence[str]
     """Of aov_names(); what render_with_aovs() returns beside colour."""
+    sampler: Literal["sobol", "independent"]
+    split_budget: float
+    """References that spatial splits may add, as a share of the triangles."""
 
 def aov_names() -> tuple[str, ...]:
     """Of what a pixel can tell beside its colour: core/film/aov.h says what each means."""
@@ -326,6 +329,11 @@ class Renderer:
         """
     def render_with_aovs(self, progress: Callable[[float], object] | None = None) -> tuple[F32, dict[str, F32 | I32]]:
         """render(), and each AOV by its name: int32[height, width] of ids, else float32[height, width, channels]."""
+    def render_samples(
+        self, first: int, count: int, progress: Callable[[float], object] | None = None
+    ) -> tuple[F32, dict[str, F32 | I32]]:
+        """render_with_aovs() of some of each pixel's samples, also beyond ``spp``. Two ranges side by side, weighted by
+        their counts, have the mean of all at once."""
     def verify(self) -> None:
         """Proves the invariants of every tree that was built; raises Error naming the node that breaks one.
 

@@ -125,7 +125,7 @@ def rendered(side: Side, job: Job, folder: Path) -> Run:
     folder.mkdir(parents=True, exist_ok=True)
     for file in (PICTURE, FIGURES):
         (folder / file).unlink(missing_ok=True)  # What an earlier frame left must not pass for this one's.
-    took = _launched(side, side.command(job, folder), job.threads, folder)
+    took = launched(f"bench: {side.name}", side.command(job, folder), job.threads, folder)
     try:
         seconds, software = side.figures(folder)
         pixels = read_colour(folder / PICTURE)
@@ -139,8 +139,9 @@ def rendered(side: Side, job: Job, folder: Path) -> Run:
     return Run(seconds, took["seconds"], int(took["memory_bytes"]), software, pixels)
 
 
-def _launched(side: Side, command: Sequence[str], threads: int, folder: Path) -> dict[str, float]:
-    """What frame_launch wrote of a command."""
+def launched(name: str, command: Sequence[str], threads: int, folder: Path) -> dict[str, float]:
+    """Runs a renderer's command on so many processors; its wall-clock `seconds` and its peak `memory_bytes`. Raises
+    SceneError, with the last line that it said, where it fails."""
     result = folder / "took.json"
     processors = ",".join(map(str, sorted(os.sched_getaffinity(0))[:threads]))
     # -I and -S: nothing of the user's site, and little memory.
@@ -150,6 +151,6 @@ def _launched(side: Side, command: Sequence[str], threads: int, folder: Path) ->
         log.seek(0)
         said = log.read()
     if code:
-        raise SceneError(f"bench: {side.name}: exit code {code}: {last_line(said)}")
+        raise SceneError(f"{name}: exit code {code}: {last_line(said)}")
     took: dict[str, float] = json.loads(result.read_text(encoding="utf-8"))
     return took

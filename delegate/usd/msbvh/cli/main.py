@@ -45,13 +45,14 @@ from ..render.record import (
     software,
 )
 from ..stage.opening import tf_messages
+from .accuracy_command import accuracy_command
 from .bench_options import BENCH, FRAMES, frame_options
 from .frame_options import check_text, parse, read_one_frame, read_settings
 from .options import CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
 from .plan_command import plan_command
 from .verify_command import verify_command
 
-RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "aovs", "builder", "refit")
+RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "aovs", "builder", "refit", "sampler", "split_budget")
 """Options that are fields of RenderSettings."""
 RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")
 
@@ -60,7 +61,7 @@ def main(arguments: Sequence[str]) -> int:
     """Runs a command; returns the exit code (exit_codes.py). Whatever goes wrong is one line on stderr, never a
     traceback."""
     try:
-        return commands.main(args=list(arguments), prog_name="msbvh", standalone_mode=False) or DONE
+        return commands.main(list(arguments), "msbvh", standalone_mode=False, obj=tuple(arguments)) or DONE
     except click.exceptions.NoArgsIsHelpError as error:
         print(error.format_message(), file=sys.stderr)
         return USAGE
@@ -244,6 +245,7 @@ def _wrong_row(row: dict[str, Any]) -> bool:
     return bool(row["mismatches"] or row["mode_mismatches"] or row["misses"])
 
 
+commands.add_command(accuracy_command)
 commands.add_command(plan_command)
 commands.add_command(verify_command)
 

@@ -315,6 +315,24 @@ RENDER: Sequence[Decorator] = (
         " (slow rays). timesplit: one tree per motion segment (memory and build time grow with them).",
     ),
     click.option(
+        "--split-budget",
+        type=click.FloatRange(0.0, 64.0),
+        callback=_finite,
+        default=1.0,
+        show_default=True,
+        metavar="SHARE",
+        help="References that the builder's spatial splits may add, as a share of the triangles; spent only where boxes overlap."
+        " More: faster rays among long, thin triangles, more memory and a longer build. 0: none.",
+    ),
+    click.option(
+        "--sampler",
+        type=click.Choice(("sobol", "independent")),
+        default="sobol",
+        show_default=True,
+        help="How samples are spread. sobol: well apart over the pixel, the shutter and the lights. independent: each by itself"
+        " at random, for comparisons; noisier at the same cost.",
+    ),
+    click.option(
         "--refit",
         type=click.Choice(("auto", "always", "never")),
         default="auto",

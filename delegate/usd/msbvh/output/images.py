@@ -134,6 +134,17 @@ def write_image(path: Path, layers: np.ndarray | Layers, metadata: ImageMetadata
     write_whole(path, content)
 
 
+def write_display_png(path: Path, rgb: np.ndarray) -> None:
+    """Writes float32[h, w, 3] of display values in [0, 1] as an opaque PNG of 8 bits, complete or not at all. Raises
+    OutputError."""
+    pixels = np.ascontiguousarray(rgb, np.float32)
+    try:
+        content = _file_content("png", pixels, _spec(pixels, oiio.UINT8))
+    except _EncodingError as error:
+        raise OutputError(f"cannot write '{path}': {error}") from None
+    write_whole(path, content)
+
+
 class _EncodingError(Exception):
     """OpenImageIO cannot encode an image; str() says why."""
 

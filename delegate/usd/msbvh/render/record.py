@@ -41,6 +41,10 @@ class RenderSettings:
     """What is written beside colour, of _core.aov_names()."""
     refit: str = "auto"
     """What a frame's trees take over from those of the frame before: core/build/settings.h."""
+    sampler: str = "sobol"
+    """core/integrate/sampler.h."""
+    split_budget: float = 1.0
+    """References that spatial splits may add, as a share of the triangles: core/build/settings.h."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,234 @@
+"""The whole of `msbvh accuracy`: from a scene to the figures of its report."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pxr import Usd
+
+from .. import _core
+from ..base.errors import Diagnostics
+from ..bench.rays import host
+from ..scene.reader import ReadResult, ReadSettings
+from ..stage.opening import open_stage
+from ..stage.stage_metadata import start_time
+from .all_knobs import ALL
+from .facts import SceneFacts, scene_facts
+from .findings import findings
+from .front import guesses, promising
+from .kinds import finest, motion_pixels
+from .launch import Shot
+from .measure import HALVES, REFERENCE_SEED, Measurement
+from .options import Options
+from .pictures import write_pictures
+from .points import Point, front_of
+from .prims import prim_rows
+from .store import Store, fingerprint
+from .sweep import Axis, Named, Partners, axes, named
+from .targets import Goals, Target, aim
+
+REFERENCE_FACTOR = 16
+"""Samples of the reference, as a multiple of the base's."""
+LEAST_REFERENCE_SAMPLES = 256
+
+
+@dataclass(frozen=True)
+class AccuracySettings:
+    """What is measured, and how often."""
+
+    scene: str
+    read: ReadSettings
+    base: Options
+    """Of `msbvh record`: what is held while one knob is turned."""
+    shared: tuple[str, ...] = ()
+    """Arguments of `msbvh record` that all points have: camera, mask ..."""
+    frame: float | None = None
+    default_time: bool = False
+    mask: tuple[str, ...] = ()
+    rounds: int = 3
+    few: bool = False
+    globs: Sequence[str] = ("*",)
+    seed: int = 1
+    threads: int = 0
+    goals: Goals = Goals()
+    command: str = ""
+    """As the user typed it."""
+
+    @property
+    def seeds(self) -> Sequence[int]:
+        return range(self.seed, self.seed + self.rounds)
+
+    @property
+    def processors(self) -> int:
+        most = len(os.sched_getaffinity(0))
+        return min(self.threads, most) or most
+
+    @property
+    def reference_samples(self) -> int:
+        """Of both halves."""
+        return max(REFERENCE_FACTOR * int(self.base.get("spp", 16)), 32 if self.few else LEAST_REFERENCE_SAMPLES)
+
+
+def run_accuracy(
+    settings: AccuracySettings,
+    out: Path,
+    progress: Callable[[float], object],
+    diagnostics: Diagnostics,
+) -> dict[str, Any]:
+    """Measures and writes pictures; the report's data. Raises SceneError for a scene that cannot be rendered."""
+    load = os.getloadavg()[0]
+    stage = open_stage(settings.scene, diagnostics, settings.mask)
+    time = settings.frame if settings.frame is not None or settings.default_time else start_time(stage)
+    facts, result = scene_facts(stage, time, settings.read, int(settings.base.get("max-bounces", 2)), diagnostics)
+    camera = result.camera
+    size = ("--resolution", str(camera.width), str(camera.height))
+    shot = Shot(settings.scene, time, (*settings.shared, *size), settings.processors)
+    identity = repr((fingerprint(stage), host()["commit"], _core.__version__, shot))
+    report = _Report(settings, facts, Measurement(shot, Store(out / "points", identity), settings.seeds, progress))
+    report.measure()
+    data = {
+        "software": f"msbvh {_core.__version__}",
+        "scene": settings.scene,
+        "frame": time,
+        "camera": camera.path or "framing camera",
+        "resolution": [camera.width, camera.height],
+        "shutter": [camera.shutter.open, camera.shutter.close],
+        "threads": settings.processors,
+        "command": settings.command,
+        "machine": {**host(), "load_before": load, "load_after": os.getloadavg()[0], "noise": report.measurement.noise},
+        "base": settings.base.plain(),
+        **report.plain(shot),
+        "prims": prim_rows(stage, facts, settings.read, report.measurement.points, settings.base),
+        "warnings": [str(found) for found in diagnostics],
+    }
+    write_pictures(data, report.pictures(), out)
+    data["findings"] = findings(data)
+    return data
+
+
+class _Report:
+    """What is measured of one scene, in this order: axes and named settings, the front, the targets."""
+
+    def __init__(self, settings: AccuracySettings, facts: SceneFacts, measurement: Measurement) -> None:
+        self._settings = settings
+        self._facts = facts
+        self.measurement = measurement
+        self._axes = axes(ALL, facts, settings.base, settings.few, settings.globs)
+        self._named = named(settings.base, facts)
+        self._targets: list[Target] = []
+        self._references: list[np.ndarray] = []
+
+    def measure(self) -> None:
+        base, measurement = self._settings.base, self.measurement
+        partners = Partners(self._facts)
+        of_axes = {axis.knob.option: partners.of_axis(axis) for axis in self._axes}
+        names = [one.options for one in self._named]
+        apart = measurement.all_partners(names, self._facts)
+        swept = [step.options for axis in self._axes for step in axis.steps()]
+        without = [one for found in (*of_axes.values(), *apart.values()) for one in found.values()]
+        wanted = [base, *names, *swept, *without]
+        measurement.expect(wanted, 0.6)
+        measurement.measure(wanted)
+        measurement.repeat(base, [seed + 500_000 for seed in self._settings.seeds] + list(self._settings.seeds))
+        self._references = self._render_references()
+        measurement.judge(self._references)
+        for axis in self._axes:
+            measurement.set_apart(of_axes[axis.knob.option], axis.knob.error)
+        for kind, found in apart.items():
+            measurement.set_apart(found, kind)
+        self._measure_front()
+        self._targets = aim(self._settings.goals, base, self._axes, measurement, self._judge_anew)
+
+    def _render_references(self) -> list[np.ndarray]:
+        options = self._reference_options
+        found = []
+        for half in range(HALVES):
+            seed = REFERENCE_SEED + self._settings.seed + half
+            self.measurement.run(options, seed)
+            found.append(self.measurement.picture(options, seed))
+        return found
+
+    @property
+    def _reference_options(self) -> Options:
+        samples = self._settings.reference_samples // HALVES
+        return finest(self._facts, Options.of({"spp": samples}).over(self._settings.base))
+
+    def _measure_front(self) -> None:
+        measurement = self.measurement
+        found = guesses(self._axes, self._settings.base, measurement.points)
+        wanted = promising(found, list(measurement.points))
+        measurement.expect(wanted, 0.25)
+        measurement.measure(wanted)
+        measurement.judge(self._references)
+
+    def _judge_anew(self, options: Options) -> Point:
+        """Of settings that a target has picked."""
+        self.measurement.expect([options], 0.05)
+        self.measurement.measure([options])
+        self.measurement.judge(self._references)
+        return self.measurement.points[options]
+
+    def _joint(self) -> dict[str, Point]:
+        """Points that a front may hold: one frame, and the same look."""
+        odd = {step.options for axis in self._axes if axis.knob.error == "none" for step in axis.steps()}
+        return {
+            point.id: point
+            for options, point in self.measurement.points.items()
+            if options == self._settings.base or options not in odd
+        }
+
+    def plain(self, shot: Shot) -> dict[str, Any]:
+        points, base = self.measurement.points, self._settings.base
+        return {
+            "reference": self._plain_reference(),
+            "axes": [_plain_axis(axis) for axis in self._axes],
+            "named": [{"name": one.name, "says": one.says, "id": Point(one.options).id} for one in self._named],
+            "front": front_of(self._joint()),
+            "targets": [target.plain() for target in self._targets],
+            "points": {point.id: point.plain(base, shot) for point in points.values()},
+            "rendered": self.measurement.rendered,
+            "taken_over": self.measurement.taken_over,
+        }
+
+    def _plain_reference(self) -> dict[str, Any]:
+        options = self._reference_options
+        runs = [
+            self.measurement.run(options, REFERENCE_SEED + self._settings.seed + half) for half in range(HALVES)
+        ]
+        return {
+            "options": options.plain(),
+            "samples": self._settings.reference_samples,
+            "seconds": sum(sum(run.seconds.values()) for run in runs),
+            "motion_px": motion_pixels(runs[0].tracks),
+        }
+
+    def pictures(self) -> dict[str, np.ndarray]:
+        """The reference and all points that the report shows, the means of their seeds."""
+        shown = {point.id for point in map(Point, [one.options for one in self._named])}
+        shown |= set(front_of(self._joint())) | {target.id for target in self._targets if target.id}
+        found = {"reference": np.mean(self._references, axis=0)}
+        for options, point in self.measurement.points.items():
+            if point.id in shown and point.runs:
+                found[point.id] = self.measurement.pictures(options)[0]
+        return found
+
+
+def _plain_axis(axis: Axis) -> dict[str, Any]:
+    knob = axis.knob
+    return {
+        "name": knob.name,
+        "option": knob.option,
+        "unit": knob.unit,
+        "says": knob.says,
+        "error": knob.error,
+        "left_out": axis.left_out or None,
+        "series": [
+            {"name": name, "points": [{"value": step.value, "id": Point(step.options).id} for step in steps]}
+            for name, steps in axis.series.items()
+        ],
+    }

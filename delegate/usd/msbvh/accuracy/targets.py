@@ -1,0 +1,189 @@
+"""A blur budget: the cheapest settings that keep an error or a time, found, rendered, and held to it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from .measure import Measurement
+from .options import Options
+from .points import Point
+from .sweep import Axis
+
+SLACK = 1.1
+"""A target is met within 10 %."""
+ATTEMPTS = 4
+FLIP_SLOPE = 0.4
+"""FLIP falls about so, as a power of the samples: where one point alone is known."""
+MOST_SAMPLES = 65536
+
+
+@dataclass(frozen=True)
+class Goals:
+    """What is asked for; None: it is not."""
+
+    error_px: float | None = None
+    flip: float | None = None
+    seconds: float | None = None
+
+
+@dataclass(frozen=True)
+class Target:
+    """A goal, and what came of it."""
+
+    asked: str
+    unit: str
+    found: float | None
+    holds: bool
+    says: str
+    id: str | None
+
+    def plain(self) -> dict[str, Any]:
+        return dict(vars(self))
+
+
+def aim(
+    goals: Goals,
+    base: Options,
+    axes: Sequence[Axis],
+    measurement: Measurement,
+    judge: Callable[[Options], Point],
+) -> list[Target]:
+    """Picks settings for each goal, renders with them and says whether it holds."""
+    search = _Search(base, axes, measurement, judge)
+    found = []
+    if goals.error_px is not None:
+        found.append(search.error_px(goals.error_px))
+    if goals.flip is not None:
+        found.append(search.flip(goals.flip))
+    if goals.seconds is not None:
+        found.append(search.seconds(goals.seconds))
+    return found
+
+
+class _Search:
+    def __init__(
+        self,
+        base: Options,
+        axes: Sequence[Axis],
+        measurement: Measurement,
+        judge: Callable[[Options], Point],
+    ) -> None:
+        self._base = base
+        self._axes = {axis.knob.option: axis for axis in axes}
+        self._measurement = measurement
+        self._judge = judge
+
+    def error_px(self, wanted: float) -> Target:
+        """The tolerance is a promise for each prim; edges are the longest whose shape keeps it."""
+        options = Options.of({"motion-tolerance": wanted}).over(self._base.without("segments", "interpolation"))
+        options = self._edges(wanted).over(options)
+        point = self._judge(options)
+        if point.failed:
+            return _failed(f"--target-error {wanted:g}px", "px", point)
+        errors = {"motion": point.motion_px, "shape": point.shape_px or 0.0}
+        worst = max(errors, key=lambda kind: errors[kind])
+        holds = errors[worst] <= wanted * SLACK
+        says = f"{options.beside(self._base).text() or 'the base settings'}: {worst} is off by {errors[worst]:.3g} px at most"
+        return Target(f"--target-error {wanted:g}px", "px", errors[worst], holds, says, point.id)
+
+    def _edges(self, wanted: float) -> Options:
+        """The cheapest position of the edge axis that was measured to keep an error of the shape."""
+        axis = self._axes.get("edge-length")
+        for step in axis.steps() if axis else ():
+            point = self._measurement.points[step.options]
+            if point.shape_px is not None and point.shape_px <= wanted:
+                return Options.of({"edge-length": step.options.get("edge-length", 1.0)})
+        return Options()
+
+    def flip(self, wanted: float) -> Target:
+        """Samples until noise and all else together look no worse; fewer where they can be spared."""
+        tried: dict[int, Point] = {}
+        samples = int(self._base.get("spp", 16))
+        for options in self._by_samples():
+            point = self._measurement.points[options]
+            if point.error is not None:
+                tried[int(options.get("spp", 16))] = point
+        for _ in range(ATTEMPTS):
+            samples = _next_samples({n: _flip(point) for n, point in tried.items()}, wanted, samples)
+            if samples in tried:
+                break
+            point = self._judge(Options.of({"spp": samples}).over(self._base))
+            if point.failed:
+                return _failed(f"--target-flip {wanted:g}", "FLIP", point)
+            tried[samples] = point
+            if wanted / SLACK <= _flip(point) <= wanted:
+                break
+        holding = [n for n, point in tried.items() if _flip(point) <= wanted * SLACK]
+        best = min(holding) if holding else max(tried)
+        point = tried[best]
+        says = f"--spp {best}"
+        if not holding and point.error is not None and point.error.bias_flip > wanted:
+            says += f": more samples would not do, {point.error.bias_flip:.3g} is left of the mean of all seeds"
+        return Target(f"--target-flip {wanted:g}", "FLIP", _flip(point), bool(holding), says, point.id)
+
+    def _by_samples(self) -> Iterator[Options]:
+        yield self._base
+        axis = self._axes.get("spp")
+        for step in axis.steps() if axis else ():
+            if step.options in self._measurement.points:
+                yield step.options
+
+    def seconds(self, wanted: float) -> Target:
+        """The settings with the least error of those that were measured to fit, with as many samples as then fit."""
+        asked = f"--time-budget {wanted:g}s"
+        fitting = [
+            point
+            for point in self._measurement.points.values()
+            if point.error is not None and point.frame_seconds <= wanted and "frames" not in point.options.plain()
+        ]
+        if not fitting:
+            least = min(point.frame_seconds for point in self._measurement.points.values() if point.runs)
+            return Target(asked, "s", least, False, f"no settings fit: the cheapest that were tried take {least:.3g} s", None)
+        best = min(fitting, key=lambda point: point.error.relative_mse if point.error else math.inf)
+        for _ in range(ATTEMPTS):
+            samples = _samples_in(best, wanted)
+            if samples <= int(best.options.get("spp", 16)):
+                break
+            point = self._judge(Options.of({"spp": samples}).over(best.options))
+            if point.failed or point.frame_seconds > wanted * SLACK:
+                break
+            best = point
+            if best.frame_seconds >= wanted / SLACK:
+                break
+        says = best.options.beside(self._base).text() or "the base settings"
+        holds = best.frame_seconds <= wanted * SLACK
+        return Target(asked, "s", best.frame_seconds, holds, says, best.id)
+
+
+def _failed(asked: str, unit: str, point: Point) -> Target:
+    return Target(asked, unit, None, False, point.failed, point.id)
+
+
+def _flip(point: Point) -> float:
+    return point.error.flip if point.error is not None else math.inf
+
+
+def _next_samples(found: Mapping[int, float], wanted: float, start: int) -> int:
+    """By how FLIP has fallen between the two counts next to what is wanted, as a power of the samples."""
+    known = sorted((n, error) for n, error in found.items() if 0.0 < error < math.inf)
+    if not known:
+        return start
+    nearest = sorted(known, key=lambda pair: abs(math.log(pair[1] / wanted)))[:2]
+    slope = FLIP_SLOPE
+    if len(nearest) == 2 and nearest[0][0] != nearest[1][0]:
+        (n0, e0), (n1, e1) = nearest
+        slope = max(-math.log(e1 / e0) / math.log(n1 / n0), 0.1)
+    samples, error = nearest[0]
+    # A little below, so that noise in the measure does not lift it above.
+    return min(MOST_SAMPLES, max(1, math.ceil(samples * (error / (0.97 * wanted)) ** (1.0 / slope))))
+
+
+def _samples_in(point: Point, seconds: float) -> int:
+    """As many as a frame's time has room for, if tracing grows with them and nothing else does."""
+    samples = int(point.options.get("spp", 16))
+    trace = sorted(point.seconds("trace"))[len(point.runs) // 2]
+    rest = point.frame_seconds - trace
+    return min(MOST_SAMPLES, math.floor(samples * max(seconds * 0.95 - rest, 0.0) / max(trace, 1e-6)))
