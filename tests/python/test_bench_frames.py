@@ -18,7 +18,8 @@ from msbvh.bench import cycles_peer, frame_sides
 from msbvh.bench.cycles_peer import Cycles, find_cycles, installed, usual_folder
 from msbvh.bench.cycles_script import phases
 from msbvh.bench.frame_noise import Picture, likeness, noise
-from msbvh.bench.frame_scenes import CAMERA, FRAME, IRRADIANCE, RATE, SCENES, SHUTTER
+from msbvh.bench.frame_scenes import SCENES
+from msbvh.bench.scene_parts import CAMERA, FRAME, IRRADIANCE, RATE, SHUTTER
 from msbvh.bench.frame_sides import Job, old_build, rendered, this_build
 from msbvh.bench.frames import FrameSettings
 from pxr import Usd, UsdGeom, UsdLux

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from pxr import Usd
 
 from .. import _core
+from ..base.errors import Diagnostics
 from ..scene.reader import ReadResult, ReadSettings, read_frame
 from ..stage.opening import tf_messages
-from ..base.errors import Diagnostics
 
 FRAMES_OF_A_SEQUENCE = 4
 """That the refit knob renders."""

@@ -9,8 +9,8 @@ from statistics import median
 import numpy as np
 
 from ..base.errors import SceneError
-from .kinds import kinds_in, rid_of
 from .facts import SceneFacts
+from .kinds import kinds_in, rid_of
 from .knobs import Error
 from .launch import Shot, run
 from .options import Options

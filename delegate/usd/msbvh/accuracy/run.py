@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Usd
 
 from .. import _core
 from ..base.errors import Diagnostics
 from ..bench.rays import host
-from ..scene.reader import ReadResult, ReadSettings
+from ..render.budget import Goals
+from ..scene.reader import ReadSettings
 from ..stage.opening import open_stage
 from ..stage.stage_metadata import start_time
 from .all_knobs import ALL
@@ -29,8 +29,8 @@ from .pictures import write_pictures
 from .points import Point, front_of
 from .prims import prim_rows
 from .store import Store, fingerprint
-from .sweep import Axis, Named, Partners, axes, named
-from .targets import Goals, Target, aim
+from .sweep import Axis, Partners, axes, named
+from .targets import Target, aim
 
 REFERENCE_FACTOR = 16
 """Samples of the reference, as a multiple of the base's."""
@@ -197,9 +197,7 @@ class _Report:
 
     def _plain_reference(self) -> dict[str, Any]:
         options = self._reference_options
-        runs = [
-            self.measurement.run(options, REFERENCE_SEED + self._settings.seed + half) for half in range(HALVES)
-        ]
+        runs = [self.measurement.run(options, REFERENCE_SEED + self._settings.seed + half) for half in range(HALVES)]
         return {
             "options": options.plain(),
             "samples": self._settings.reference_samples,

@@ -23,10 +23,12 @@ from .options import Options
 
 PICTURE = "picture.exr"
 FIGURES = "figures.json"
+LARGE = 1 << 26
+"""Bytes of a file that is not read for its fingerprint."""
 
 
 def fingerprint(stage: Usd.Stage) -> str:
-    """Of all files that a stage is made of, by name, size and time of change."""
+    """Of all files that a stage is made of: by content, large ones by size and time of change."""
     found = hashlib.sha256()
     for layer in sorted(stage.GetUsedLayers(), key=lambda layer: str(layer.identifier)):
         found.update(_told(layer).encode())
@@ -38,7 +40,9 @@ def _told(layer: Sdf.Layer) -> str:
     with contextlib.suppress(OSError):
         if path:
             seen = Path(path).stat()
-            return f"{path} {seen.st_size} {seen.st_mtime_ns}\n"
+            if seen.st_size > LARGE:
+                return f"{path} {seen.st_size} {seen.st_mtime_ns}\n"
+            return f"{path} {hashlib.sha256(Path(path).read_bytes()).hexdigest()}\n"
     return f"{layer.identifier} {layer.ExportToString()}\n"
 
 

@@ -37,7 +37,9 @@ class Named:
 
 def axes(knobs: Sequence[Knob], facts: SceneFacts, base: Options, few: bool, globs: Sequence[str]) -> list[Axis]:
     """Of the knobs whose option matches one of the globs."""
-    return [_axis(knob, facts, base, few) for knob in knobs if any(fnmatch.fnmatch(knob.option, glob) for glob in globs)]
+    return [
+        _axis(knob, facts, base, few) for knob in knobs if any(fnmatch.fnmatch(knob.option, glob) for glob in globs)
+    ]
 
 
 def _axis(knob: Knob, facts: SceneFacts, base: Options, few: bool) -> Axis:
@@ -57,7 +59,11 @@ def named(base: Options, facts: SceneFacts) -> list[Named]:
     if not facts.moves:
         return [ours]
     habits = (
-        ("2 keys everywhere", "what most renderers do by default: straight lines from the shutter's opening to its closing", 1),
+        (
+            "2 keys everywhere",
+            "what most renderers do by default: straight lines from the shutter's opening to its closing",
+            1,
+        ),
         ("Arnold-like 3 keys", "three evenly spaced keys with straight lines between them", 2),
     )
     motion = base.without("segments", "interpolation")

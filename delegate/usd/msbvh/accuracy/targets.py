@@ -7,26 +7,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..render.budget import AIM, FLIP_SLOPE, MOST_SAMPLES, SLACK, Goals
 from .measure import Measurement
 from .options import Options
 from .points import Point
 from .sweep import Axis
 
-SLACK = 1.1
-"""A target is met within 10 %."""
 ATTEMPTS = 4
-FLIP_SLOPE = 0.4
-"""FLIP falls about so, as a power of the samples: where one point alone is known."""
-MOST_SAMPLES = 65536
-
-
-@dataclass(frozen=True)
-class Goals:
-    """What is asked for; None: it is not."""
-
-    error_px: float | None = None
-    flip: float | None = None
-    seconds: float | None = None
 
 
 @dataclass(frozen=True)
@@ -141,7 +128,9 @@ class _Search:
         ]
         if not fitting:
             least = min(point.frame_seconds for point in self._measurement.points.values() if point.runs)
-            return Target(asked, "s", least, False, f"no settings fit: the cheapest that were tried take {least:.3g} s", None)
+            return Target(
+                asked, "s", least, False, f"no settings fit: the cheapest that were tried take {least:.3g} s", None
+            )
         best = min(fitting, key=lambda point: point.error.relative_mse if point.error else math.inf)
         for _ in range(ATTEMPTS):
             samples = _samples_in(best, wanted)
@@ -177,8 +166,7 @@ def _next_samples(found: Mapping[int, float], wanted: float, start: int) -> int:
         (n0, e0), (n1, e1) = nearest
         slope = max(-math.log(e1 / e0) / math.log(n1 / n0), 0.1)
     samples, error = nearest[0]
-    # A little below, so that noise in the measure does not lift it above.
-    return min(MOST_SAMPLES, max(1, math.ceil(samples * (error / (0.97 * wanted)) ** (1.0 / slope))))
+    return min(MOST_SAMPLES, max(1, math.ceil(samples * (error / (AIM * wanted)) ** (1.0 / slope))))
 
 
 def _samples_in(point: Point, seconds: float) -> int:

@@ -13,8 +13,8 @@ from pathlib import Path
 from ..base.errors import SceneError
 from ..base.processes import exit_code, last_line
 from . import cycles_script
-from .frame_scenes import CAMERA, FRAME, IRRADIANCE, RATE, SHUTTER
 from .frame_sides import FIGURES, PICTURE, Job
+from .scene_parts import CAMERA, FRAME, IRRADIANCE, RATE, SHUTTER
 
 BPY = "5.0.1"
 """Of the package bpy, which needs PYTHON exactly."""

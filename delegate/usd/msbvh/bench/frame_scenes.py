@@ -12,19 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
-FRAME = 1
-"""The frame that is rendered; time samples lie around it."""
-SHUTTER = (-0.25, 0.25)
-CAMERA = "/camera"
-IRRADIANCE = 3.0
-"""Of the sun on a surface that faces it: a normalised light's intensity."""
-RATE = 24.0
+from .scene_parts import FRAME, Shape, add_mesh, faces_for, setting, sheet, torus
+
 SAMPLES_PER_FRAME = 8
 """Of deforming points: as many as make linear steps between them small beside the motion."""
-
-Colour = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -42,74 +35,9 @@ class FrameScene:
     def write(self, path: Path, detail: float = 1.0) -> None:
         """Writes the scene. `detail` 1 is what is published; less is smaller, for tests."""
         stage = Usd.Stage.CreateNew(str(path))
-        _setting(stage)
+        setting(stage)
         self.fill(stage, detail)
         stage.GetRootLayer().Save()
-
-
-@dataclass(frozen=True)
-class Shape:
-    """Triangles: float32[P, 3] and int32[T, 3]."""
-
-    points: np.ndarray
-    triangles: np.ndarray
-
-
-def _setting(stage: Usd.Stage) -> None:
-    """Units, camera, sun and ground, which all scenes share."""
-    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
-    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
-    stage.SetTimeCodesPerSecond(RATE)
-    stage.SetFramesPerSecond(RATE)
-    stage.SetStartTimeCode(FRAME)
-    stage.SetEndTimeCode(FRAME)
-    camera = UsdGeom.Camera.Define(stage, CAMERA)
-    view = Gf.Matrix4d().SetLookAt(Gf.Vec3d(0, -16, 6), Gf.Vec3d(0, 0, 0), Gf.Vec3d(0, 0, 1))
-    camera.AddTransformOp().Set(view.GetInverse())
-    camera.CreateFocalLengthAttr(45.0)
-    camera.CreateHorizontalApertureAttr(36.0)
-    camera.CreateVerticalApertureAttr(24.0)
-    camera.CreateClippingRangeAttr(Gf.Vec2f(0.1, 1000.0))
-    camera.CreateShutterOpenAttr(SHUTTER[0])
-    camera.CreateShutterCloseAttr(SHUTTER[1])
-    sun = UsdLux.DistantLight.Define(stage, "/sun")
-    sun.CreateIntensityAttr(IRRADIANCE)
-    sun.CreateAngleAttr(0.53)
-    sun.CreateNormalizeAttr(True)
-    sun.AddRotateXYZOp().Set(Gf.Vec3f(40.0, 0.0, 30.0))
-    corners = np.array([[-20, -20, -3], [20, -20, -3], [20, 20, -3], [-20, 20, -3]], np.float32)
-    _mesh(stage, "/ground", Shape(corners, np.array([[0, 1, 2], [0, 2, 3]], np.int32)), (0.6, 0.6, 0.6))
-
-
-def _mesh(stage: Usd.Stage, path: str, shape: Shape, colour: Colour) -> UsdGeom.Mesh:
-    mesh = UsdGeom.Mesh.Define(stage, path)
-    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(shape.points))
-    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(shape.triangles.ravel()))
-    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(shape.triangles), 3, np.int32)))
-    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
-    mesh.CreateDisplayColorAttr([Gf.Vec3f(*colour)])
-    mesh.CreateDoubleSidedAttr(True)
-    return mesh
-
-
-def _sheet(faces: int, place: Callable[[np.ndarray, np.ndarray], Sequence[np.ndarray]]) -> Shape:
-    """`faces` x `faces` squares, two triangles each, where `place` puts the points of [0, 1] x [0, 1]."""
-    across = np.linspace(0.0, 1.0, faces + 1)
-    u, v = np.meshgrid(across, across, indexing="ij")
-    points = np.stack(place(u, v), axis=-1).reshape(-1, 3).astype(np.float32)
-    first = (np.arange(faces)[:, None] * (faces + 1) + np.arange(faces)).ravel()
-    a, b, c, d = first, first + faces + 1, first + faces + 2, first + 1
-    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-    return Shape(points, triangles.astype(np.int32))
-
-
-def _torus(faces: int, radius: float, tube: float) -> Shape:
-    def place(u: np.ndarray, v: np.ndarray) -> Sequence[np.ndarray]:
-        around, across = 2 * np.pi * u, 2 * np.pi * v
-        reach = radius + tube * np.cos(across)
-        return reach * np.cos(around), reach * np.sin(around), tube * np.sin(across)
-
-    return _sheet(faces, place)
 
 
 def _blade(faces: int) -> Shape:
@@ -118,7 +46,7 @@ def _blade(faces: int) -> Shape:
         wave = 0.3 * np.sin(9.0 * u)
         return 1.0 + 5.0 * u, 0.8 * width * np.cos(around), 0.15 * width * np.sin(around) + wave
 
-    return _sheet(faces, place)
+    return sheet(faces, place)
 
 
 def _rotor(stage: Usd.Stage, detail: float) -> None:
@@ -126,9 +54,9 @@ def _rotor(stage: Usd.Stage, detail: float) -> None:
     turn = UsdGeom.Xform.Define(stage, "/rotor").AddRotateZOp()
     for frame in (FRAME - 1, FRAME + 1):
         turn.Set(72.0 * frame, frame)
-    shape = _blade(_faces(80, detail))
+    shape = _blade(faces_for(80, detail))
     for k in range(8):
-        blade = _mesh(stage, f"/rotor/blade_{k}", shape, (0.8, 0.3 + 0.05 * k, 0.2))
+        blade = add_mesh(stage, f"/rotor/blade_{k}", shape, (0.8, 0.3 + 0.05 * k, 0.2))
         blade.AddRotateZOp().Set(45.0 * k)
 
 
@@ -140,9 +68,9 @@ def _cloth(stage: Usd.Stage, detail: float) -> None:
             height = 1.2 * np.sin(6.0 * u + 3.0 * v + 2.5 * frame) + 0.5 * np.sin(17.0 * v - 4.0 * frame)
             return 10.0 * u - 5.0, 10.0 * v - 5.0, height
 
-        return _sheet(_faces(220, detail), place)
+        return sheet(faces_for(220, detail), place)
 
-    mesh = _mesh(stage, "/cloth", at(FRAME), (0.3, 0.5, 0.8))
+    mesh = add_mesh(stage, "/cloth", at(FRAME), (0.3, 0.5, 0.8))
     for k in range(-SAMPLES_PER_FRAME, SAMPLES_PER_FRAME + 1):
         frame = FRAME + k / SAMPLES_PER_FRAME
         mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(at(frame).points), frame)
@@ -161,10 +89,10 @@ def _tumble(prim: UsdGeom.Xformable, random: np.random.Generator, reach: Sequenc
 def _parts(stage: Usd.Stage, detail: float) -> None:
     """Two thousand small meshes, each with a transform of its own."""
     random = np.random.default_rng(1)
-    shape = _torus(_faces(7, detail, least=3), 0.3, 0.12)
+    shape = torus(faces_for(7, detail, least=3), 0.3, 0.12)
     for k in range(_count(2000, detail)):
         red, green, blue = random.uniform(0.2, 0.9, 3).tolist()
-        mesh = _mesh(stage, f"/parts/part_{k}", shape, (red, green, blue))
+        mesh = add_mesh(stage, f"/parts/part_{k}", shape, (red, green, blue))
         _tumble(mesh, random, (7.0, 7.0, 3.0), 0.5)
 
 
@@ -175,7 +103,7 @@ def _crowd(stage: Usd.Stage, detail: float) -> None:
     stage.CreateClassPrim("/prototypes")
     for k, path in enumerate(prototypes):
         UsdGeom.Xform.Define(stage, path)
-        _mesh(stage, f"{path}/mesh", _torus(_faces(40, detail), 0.4, 0.1 + 0.05 * k), (0.3 + 0.2 * k, 0.6, 0.4))
+        add_mesh(stage, f"{path}/mesh", torus(faces_for(40, detail), 0.4, 0.1 + 0.05 * k), (0.3 + 0.2 * k, 0.6, 0.4))
     for k in range(_count(3000, detail)):
         instance = UsdGeom.Xform.Define(stage, f"/crowd/one_{k}")
         instance.GetPrim().GetReferences().AddInternalReference(Sdf.Path(prototypes[k % 3]))
@@ -185,16 +113,12 @@ def _crowd(stage: Usd.Stage, detail: float) -> None:
 
 def _still(stage: Usd.Stage, detail: float) -> None:
     """Twelve rings; nothing moves."""
-    shape = _torus(_faces(90, detail), 1.2, 0.5)
+    shape = torus(faces_for(90, detail), 1.2, 0.5)
     for k in range(12):
-        mesh = _mesh(stage, f"/set/ring_{k}", shape, (0.7, 0.2 + 0.05 * k, 0.5))
+        mesh = add_mesh(stage, f"/set/ring_{k}", shape, (0.7, 0.2 + 0.05 * k, 0.5))
         column, row = k % 4, k // 4
         mesh.AddTranslateOp().Set(Gf.Vec3d((column - 1.5) * 3.0, (row - 1) * 3.0, (row - 1) * 1.5))
         mesh.AddRotateXYZOp().Set(Gf.Vec3f(20.0 * k, 0.0, 35.0 * k))
-
-
-def _faces(side: int, detail: float, least: int = 8) -> int:
-    return max(least, round(side * detail))
 
 
 def _count(full: int, detail: float) -> int:

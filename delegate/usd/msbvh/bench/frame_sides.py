@@ -17,7 +17,8 @@ from ..base.errors import SceneError
 from ..base.processes import exit_code, last_line
 from ..output.images import ImageReadError, read_colour
 from . import frame_launch
-from .frame_scenes import CAMERA, FRAME, FrameScene
+from .frame_scenes import FrameScene
+from .scene_parts import CAMERA, FRAME
 
 PHASES = ("read", "build", "trace", "write")
 """read: from the file to the renderer's scene, evaluated over the shutter. build: trees, and whatever else comes before

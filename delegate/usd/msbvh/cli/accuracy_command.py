@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import json
 import shlex
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
 
-from .. import _core
 from ..accuracy.options import Options, Value
 from ..accuracy.run import AccuracySettings, run_accuracy
+from ..accuracy.scenes import SCENES
 from ..accuracy.tables import write_tables
-from ..accuracy.targets import Goals
 from ..accuracy_report.report import check_libraries, write_report
 from ..base.atomic import check_folder, write_whole
 from ..base.errors import Diagnostics
@@ -21,13 +21,16 @@ from ..base.exit_codes import DONE, WRONG
 from ..base.progress import Progress
 from ..base.reporter import Reporter
 from ..farm.frames import parse_frame_specs
+from ..render.budget import Goals
 from ..render.record import report
 from .budget_options import GOALS
 from .frame_options import check_text, parse, read_settings
-from .options import MAX_SPP, SCENE, with_options
 from .option_types import Names
+from .options import MAX_SPP, READING, with_options
 
 DEFAULT_WIDTH = 480
+QUICK_DETAIL = 0.1
+"""Of built-in scenes."""
 KNOBS = ("motion-tolerance", "interpolation", "segments", "edge-length", "complexity", "displacement", "curves")
 """Options of SCENE that a report turns; what the user gives is where the others are held."""
 
@@ -42,7 +45,11 @@ OPTIONS = (
         " points/, so that the same command goes on after an interruption; delete that when the report is done.",
     ),
     click.option(
-        "--spp", type=click.IntRange(1, MAX_SPP), default=16, show_default=True, help="Samples per pixel, where they are held."
+        "--spp",
+        type=click.IntRange(1, MAX_SPP),
+        default=16,
+        show_default=True,
+        help="Samples per pixel, where they are held.",
     ),
     click.option(
         "--max-bounces", type=click.IntRange(0, 64), default=2, show_default=True, help="Bounces, where they are held."
@@ -65,33 +72,42 @@ OPTIONS = (
     ),
     click.option("--quick", is_flag=True, help="Few positions of each knob and two rounds, for a first look."),
     click.option(
-        "--seed", type=click.IntRange(0, 2**31 - 2_000_000), default=1, show_default=True, help="Seed of the first round."
+        "--seed",
+        type=click.IntRange(0, 2**31 - 2_000_000),
+        default=1,
+        show_default=True,
+        help="Seed of the first round.",
     ),
     click.option(
-        "--threads", type=click.IntRange(0, 4096), default=0, show_default=True, help="Threads to render with; 0: all cores."
+        "--threads",
+        type=click.IntRange(0, 4096),
+        default=0,
+        show_default=True,
+        help="Threads to render with; 0: all cores.",
     ),
 )
 
 
 @click.command("accuracy", context_settings={"default_map": {"image_width": DEFAULT_WIDTH}})
-@with_options(SCENE, OPTIONS, GOALS)
+@click.argument("scene", required=False, type=click.Path(path_type=str))
+@with_options(READING, OPTIONS, GOALS)
 @click.pass_context
-def accuracy_command(ctx: click.Context, scene: str, frame: str | None, out: Path, **options: Any) -> int:
+def accuracy_command(ctx: click.Context, scene: str | None, frame: str | None, out: Path, **options: Any) -> int:
     """Measure what each step of accuracy costs on SCENE, and write a report: motion, shape and noise apart, in pixels and in
     the picture, beside seconds and bytes; the settings that no others beat; and, prim by prim, what a cheaper and a
     dearer track would bring.
 
-    Every point is rendered in a process of its own. Exit code 1 if a --target or the --time-budget cannot be kept.
+    Every point is rendered in a process of its own. Without SCENE: five built-in ones, each in a folder of its own. Exit
+    code 1 if a --target or the --time-budget cannot be kept.
     """
-    check_text(scene, options)
+    check_text(scene or "", options)
     check_libraries()
     frames = parse(lambda: parse_frame_specs(frame))[0] if frame else []
     if len(frames) > 1 or (frames and options["default_time"]):
         raise click.UsageError("accuracy looks at one frame: --frame takes one time code, and not beside --defaultTime")
     check_folder(out)
-    reporter, diagnostics = Reporter(), Diagnostics()
     settings = AccuracySettings(
-        scene=scene,
+        scene=scene or "",
         read=read_settings(options),
         base=_base(ctx, options),
         shared=tuple(_shared(options)),
@@ -104,9 +120,24 @@ def accuracy_command(ctx: click.Context, scene: str, frame: str | None, out: Pat
         seed=options["seed"],
         threads=options["threads"],
         goals=Goals(options["target_error"], options["target_flip"], options["time_budget"]),
-        command=shlex.join(["msbvh", *ctx.obj]) if ctx.obj else f"msbvh accuracy {scene}",
+        command=shlex.join(["msbvh", *ctx.obj]),
     )
-    with Progress("msbvh: accuracy") as progress:
+    reporter = Reporter()
+    if scene is not None:
+        return DONE if _reported(settings, out, reporter) else WRONG
+    kept = []
+    for name, built_in in SCENES.items():
+        check_folder(out / name)
+        built_in.write(out / name / "scene.usdc", QUICK_DETAIL if options["quick"] else 1.0)
+        print(f"{name}: {built_in.says}")
+        kept.append(_reported(replace(settings, scene=str(out / name / "scene.usdc")), out / name, reporter))
+    return DONE if all(kept) else WRONG
+
+
+def _reported(settings: AccuracySettings, out: Path, reporter: Reporter) -> bool:
+    """Measures a scene and writes its report; whether all goals are kept."""
+    diagnostics = Diagnostics()
+    with Progress(f"msbvh: accuracy: {Path(settings.scene).name}") as progress:
         data = run_accuracy(settings, out, progress, diagnostics)
     report(diagnostics, reporter)
     write_whole(out / "accuracy.json", f"{json.dumps(data, indent=1)}\n".encode())
@@ -114,8 +145,8 @@ def accuracy_command(ctx: click.Context, scene: str, frame: str | None, out: Pat
     page = write_report(data, out)
     for sentence in data["findings"]:
         print(sentence)
-    print(f"Report: {page}")
-    return DONE if all(target["holds"] for target in data["targets"]) else WRONG
+    print(f"Report: {page}", flush=True)
+    return all(target["holds"] for target in data["targets"])
 
 
 def _base(ctx: click.Context, options: dict[str, Any]) -> Options:

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from ..render.budget import Goals
 from .options import Decorator
 
 
@@ -50,3 +51,18 @@ GOALS: Sequence[Decorator] = (
         help="Pick the settings with the least error that render the frame in so many seconds, such as 40s.",
     ),
 )
+
+
+def goals_from(ctx: click.Context) -> Goals:
+    """Of a command with these options. Raises UsageError where another option decides the same."""
+    goals = Goals(ctx.params["target_error"], ctx.params["target_flip"], ctx.params["time_budget"])
+    clashes = []
+    if goals.error_px is not None:
+        clashes += [("--target-error", name) for name in ("motion_tolerance", "segments")]
+    if goals.decide_samples:
+        option = "--target-flip" if goals.flip is not None else "--time-budget"
+        clashes += [(option, "spp")]
+    for option, name in clashes:
+        if ctx.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE:
+            raise click.UsageError(f"{option} and --{name.replace('_', '-')} exclude each other: both decide the same")
+    return goals

@@ -47,12 +47,24 @@ from ..render.record import (
 from ..stage.opening import tf_messages
 from .accuracy_command import accuracy_command
 from .bench_options import BENCH, FRAMES, frame_options
+from .budget_options import GOALS, goals_from
 from .frame_options import check_text, parse, read_one_frame, read_settings
 from .options import CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
 from .plan_command import plan_command
 from .verify_command import verify_command
 
-RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "aovs", "builder", "refit", "sampler", "split_budget")
+RENDER_NAMES = (
+    "spp",
+    "seed",
+    "max_bounces",
+    "threads",
+    "show_domes",
+    "aovs",
+    "builder",
+    "refit",
+    "sampler",
+    "split_budget",
+)
 """Options that are fields of RenderSettings."""
 RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")
 
@@ -106,8 +118,10 @@ def commands() -> None:
 
 
 @commands.command("record")
-@with_options(SCENE, OUTPUT, RENDER)
+@with_options(SCENE, OUTPUT, RENDER, GOALS)
+@click.pass_context
 def record_command(
+    ctx: click.Context,
     scene: str,
     outputs: tuple[str, ...],
     frames: str | None,
@@ -120,22 +134,28 @@ def record_command(
 
     Without --frames or --defaultTime the stage's start time is rendered. A file appears under its final name
     complete or not at all. An OUT that is a symbolic link is written through: the file that it points to is replaced.
+    Exit code 1 also if a --target or the --time-budget was missed by more than 10 %; the picture is written all the same.
     """
     _check_renderer(renderer)
     check_text(scene, options)
     if options["aovs"] and not any(Path(output).suffix.lower() == ".exr" for output in outputs):
         raise click.UsageError("--aov: only .exr files hold AOVs, and no OUT is one")
     jobs = _record_jobs(outputs, frames, options["default_time"])
+    goals = goals_from(ctx)
+    read = read_settings(options)
     settings = RecordSettings(
-        read=read_settings(options),
+        read=read if goals.error_px is None else replace(read, motion_tolerance=goals.error_px),
         render=RenderSettings(**{name: options[name] for name in RENDER_NAMES}),
         image=ImageSettings(_color_correction(options), options["show_domes"], options["exr_float"]),
         mask=options["mask"],
         stats=stats,
+        goals=goals,
     )
     reporter = Reporter()
     _note_threads([options["threads"]], reporter)
-    record(scene, jobs, settings, reporter)
+    run = record(scene, jobs, settings, reporter)
+    if any(frame.budget and frame.budget["misses"] for frame in run.frames):
+        return WRONG
     return DEGRADED if strict and reporter.degraded else DONE
 
 

@@ -44,6 +44,10 @@ class FrameStats:
     tracks: list[dict[str, Any]] = field(default_factory=list)
     """How the motion of the camera and of each prim was kept, and by which rule: record.TRACK_FIELDS."""
 
+    budget: dict[str, Any] | None = None
+    """What came of --target-error, --target-flip and --time-budget: error_px, flip, seconds (those that were asked for),
+    samples a pixel, and misses, in words."""
+
     @contextmanager
     def timed(self, phase: str) -> Iterator[None]:
         """Adds the wall-clock time of the block to a phase."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,9 @@ from ..output.stats import FrameStats, RunStats
 from ..scene.reader import ReadResult, ReadSettings, read_frame
 from ..stage.opening import open_stage
 from ..stage.stage_metadata import frames_per_second, start_time
+from .budget import Goals, Outcome, render_within
+from .budget_told import tell_budget
+from .sample_sum import DEPTH, MEANS
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,8 @@ class RecordSettings:
     """Prims that the stage is limited to; empty: all."""
     stats: Path | None = None
     """Where the run's figures go, as JSON."""
+    goals: Goals = Goals()
+    """What every frame has to keep."""
 
 
 TRACK_FIELDS = (
@@ -110,10 +115,10 @@ def record(
     report(diagnostics, reporter)
     outputs.check_stage(stage)
     frame_jobs = _frame_jobs(jobs, stage)
-    kept = Kept(Trees(settings.render, len(frame_jobs)), _core.RefinementCache())
+    kept = Kept(Trees(_with_depth(settings), len(frame_jobs)), _core.RefinementCache())
     for frame, files in frame_jobs:
-        run.frames.append(_record_frame(stage, frame, files, settings, kept, reporter))
-    run.frames[0].seconds["read"] = read_seconds
+        run.frames.append(_record_frame(stage, frame, files, settings, kept, reporter, read_seconds))
+        read_seconds = 0.0  # The stage is opened once: its time stands with the first frame.
     run.warnings, run.errors = list(reporter.warnings), list(reporter.errors)
     if settings.stats is not None:
         run.write(settings.stats)
@@ -124,6 +129,7 @@ class Trees:
     """Renderers of a run's frames; trees go from one to the next as settings.refit says."""
 
     def __init__(self, settings: RenderSettings, frames: int) -> None:
+        """`settings`: with the AOVs that are to be rendered, be they written or not."""
         self._settings = settings
         self._frames_left = frames
         self._renderer: _core.Renderer | None = None
@@ -167,8 +173,10 @@ def _record_frame(
     settings: RecordSettings,
     kept: Kept,
     reporter: Reporter,
+    read_seconds: float,
 ) -> FrameStats:
-    stats = FrameStats(frame, list(files))
+    stats, started = FrameStats(frame, list(files)), time.perf_counter() - read_seconds
+    stats.seconds["read"] = read_seconds
     before = kept.refinements.counts
     with stats.timed("sample"), reading_progress(frame) as progress:
         result = read_frame(stage, frame, settings.read, progress=progress, refinements=kept.refinements)
@@ -183,16 +191,40 @@ def _record_frame(
     with stats.timed("build"):
         renderer = kept.trees.renderer(result)
     stats.plan = plan_entries(renderer)
-    with stats.timed("trace"), Progress(f"msbvh: {frame_label(frame)}") as progress:
-        pixels, aovs = renderer.render_with_aovs(progress)
-    stats.render = dict(renderer.statistics)
+    outcome = _traced(renderer, settings, started, stats)
+    pixels, aovs = outcome.pixels, {name: outcome.aovs[name] for name in settings.render.aovs}
     if not camera.path and not pixels[..., 3].any():
         reporter.warning(NOTHING_SEEN)
     with stats.timed("write"):
         layers = Layers(pixels, aovs, result.scene.mesh_names if "primId" in aovs else [])
-        _write_images(files, layers, _metadata(rate, result, stats, settings.render), settings.image)
+        _write_images(
+            files, layers, _metadata(rate, result, stats, replace(settings.render, spp=outcome.samples)), settings.image
+        )
+    if settings.goals.any:
+        tell_budget(stats, settings.goals, outcome, reporter)
     reporter.note(f"{frame_label(frame)}: wrote {', '.join(files)} in {sum(stats.seconds.values()):.1f} s")
     return stats
+
+
+def _with_depth(settings: RecordSettings) -> RenderSettings:
+    """Ranges of samples, of which a budget makes a picture, need to know whose sample is nearest."""
+    aovs = settings.render.aovs
+    if settings.goals.decide_samples and DEPTH not in aovs and not set(aovs) <= set(MEANS):
+        aovs = (*aovs, DEPTH)
+    return replace(settings.render, aovs=aovs)
+
+
+def _traced(renderer: _core.Renderer, settings: RecordSettings, started: float, stats: FrameStats) -> Outcome:
+    """A frame's pixels, with as many samples as are asked for or as the goals want."""
+    with stats.timed("trace"), Progress(f"msbvh: {frame_label(stats.frame)}") as progress:
+        if settings.goals.decide_samples:
+            outcome = render_within(renderer, settings.goals, started, progress, _with_depth(settings).aovs)
+        else:
+            pixels, aovs = renderer.render_with_aovs(progress)
+            found = renderer.statistics
+            outcome = Outcome(pixels, aovs, settings.render.spp, None, found["rays"], found["trace_seconds"])
+    stats.render = {**renderer.statistics, "rays": outcome.rays, "trace_seconds": outcome.trace_seconds}
+    return outcome
 
 
 def report(diagnostics: Diagnostics, reporter: Reporter) -> None:
