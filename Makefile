@@ -38,6 +38,11 @@ $(STAMPS)/system: .ci/system_packages Makefile
 	@.ci/system_packages $(SYSTEM_PACKAGES)
 	@mkdir -p $(STAMPS) && touch $@
 
+# A browser for the tests of HTML reports; rendering needs none.
+$(STAMPS)/browser: .ci/system_packages Makefile
+	@command -v chromium chromium-browser google-chrome >/dev/null || .ci/system_packages chromium
+	@mkdir -p $(STAMPS) && touch $@
+
 # What builds the package, once; what it needs to run comes with it.
 $(STAMPS)/venv: $(STAMPS)/system
 	@test -x $(BIN)/pip || $(PYTHON) -m venv .venv
@@ -66,7 +71,7 @@ out/showcase.exr out/showcase.png &: $(SHOWCASE) $(STAMPS)/installed $(PYTHON_SO
 
 # Both suites at once, the Python tests by as many processes as there are cores. Every test runs even where an earlier one
 # fails; the C++ tests' output comes last.
-test: setup  ## every test: C++ (ctest) beside Python (pytest)
+test: setup $(STAMPS)/browser  ## every test: C++ (ctest) beside Python (pytest)
 	@status=0; \
 	ctest --test-dir $(BUILD) --output-on-failure --no-tests=error > build/ctest.log 2>&1 & ctest=$$!; \
 	$(BIN)/pytest -n $(JOBS) --dist worksteal --durations 30 || status=$$?; \

@@ -60,6 +60,7 @@ SUBPACKAGES = [
     "farm",
     "motion_report",
     "plan_report",
+    "accuracy_report",
     "verify",
     "conform",
     "bench",
@@ -80,6 +81,13 @@ MODULE_HOMES = {
     "lz4": {"stage.crate_check"},
     "OpenImageIO": {"output.images", "look.texture_channel", "look.texture_matrix", "look.texture_mean"},
     "PyOpenColorIO": {"look.color"},
+    "jinja2": {"accuracy_report.page"},
+    "matplotlib": {
+        "accuracy_report.canvas",
+        "accuracy_report.labels",
+        "accuracy_report.log_scale",
+        "accuracy_report.plots",
+    },
 }
 """Python libraries, and the only modules of the package that may import them."""
 

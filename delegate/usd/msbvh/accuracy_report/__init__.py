@@ -1,0 +1,1 @@
+"""The HTML report of `msbvh accuracy`: one page that needs no network and no file beside it."""
