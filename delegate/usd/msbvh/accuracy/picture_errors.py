@@ -56,6 +56,12 @@ def picture_error(pictures: Pictures, references: Pictures) -> PictureError:
     )
 
 
+def own_noise(references: Pictures) -> float:
+    """The relative MSE of the references' mean itself, by how they differ."""
+    variance = np.var(references, axis=0, ddof=1) / len(references)
+    return float((variance / (np.mean(references, axis=0) ** 2 + DARK)).mean())
+
+
 @dataclass(frozen=True)
 class PairedError:
     """What one cause alone changes: two series of pictures by the same seeds, one with the cause and one without."""

@@ -26,6 +26,7 @@ from .launch import Shot
 from .measure import HALVES, REFERENCE_SEED, Measurement
 from .options import Options
 from .pictures import write_pictures
+from .picture_errors import own_noise
 from .points import Point, front_of
 from .prims import prim_rows
 from .store import Store, fingerprint
@@ -203,7 +204,15 @@ class _Report:
             "samples": self._settings.reference_samples,
             "seconds": sum(sum(run.seconds.values()) for run in runs),
             "motion_px": motion_pixels(runs[0].tracks),
+            "noise_share": self._reference_noise_share(),
         }
+
+    def _reference_noise_share(self) -> float | None:
+        """What the reference lacks itself, as a share of the base's error."""
+        base = self.measurement.points[self._settings.base]
+        if base.error is None or base.error.relative_mse <= 0.0:
+            return None
+        return own_noise(self._references) / base.error.relative_mse
 
     def pictures(self) -> dict[str, np.ndarray]:
         """The reference and all points that the report shows, the means of their seeds."""

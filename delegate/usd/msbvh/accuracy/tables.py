@@ -13,7 +13,8 @@ from ..output.stats import PHASES
 
 POINT_COLUMNS = (
     "motion_px", "shape_px", "rmse", "relative_mse", "bias_relative_mse", "noise_relative_mse", "flip", "bias_flip",
-    "peak_bytes", "tree_bytes", "motion_bytes", "triangles", "rays", "nodes_per_ray", "tests_per_ray", "runs", "failed", "command",
+    "peak_bytes", "tree_bytes", "motion_bytes", "triangles", "rays", "nodes_per_ray", "tests_per_ray", "runs",
+    "failed", "command",
 )  # fmt: skip
 
 

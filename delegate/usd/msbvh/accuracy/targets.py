@@ -73,7 +73,7 @@ class _Search:
         errors = {"motion": point.motion_px, "shape": point.shape_px or 0.0}
         worst = max(errors, key=lambda kind: errors[kind])
         holds = errors[worst] <= wanted * SLACK
-        says = f"{options.beside(self._base).text() or 'the base settings'}: {worst} is off by {errors[worst]:.3g} px at most"
+        says = f"{options.beside(self._base).text() or 'the base settings'}, where {worst} errs most"
         return Target(f"--target-error {wanted:g}px", "px", errors[worst], holds, says, point.id)
 
     def _edges(self, wanted: float) -> Options:

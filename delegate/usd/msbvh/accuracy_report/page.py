@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +43,7 @@ def page(data: Mapping[str, Any], folder: Path) -> str:
             points=points,
             axes=[_axis(i, axis, points) for i, axis in enumerate(data.get("axes") or ())],
             front=front,
+            named_kinds=_kinds(points.get(each.get("id"), {}) for each in named),
             front_plots=_both(lambda size: front_plot(points, front, named, size)),
             stages_plots=_both(lambda size: stages_plot(named, points, size)),
             prims=prims,
@@ -109,10 +110,16 @@ def _axis(index: int, axis: Mapping[str, Any], points: Mapping[str, Mapping[str,
         **axis,
         "anchor": anchor,
         "trades": TRADES.get(str(axis.get("error")), ""),
+        "kinds": [kind for kind in _kinds(every) if kind == axis.get("error")],
         "count": len(every),
         "undrawn": len(every) - len(drawn),
         "plots": _both(lambda size: axis_plot(axis, points, size, f"{anchor}-{size.name}")),
     }
+
+
+def _kinds(points: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Of error, that any of the points has by itself."""
+    return list(dict.fromkeys(kind for point in points for kind in point.get("kinds") or ()))
 
 
 def _most_wrong(prims: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:

@@ -110,7 +110,7 @@ def accuracy_command(ctx: click.Context, scene: str | None, frame: str | None, o
         scene=scene or "",
         read=read_settings(options),
         base=_base(ctx, options),
-        shared=tuple(_shared(options)),
+        shared=tuple(_shared(ctx, options)),
         frame=frames[0] if frames else None,
         default_time=options["default_time"],
         mask=options["mask"],
@@ -160,7 +160,7 @@ def _base(ctx: click.Context, options: dict[str, Any]) -> Options:
     return Options.of(found)
 
 
-def _shared(options: dict[str, Any]) -> list[str]:
+def _shared(ctx: click.Context, options: dict[str, Any]) -> list[str]:
     """What all points have, as arguments of `msbvh record`."""
     found: list[str] = []
     if options["camera"]:
@@ -171,5 +171,8 @@ def _shared(options: dict[str, Any]) -> list[str]:
         found += ["--mask", ",".join(options["mask"])]
     if options["disable_camera_light"]:
         found += ["--disableCameraLight"]
-    found += ["--conform", options["conform"], "--purposes", ",".join(options["purposes"])]
-    return [*found, "--max-instances", str(options["max_instances"])]
+    for name in ("conform", "purposes", "max_instances"):
+        if ctx.get_parameter_source(name) is not click.core.ParameterSource.DEFAULT:
+            value = options[name]
+            found += [f"--{name.replace('_', '-')}", ",".join(value) if isinstance(value, tuple) else str(value)]
+    return found

@@ -17,8 +17,10 @@ def flip_map(reference: np.ndarray, test: np.ndarray) -> np.ndarray:
         raise ValueError(
             f"found pictures of shapes {reference.shape} and {test.shape}, expected two of [height, width, 3]"
         )
-    images = [oiio.ImageBuf(np.ascontiguousarray(np.maximum(pixels, 0.0), np.float32)) for pixels in (reference, test)]
-    found = oiio.ImageBufAlgo.FLIP_diff(*images)
+    first, second = (
+        oiio.ImageBuf(np.ascontiguousarray(np.maximum(pixels, 0.0), np.float32)) for pixels in (reference, test)
+    )
+    found = oiio.ImageBufAlgo.FLIP_diff(first, second)
     if found.has_error:
         raise ValueError(f"FLIP: {found.geterror()}")
     return np.asarray(found.get_pixels(oiio.FLOAT), np.float32)[..., 0]
