@@ -19,9 +19,9 @@ from msbvh.bench.cycles_peer import Cycles, find_cycles, installed, usual_folder
 from msbvh.bench.cycles_script import phases
 from msbvh.bench.frame_noise import Picture, likeness, noise
 from msbvh.bench.frame_scenes import SCENES
-from msbvh.bench.scene_parts import CAMERA, FRAME, IRRADIANCE, RATE, SHUTTER
 from msbvh.bench.frame_sides import Job, old_build, rendered, this_build
 from msbvh.bench.frames import FrameSettings
+from msbvh.bench.scene_parts import CAMERA, FRAME, IRRADIANCE, RATE, SHUTTER
 from pxr import Usd, UsdGeom, UsdLux
 
 OURS = f"{shlex.quote(sys.executable)} -m msbvh"

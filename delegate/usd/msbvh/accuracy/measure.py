@@ -36,8 +36,8 @@ class Measurement:
         self.points: dict[Options, Point] = {}
         self.machine_noise: list[float] = []
         """Of each round: the same frame's time at its end over that at its beginning, or the other way round."""
-        self.rendered = 0
-        self.taken_over = 0
+        self._rendered: set[tuple[Options, int]] = set()
+        self._asked: set[tuple[Options, int]] = set()
 
     def expect(self, options: Iterable[Options], share: float) -> None:
         """Tells the progress bar how much work lies ahead until it has moved by a share."""
@@ -70,11 +70,11 @@ class Measurement:
 
     def run(self, options: Options, seed: int) -> Figures:
         """A run's figures, from the store where it has them."""
+        self._asked.add((options, seed))
         found = self._store.figures(options, seed)
         if found is not None:
-            self.taken_over += 1
             return found
-        self.rendered += 1
+        self._rendered.add((options, seed))
         figures = run(self._shot, options, seed, self._store.folder(options, seed))
         self._store.put(options, seed, figures)
         return figures
@@ -106,6 +106,16 @@ class Measurement:
     def all_partners(self, options: Sequence[Options], facts: SceneFacts) -> dict[Error, dict[Options, Options]]:
         """Of points whose errors of every kind are to be seen apart."""
         return {kind: {one: rid_of(kind, one) for one in options} for kind in kinds_in(facts)}
+
+    @property
+    def rendered(self) -> int:
+        """Runs of this process."""
+        return len(self._rendered)
+
+    @property
+    def taken_over(self) -> int:
+        """Runs of an earlier one."""
+        return len(self._asked - self._rendered)
 
     @staticmethod
     def _weight(options: Options) -> float:

@@ -25,8 +25,8 @@ from .kinds import finest, motion_pixels
 from .launch import Shot
 from .measure import HALVES, REFERENCE_SEED, Measurement
 from .options import Options
-from .pictures import write_pictures
 from .picture_errors import own_noise
+from .pictures import write_pictures
 from .points import Point, front_of
 from .prims import prim_rows
 from .store import Store, fingerprint

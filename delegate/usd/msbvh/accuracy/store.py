@@ -43,7 +43,7 @@ def _told(layer: Sdf.Layer) -> str:
             if seen.st_size > LARGE:
                 return f"{path} {seen.st_size} {seen.st_mtime_ns}\n"
             return f"{path} {hashlib.sha256(Path(path).read_bytes()).hexdigest()}\n"
-    return f"{layer.identifier} {layer.ExportToString()}\n"
+    return f"{layer.ExportToString()}\n"  # Anonymous: its identifier is another one in each process.
 
 
 @dataclass(frozen=True)

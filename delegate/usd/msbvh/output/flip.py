@@ -9,18 +9,33 @@ from __future__ import annotations
 import numpy as np
 import OpenImageIO as oiio
 
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+"""Of linear Rec.709."""
+
 
 def flip_map(reference: np.ndarray, test: np.ndarray) -> np.ndarray:
     """float32[height, width] in [0, 1]: 0 where nobody would see a difference. Both are float[height, width, 3] of linear
-    colours; what is below 0 counts as 0. Raises ValueError where their shapes differ."""
+    colours; what is below 0 counts as 0. Raises ValueError where their shapes differ.
+
+    As the paper has it, the exposures at which the two are compared follow from the reference's largest luminance and its
+    median; here the median of what is not black. A picture before black would be compared at an exposure without a bound.
+    """
     if reference.shape != test.shape or reference.ndim != 3 or reference.shape[2] != 3:
         raise ValueError(
             f"found pictures of shapes {reference.shape} and {test.shape}, expected two of [height, width, 3]"
         )
+    largest, median = _luminances(reference)
     first, second = (
         oiio.ImageBuf(np.ascontiguousarray(np.maximum(pixels, 0.0), np.float32)) for pixels in (reference, test)
     )
-    found = oiio.ImageBufAlgo.FLIP_diff(first, second)
+    found = oiio.ImageBufAlgo.FLIP_diff(first, second, maxluminance=largest, medianluminance=median)
     if found.has_error:
         raise ValueError(f"FLIP: {found.geterror()}")
     return np.asarray(found.get_pixels(oiio.FLOAT), np.float32)[..., 0]
+
+
+def _luminances(pixels: np.ndarray) -> tuple[float, float]:
+    """The largest, and the median of those above 0; of a black picture, 1 and 1."""
+    found = np.maximum(pixels, 0.0) @ np.array(LUMINANCE)
+    seen = found[found > 0.0]
+    return (float(seen.max()), float(np.median(seen))) if seen.size else (1.0, 1.0)

@@ -1,0 +1,142 @@
+"""msbvh record --target-error, --target-flip, --time-budget: what they pick, and that it holds."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import Run
+from msbvh import _core
+from msbvh.output.flip import flip_map
+from msbvh.output.images import read_colour
+from msbvh.render.sample_sum import SampleSum
+from msbvh.scene.reader import ReadSettings, read_frame
+from pxr import Usd, UsdGeom
+from test_accuracy import arc
+
+SIZE = ("--resolution", 32, 32, "--exr-float")
+
+
+def recorded(msbvh: Run, folder: Path, *arguments: object, code: int = 0) -> dict[str, Any]:
+    """A frame's statistics."""
+    scene = folder / "arc.usda"
+    if not scene.exists():
+        arc(scene)
+    done = msbvh("record", scene, "o.exr", "--stats", "s.json", *SIZE, *arguments)
+    assert done.returncode == code, done.stderr
+    frame: dict[str, Any] = json.loads((folder / "s.json").read_text())["frames"][0]
+    return {**frame, "said": done.stderr}
+
+
+@pytest.mark.parametrize("wanted", [0.1, 0.03])
+def test_flip_beside_a_converged_picture_is_no_more_than_promised(wanted: float, msbvh: Run, tmp_path: Path) -> None:
+    found = recorded(msbvh, tmp_path, "--target-flip", wanted)["budget"]
+    picture = read_colour(tmp_path / "o.exr")
+    recorded(msbvh, tmp_path, "--spp", 1024, "--seed", 9)
+    true = float(flip_map(read_colour(tmp_path / "o.exr"), picture).mean())
+    assert true <= 1.1 * wanted and found["misses"] == []
+    # Rather too much than too little, but not by more than halves of one sequence bring.
+    assert 0.5 * found["flip"] <= true <= 1.1 * found["flip"]
+
+
+def test_less_error_takes_more_samples(msbvh: Run, tmp_path: Path) -> None:
+    samples = [recorded(msbvh, tmp_path, "--target-flip", wanted)["budget"]["samples"] for wanted in (0.1, 0.03, 0.01)]
+    assert samples[0] < samples[1] < samples[2]
+
+
+def test_the_error_of_motion_is_kept_or_the_command_fails(msbvh: Run, tmp_path: Path) -> None:
+    tight = recorded(msbvh, tmp_path, "--target-error", "0.5px", "--spp", 1)
+    assert 0.0 < tight["budget"]["error_px"] <= 0.5
+    loose = recorded(msbvh, tmp_path, "--target-error", "3px", "--spp", 1)
+    assert tight["budget"]["error_px"] < loose["budget"]["error_px"] <= 3.0
+    missed = recorded(msbvh, tmp_path, "--target-error", "1e-12px", "--spp", 1, code=1)
+    assert "--target-error 1e-12px: /square is off by" in missed["said"]
+    assert (tmp_path / "o.exr").exists()
+
+
+def test_a_time_budget_is_filled_and_kept(msbvh: Run, tmp_path: Path) -> None:
+    found = recorded(msbvh, tmp_path, "--time-budget", "2s", "--threads", 1)["budget"]
+    assert found["seconds"] <= 2.2 and found["misses"] == []
+    assert found["samples"] > 100  # A sample of 32 x 32 pixels takes a millisecond.
+
+
+def test_a_budget_that_no_frame_keeps_is_an_error_with_a_picture(msbvh: Run, tmp_path: Path) -> None:
+    found = recorded(msbvh, tmp_path, "--time-budget", "0.0001s", code=1)
+    assert "--time-budget 0.0001s: the frame took" in found["said"]
+    assert found["budget"]["samples"] == 2 and (tmp_path / "o.exr").exists()
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        (("--target-error", "1px"), ("--motion-tolerance", "0.2")),
+        (("--target-error", "1px"), ("--segments", "2")),
+        (("--target-flip", "0.1"), ("--spp", "4")),
+        (("--time-budget", "1s"), ("--spp", "4")),
+    ],
+)
+def test_options_that_decide_the_same_exclude_each_other(
+    one: tuple[str, str], other: tuple[str, str], msbvh: Run, tmp_path: Path
+) -> None:
+    done = msbvh("record", arc(tmp_path / "arc.usda"), "o.exr", *one, *other)
+    assert done.returncode == 2 and not (tmp_path / "o.exr").exists()
+    assert f"{one[0]} and {other[0]} exclude each other" in done.stderr
+
+
+def renderer(tmp_path: Path, **settings: Any) -> _core.Renderer:
+    scene = tmp_path / "arc.usda"
+    if not scene.exists():
+        arc(scene)
+    result = read_frame(Usd.Stage.Open(str(scene)), 1.0, ReadSettings(width=24, height=24))
+    return _core.Renderer(result.scene, width=24, height=24, **settings)
+
+
+AOVS = ("cameraDepth", "primId", "depth", "normal", "albedo")
+
+
+def test_ranges_of_samples_add_up_to_the_whole(tmp_path: Path) -> None:
+    made = renderer(tmp_path, spp=48, aovs=AOVS)
+    whole, aovs = made.render_with_aovs()
+    parts = SampleSum(AOVS)
+    for first, count in ((0, 8), (8, 24), (32, 16)):
+        parts.add(count, *made.render_samples(first, count))
+    assert np.abs(parts.pixels - whole).max() <= 4e-7
+    for name in AOVS:
+        assert np.allclose(parts.aovs[name], aovs[name], atol=2e-6, equal_nan=False), name
+
+
+def test_independent_samples_are_noisier_and_have_the_same_mean(tmp_path: Path) -> None:
+    def noise(sampler: str) -> tuple[float, np.ndarray]:
+        pictures = [renderer(tmp_path, spp=16, seed=seed, sampler=sampler).render() for seed in range(12)]
+        return float(np.var(pictures, axis=0, ddof=1).mean()), np.mean(pictures, axis=0)
+
+    sobol, spread = noise("sobol"), noise("independent")
+    assert spread[0] > 1.5 * sobol[0]
+    limit = 5.0 * np.sqrt((spread[0] + sobol[0]) / 12 / spread[1].size)
+    assert abs(spread[1].mean() - sobol[1].mean()) < limit
+
+
+def test_independent_samples_do_not_depend_on_threads(tmp_path: Path) -> None:
+    pictures = [renderer(tmp_path, spp=4, sampler="independent", threads=threads).render() for threads in (1, 3)]
+    assert np.array_equal(*pictures)
+
+
+def test_a_split_budget_changes_the_tree_and_not_the_picture(tmp_path: Path) -> None:
+    from msbvh.accuracy.scenes import SCENES
+
+    SCENES["debris"].write(tmp_path / "debris.usdc", 0.1)
+    stage = Usd.Stage.Open(str(tmp_path / "debris.usdc"))
+    for k in range(40):  # Long thin triangles that cross each other.
+        mesh = UsdGeom.Mesh.Define(stage, f"/needle_{k}")
+        ends = np.random.default_rng(k).uniform(-4, 4, (2, 3))
+        mesh.CreatePointsAttr([tuple(ends[0]), tuple(ends[1]), tuple(ends[0] + 0.05)])
+        mesh.CreateFaceVertexCountsAttr([3])
+        mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
+    result = read_frame(stage, 1.0, ReadSettings(width=32, height=24))
+    made = [_core.Renderer(result.scene, width=32, height=24, spp=2, split_budget=budget) for budget in (0.0, 4.0)]
+    references = [one.statistics["accel"]["references"] for one in made]
+    assert references[0] < references[1]
+    assert np.array_equal(made[0].render(), made[1].render())
