@@ -6,7 +6,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup render test lint sanitize bench soak clean FORCE
+.PHONY: help setup render test lint sanitize bench accuracy soak clean FORCE
 
 PYTHON ?= python3
 JOBS ?= $(shell nproc)
@@ -104,6 +104,13 @@ bench: setup  ## rays a second, build times, bytes and whole frames: to docs/per
 	  --editable '.[test,bench]'
 	@$(BIN)/python docs/make_performance.py $(OPTIONS)
 	@$(BIN)/python docs/make_features.py
+
+# Needs a clean tree. OPTIONS: `--reports DIR` makes the page of reports that are there.
+accuracy: setup  ## what each step of accuracy costs on six scenes: to docs/accuracy.md; reports in out/accuracy
+	@$(BIN)/pip install --quiet --no-build-isolation --config-settings=build-dir=$(BUILD) \
+	  --config-settings=cmake.define.MSBVH_BUILD_TESTS=ON --config-settings=cmake.define.MSBVH_BUILD_BENCH=ON \
+	  --editable '.[test,accuracy]'
+	@$(BIN)/python docs/make_accuracy.py $(OPTIONS)
 
 # Each check is remembered by commit: the same command goes on after an interruption. OPTIONS: `--list`, `--only GLOB`.
 soak: setup  ## every long check whole, for hours; goes on where it was interrupted; result in docs/soak.md
