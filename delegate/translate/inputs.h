@@ -138,8 +138,11 @@ struct MeshInput {
   ArraySamples points;
   RateInput rates;
   RateTimes time_remap;
-  bool topology_varies = false;                         // faces change within the shutter
-  bool computed_points = false;                         // not authored: skinned, or of an implicit shape
+  bool topology_varies = false;  // faces change within the shutter
+  bool computed_points = false;  // not authored: skinned, or of an implicit shape
+  // How far its faces lie off the surface that they stand for, at most, in its own space: what an implicit
+  // shape's sides leave. NaN: not known.
+  double stray = 0.0;
   std::optional<std::vector<VisibleInterval>> visible;  // not given: always
   TransformSamples world_from_object;  // stage space; for a prototype's mesh: prototype_from_object
   ArraySamples normals;                // no samples: not authored

@@ -10,6 +10,8 @@
 #include "delegate/translate/moving_array.h"
 #include "delegate/translate/point_motion.h"
 #include "delegate/translate/round/round_shape.h"
+#include "delegate/translate/stray/displaced_stray.h"
+#include "delegate/translate/stray/stray.h"
 #include "delegate/translate/tessellation.h"
 #include "delegate/translate/transform_fit.h"
 #include "delegate/translate/triangulate.h"
@@ -109,6 +111,23 @@ Tessellation tessellated(const MeshMotion& motion, const MovingArray& points, co
   return tessellated(motion.input, motion.polygons, points, edges, controls, *target.refinements, log);
 }
 
+// Of what is drawn as `drawn`, in the space that `measure` knows; a round one is drawn as what it is.
+std::optional<double> shape_error(const MeshMotion& motion, const MovingArray& points,
+                                  const Tessellation* drawn, bool displaced, const ScreenMeasure& measure,
+                                  const MeshTarget& target) {
+  if (!target.measure_shape) return std::nullopt;
+  if (!drawn) return 0.0;
+  if (displaced) {
+    if (!drawn->refinement()) return std::nullopt;
+    const double pixels = displaced_stray(motion.input, motion.displacements, *drawn, points, measure);
+    return std::isfinite(pixels) ? std::optional(pixels) : std::nullopt;
+  }
+  // A size that nobody knows yet: its instances say it.
+  if (motion.input.stray > 0.0 && !target.measure && !(target.pixels_per_unit > 0.0)) return std::nullopt;
+  const std::optional<double> found = stray_pixels(motion.input, *drawn, points, measure);
+  return found && std::isfinite(*found) ? found : std::nullopt;
+}
+
 // What is placed by the transform's own track.
 void set_moving(const MeshInput& input, const InstanceChain& chain, const TransformFitter& fitter,
                 const TransformFitter::Verdict& verdict, TranslatedMesh& result) {
@@ -161,6 +180,7 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
   if (round) {
     if (!add_round(motion, still, {unmoved, 1}, target, result, log)) return std::nullopt;
     set_moving(input, *chain, fitter, verdict, result);
+    result.track.shape_error_pixels = shape_error(motion, moving, nullptr, false, *target.measure, target);
     return result;
   }
   Tessellation topology = tessellated(motion, moving, *target.measure, 1, target, log);
@@ -171,6 +191,8 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
   add_shape(input, topology, {still.transform, unmoved, points.frame_only}, target, std::move(shape), result,
             log);
   set_moving(input, *chain, fitter, verdict, result);
+  result.track.shape_error_pixels =
+      shape_error(motion, moving, &topology, displaced.has_value(), *target.measure, target);
   return result;
 }
 
@@ -212,6 +234,7 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
     TranslatedMesh result;
     if (!add_round(motion, moving, fit.track, target, result, log)) return std::nullopt;
     set_baked(motion, fit, result);
+    result.track.shape_error_pixels = shape_error(motion, moving, nullptr, false, measure, target);
     return result;
   }
   Tessellation topology = tessellated(motion, moving, measure, fit.track.form().controls(), target, log);
@@ -227,6 +250,8 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
   add_shape(input, topology, {moving.transform, fit.track.layout, points.frame_only}, target,
             std::move(shape), result, log);
   set_baked(motion, fit, result);
+  result.track.shape_error_pixels =
+      shape_error(motion, moving, &topology, displaced.has_value(), measure, target);
   return result;
 }
 

@@ -32,6 +32,7 @@ struct MeshTarget {
   FitSettings settings;
   std::uint32_t material_count = 0;
   bool keep_faces = false;
+  bool measure_shape = false;
   double edge_length_pixels = 0.0;  // of subdivided surfaces; 0: their cages are drawn as polygons
   Displacements displacements{};    // by material; none: nothing is displaced
   Displaced displaced = Displaced::kAsTriangles;

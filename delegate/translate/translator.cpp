@@ -7,12 +7,14 @@
 
 #include "core/base/box.h"
 #include "core/base/error.h"
+#include "core/base/stretch.h"
 #include "delegate/translate/camera.h"
 #include "delegate/translate/instances.h"
 #include "delegate/translate/light.h"
 #include "delegate/translate/mesh.h"
 #include "delegate/translate/primvars.h"
 #include "delegate/translate/screen_measure.h"
+#include "delegate/translate/transform_samples.h"
 
 namespace msbvh::translate {
 namespace {
@@ -41,6 +43,9 @@ struct PrototypeState {
   std::string path;
   MeshTarget target;
   Box3d box;  // of its meshes at all their controls
+  // How far its implicit shapes stray from the true ones at most; kept where the prototype's size in the
+  // picture is not known.
+  double stray = 0.0;
   // The scene's prototypes that it takes: one for each time remap among its meshes.
   std::vector<std::uint32_t> parts{};
 };
@@ -48,6 +53,14 @@ struct PrototypeState {
 // Trees number each kind apart.
 void sort_by_kind(std::vector<GeometryId>& geometry) {
   std::ranges::stable_sort(geometry, {}, [](GeometryId id) { return id.kind(); });
+}
+
+// MeshInput::stray in the space that the mesh is placed in.
+double placed_stray(const MeshInput& input) {
+  double stretch = 0.0;
+  for (const Matrix4d& matrix : input.world_from_object.matrices)
+    stretch = std::max(stretch, largest_stretch(affine_from(matrix)));
+  return input.stray * stretch;
 }
 
 // A material with a value that is not finite keeps its index but becomes the default one.
@@ -106,6 +119,7 @@ MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
                     fit,
                     0,
                     settings.keep_faces,
+                    settings.measure_shape,
                     settings.edge_length_pixels,
                     {},
                     settings.displaced,
@@ -220,6 +234,8 @@ void Translator::add_prototype_mesh(std::uint32_t prototype, const MeshInput& in
   std::optional<TranslatedMesh> translated = data_->translated(input, state.target);
   if (!translated || translated->never_seen) return;
   state.box.grow(translated->box());
+  if (input.stray > 0.0 && !(state.target.pixels_per_unit > 0.0))
+    state.stray = std::max(state.stray, placed_stray(input));
   const std::uint32_t part = data_->part_with(translated->time_remap, state);
   data_->scene.prototypes[part].geometry.push_back(data_->add(*translated));
 }
@@ -234,12 +250,16 @@ void Translator::add_instances(const InstancesInput& input) {
   const PrototypeState& state = data_->prototypes[input.prototype];
   if (state.box.empty() || input.levels.empty()) return;  // nothing to draw; its meshes have been reported
   const Vec3d prototype_origin = state.target.origin.value_or(Vec3d{});
-  TranslatedInstances result =
-      translate_instances(input,
-                          {data_->measure, data_->origin, prototype_origin, state.box, data_->fit,
-                           std::uint32_t(data_->scene.materials.size())},
-                          log);
+  const InstanceTarget target{data_->measure, data_->origin, prototype_origin,
+                              state.box,      data_->fit,    std::uint32_t(data_->scene.materials.size())};
+  TranslatedInstances result = translate_instances(input, target, log);
   if (result.sets.empty()) return;
+  if (data_->settings.measure_shape && state.stray > 0.0) {
+    const double pixels = state.stray * translate::pixels_per_unit(input, target);
+    for (TrackReport& track : result.tracks) {
+      if (std::isfinite(pixels)) track.shape_error_pixels = pixels;
+    }
+  }
   for (const std::uint32_t part : state.parts) {
     for (InstanceSet& set : result.sets) {
       set.prototype = part;

@@ -33,6 +33,8 @@ struct TranslatorSettings {
   std::uint32_t max_segments = kMaxSegments;
   TrackChoice choice{};     // which tracks may be used
   bool keep_faces = false;  // for the AOV elementId: which face each triangle is of
+  // Whether TrackReport::shape_error_pixels is measured; takes a few times as long as refining the surfaces.
+  bool measure_shape = false;
   // About how long the edges of a subdivided surface are in the picture; 0: cages are drawn as polygons.
   double edge_length_pixels = 1.0;
   CurveStyle curves = CurveStyle::kRibbon;
@@ -56,8 +58,14 @@ struct TrackReport {
   bool time_remap = false;        // keys at the breakpoints of the motion, not at even times
   bool hidden_partly = false;     // visible for a part of the shutter
   double error_pixels = 0.0;      // largest deviation found from the stage's motion
-  std::size_t bytes = 0;          // of the controls
-  std::size_t count = 1;          // of instances
+  // How far what is drawn of a mesh strays from its true surface in the picture, at most, in pixels
+  // (stray/stray.h). Not measured: where TranslatorSettings::measure_shape is off, of cameras and lights, of
+  // displaced polygons, of NURBS patches, and of implicit shapes whose points a skeleton moves. Of instances:
+  // only where their prototype's size in the picture was not known when its meshes were added; else their
+  // prototype's meshes have it.
+  std::optional<double> shape_error_pixels{};
+  std::size_t bytes = 0;  // of the controls
+  std::size_t count = 1;  // of instances
 
   void set_form(const TrackForm& form, const TimeRemap& own) {
     segments = form.segments;

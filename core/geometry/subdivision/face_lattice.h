@@ -28,6 +28,24 @@ struct FacePoint {
 struct SquareLattice {
   std::uint32_t columns = 0, rows = 0;
   std::vector<FacePoint> points;  // [row][column], of (rows + 1) x (columns + 1)
+
+  // Two triangles a quad, but for those that stitching leaves without area. `visit(a, b, c)`: their places in
+  // `points`.
+  template <typename Visit>
+  void for_triangles(const Visit& visit) const {
+    const auto triangle = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+      const std::uint32_t i = points[a].id, j = points[b].id, k = points[c].id;
+      if (i != j && j != k && k != i) visit(a, b, c);
+    };
+    const std::uint32_t stride = columns + 1;
+    for (std::uint32_t r = 0; r < rows; ++r) {
+      for (std::uint32_t c = 0; c < columns; ++c) {
+        const std::uint32_t a = r * stride + c;
+        triangle(a, a + 1, a + stride + 1);
+        triangle(a, a + stride + 1, a + stride);
+      }
+    }
+  }
 };
 
 class FaceLattices {

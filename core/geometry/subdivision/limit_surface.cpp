@@ -245,6 +245,11 @@ std::span<const int> LimitSurface::face_edges(std::uint32_t face) const {
 std::uint32_t LimitSurface::edge_start(std::uint32_t edge) const {
   return static_cast<std::uint32_t>(data_->level().GetEdgeVertices(static_cast<int>(edge))[0]);
 }
+bool LimitSurface::is_sharp(std::uint32_t edge) const {
+  const Far::TopologyLevel& level = data_->level();
+  const auto e = static_cast<int>(edge);
+  return level.IsEdgeBoundary(e) || level.IsEdgeNonManifold(e) || level.GetEdgeSharpness(e) > 0.0f;
+}
 bool LimitSurface::is_quad(std::uint32_t face) const {
   return face_vertices(face).size() == 4;  // Loop's faces have 3
 }

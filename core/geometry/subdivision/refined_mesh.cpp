@@ -25,7 +25,8 @@ RefinedMesh::RefinedMesh(std::shared_ptr<RefinableCage> cage, std::span<const Ve
 
 RefinedMesh::RefinedMesh(std::shared_ptr<RefinableCage> cage, EdgeLevels levels)
     : cage_(std::move(cage)),
-      surface_(cage_->surface(levels.finest())),
+      level_(levels.finest()),
+      surface_(cage_->surface(level_)),
       lattices_(std::make_unique<FaceLattices>(*surface_, std::move(levels.of_edges))),
       lowered_(levels.lowered),
       creased_(surface_->has_creases()) {
@@ -91,23 +92,13 @@ void RefinedMesh::for_faces(const Visit& visit) const {
   });
 }
 
-// Two a quad, but for those that stitching leaves without area. `visit(a, b, c)`.
+// `visit(a, b, c)`.
 template <typename Visit>
 void RefinedMesh::for_triangles(const std::vector<SquareLattice>& squares, const Visit& visit) const {
   for (std::uint32_t s = 0; s < squares.size(); ++s) {
-    const SquareLattice& square = squares[s];
-    const auto triangle = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-      const std::uint32_t i = square.points[a].id, j = square.points[b].id, k = square.points[c].id;
-      if (i != j && j != k && k != i) visit(Corner{s, a}, Corner{s, b}, Corner{s, c});
-    };
-    const std::uint32_t stride = square.columns + 1;
-    for (std::uint32_t r = 0; r < square.rows; ++r) {
-      for (std::uint32_t c = 0; c < square.columns; ++c) {
-        const std::uint32_t a = r * stride + c;
-        triangle(a, a + 1, a + stride + 1);
-        triangle(a, a + stride + 1, a + stride);
-      }
-    }
+    squares[s].for_triangles([&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+      visit(Corner{s, a}, Corner{s, b}, Corner{s, c});
+    });
   }
 }
 

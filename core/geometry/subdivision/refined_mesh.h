@@ -63,6 +63,9 @@ class RefinedMesh {
   // To evaluate faces with (FaceSurface).
   const LimitSurface& surface() const { return *surface_; }
   const std::vector<std::uint32_t>& drawn_faces() const { return drawn_; }  // of the cage
+  std::uint32_t level() const { return level_; }                            // of the finest edge
+  // Of a drawn face: its points, whose ids are not those of the mesh, and its triangles, in their order.
+  std::vector<SquareLattice> squares_of(std::uint32_t face) const { return lattices_->squares(face); }
   // Those that a drawn face sees, each once; their ids are points.
   std::vector<FacePoint> points_of(std::uint32_t face) const;
   // One value a point, whatever the faces around it disagree on: the mean of what each says, in the order of
@@ -103,6 +106,7 @@ class RefinedMesh {
   }
 
   std::shared_ptr<RefinableCage> cage_;
+  std::uint32_t level_;
   std::shared_ptr<const LimitSurface> surface_;  // as fine as the finest edge
   std::unique_ptr<const FaceLattices> lattices_;
   std::uint32_t lowered_;

@@ -177,6 +177,26 @@ std::vector<double> times_of(const FaceDisplacements& displacements, PrimLog& lo
 
 }  // namespace
 
+struct PlaceDistances::Data {
+  const Tessellation& mesh;
+  DistanceReader reader;
+};
+
+PlaceDistances::PlaceDistances(const MeshInput& input, const Tessellation& mesh,
+                               const FaceDisplacements& displacements, double time01) {
+  std::vector<Diagnostic> unsaid;
+  PrimLog log(unsaid, input.path);
+  data_ = std::make_unique<Data>(
+      Data{mesh, DistanceReader(mesh, displacements, time01, input.time_remap.frame01, log)});
+}
+PlaceDistances::~PlaceDistances() = default;
+
+void PlaceDistances::at_squares(std::uint32_t cage_face, std::span<const SquareLattice> squares,
+                                double* out) const {
+  const std::vector<std::uint32_t>& faces = data_->mesh.refinement()->cage_faces;
+  data_->reader.at_squares(cage_face, faces.empty() ? cage_face : faces[cage_face], squares, out);
+}
+
 PointDistances::PointDistances(std::vector<double> times01, std::vector<std::vector<double>> values)
     : times01_(std::move(times01)), values_(std::move(values)) {}
 

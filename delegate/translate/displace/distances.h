@@ -4,6 +4,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "delegate/translate/diagnostics.h"
@@ -33,5 +36,22 @@ class PointDistances {
 // between a point and its neighbours.
 PointDistances point_distances(const MeshInput& input, const Tessellation& mesh,
                                const FaceDisplacements& displacements, PrimLog& log);
+
+// Of any places of a refinement's faces, at one time, as each face itself says.
+class PlaceDistances {
+ public:
+  // Borrows all three. What is wrong with them has been said by point_distances().
+  PlaceDistances(const MeshInput& input, const Tessellation& mesh, const FaceDisplacements& displacements,
+                 double time01);
+  ~PlaceDistances();
+
+  // One for each point of the squares, one square after the other; textures are filtered over what lies
+  // between neighbours.
+  void at_squares(std::uint32_t cage_face, std::span<const SquareLattice> squares, double* out) const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
 
 }  // namespace msbvh::translate

@@ -44,6 +44,22 @@ class Seen {
 
 double stray_of(int sides) { return 2.0 * (1.0 - std::cos(std::numbers::pi / sides)); }
 
+double stray_of(ImplicitKind kind, int sides) {
+  const double half = std::numbers::pi / sides, chord = std::cos(half), rise = std::sin(half);
+  switch (kind) {
+    case ImplicitKind::kSphere:
+    case ImplicitKind::kCapsule:
+    case ImplicitKind::kCapsule1:
+      return 1.0 - chord / std::sqrt(1.0 + rise * rise);
+    case ImplicitKind::kCone:
+    case ImplicitKind::kCylinder:
+    case ImplicitKind::kCylinder1:
+      return 1.0 - chord;
+    default:
+      return 0.0;
+  }
+}
+
 std::vector<int> sides_for(std::span<const double> radii_pixels, double silhouette_pixels,
                            std::span<const int> counts) {
   std::vector<double> largest;  // radii that each of the counts is enough for

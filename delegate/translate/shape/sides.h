@@ -30,6 +30,12 @@ inline constexpr Silhouette kSilhouettes[] = {
 // How far a shape of radius 1 with n sides may lie inside of the true one. A chord of a circle lies
 // 1 - cos(pi / n) inside; the middle of a sphere's face twice as far, since it is curved both ways.
 double stray_of(int sides);
+// The same for a shape of that kind, exactly: how far its faces lie off the true shape at most, with `sides`
+// around the axis, a multiple of 4. A cylinder's and a cone's chords lie 1 - cos(pi / n) inside. The faces of
+// a sphere (or of a capsule's ends) that lie farthest inside are those beside the equator: their edges'
+// middles lie on an ellipse of half axes cos(pi / n) and 1, and the chord of it that starts at the equator
+// passes the centre at cos(pi / n) / sqrt(1 + sin^2(pi / n)). Flat shapes: 0.
+double stray_of(ImplicitKind kind, int sides);
 
 // The fewest of `counts`, which increase, for which shapes of these radii in pixels stray by
 // `silhouette_pixels` at most; the last where none does. NaN: kUnmeasuredSides.

@@ -39,6 +39,7 @@ constexpr Attribute<MeshObject> kAttributes[] = {
     {"velocity_scale", &MeshObject::velocity_scale},
     {"topology_varies", &MeshObject::topology_varies},
     {"computed_points", &MeshObject::computed_points},
+    {"stray", &MeshObject::stray},
     {"visible", &MeshObject::visible},
     {"transform", &MeshObject::transform},
     {"normals", &MeshObject::normals},
@@ -147,6 +148,7 @@ MeshInput MeshObject::input(Borrowed& borrowed) const {
   take(mesh.time_remap.velocity_scale, velocity_scale, "velocity_scale", "a float");
   take(mesh.topology_varies, topology_varies, "topology_varies", "a bool");
   take(mesh.computed_points, computed_points, "computed_points", "a bool");
+  take(mesh.stray, stray, "stray", "a float");
   mesh.visible = visible_from(visible);
   mesh.world_from_object =
       value_from<TransformSamples>(needed(transform, "transform"), "transform", "a TransformSamples");

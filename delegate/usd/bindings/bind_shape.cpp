@@ -124,6 +124,12 @@ nb::object sides_of_radii(nb::handle radii_pixels, double silhouette_pixels, con
   return owned_array<int>(sides_for(elements<double>(radii), silhouette_pixels, counts), {radii.shape(0)});
 }
 
+double stray_of_shape(const std::string& kind_name, int sides) {
+  const ImplicitKind kind = kind_from(kind_name);
+  check_sides(kind, sides);
+  return stray_of(kind, sides);
+}
+
 nb::object radii(const std::string& kind, double radius, nb::handle box, nb::handle matrices,
                  const PixelSize& pixel_size) {
   const AnyArray ends = checked_array<double>(box, "box", {2, 3});
@@ -150,6 +156,7 @@ void bind_sides(nb::module_& m) {
     edges[nb::cast(std::string(edge.complexity))] = edge.pixels;
   m.attr("EDGE_LENGTHS") = edges;
   m.def("sides_for", &sides_of_radii, "radii_pixels"_a, "silhouette_pixels"_a, "side_counts"_a);
+  m.def("stray_of", &stray_of_shape, "kind"_a, "sides"_a);
   m.def("radii_in_pixels", &radii, "kind"_a, "radius"_a, "box"_a, "matrices"_a, "pixel_size"_a);
 }
 

@@ -2,6 +2,7 @@
 #include <deque>
 #include <memory>
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
@@ -122,6 +123,8 @@ TranslatorSettings settings_from(Arguments& arguments) {
   settings.choice = choice_from(arguments, settings.max_segments);
   if (!arguments.optional("keep_faces").is_none())
     settings.keep_faces = arguments.value<bool>("keep_faces", "a bool");
+  if (!arguments.optional("measure_shape").is_none())
+    settings.measure_shape = arguments.value<bool>("measure_shape", "a bool");
   if (!arguments.optional("edge_length").is_none())
     settings.edge_length_pixels = arguments.value<double>("edge_length", "a float");
   settings.displaced = displaced_from(arguments);
@@ -284,7 +287,8 @@ void bind_reports(nb::module_& m) {
       .def_ro("bytes", &TrackReport::bytes)
       .def_ro("count", &TrackReport::count)
       .def_ro("moving_transform", &TrackReport::moving_transform)
-      .def_ro("error_pixels", &TrackReport::error_pixels);
+      .def_ro("error_pixels", &TrackReport::error_pixels)
+      .def_ro("shape_error_pixels", &TrackReport::shape_error_pixels);
 }
 
 void bind_refinements(nb::module_& m) {

@@ -16,7 +16,7 @@ struct MeshObject {
   nanobind::object crease_lengths, crease_indices, crease_sharpnesses, corner_indices, corner_sharpnesses;
   nanobind::object points, points_held, velocities, accelerations;
   nanobind::object frame01, seconds_per_shutter, velocity_scale;
-  nanobind::object topology_varies, computed_points, visible, transform;
+  nanobind::object topology_varies, computed_points, stray, visible, transform;
   nanobind::object normals, normals_interpolation, normals_indices, computed_normals;
   nanobind::object display_color, display_opacity, named_primvars, displaced, material, face_materials;
   nanobind::object round, curve_type, curve_basis, curve_wrap, curve_vertex_counts, widths;

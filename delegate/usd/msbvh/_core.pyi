@@ -150,6 +150,11 @@ class TrackReport:
     def error_pixels(self) -> float:
         """The largest deviation found from the stage's motion."""
     @property
+    def shape_error_pixels(self) -> float | None:
+        """How far what is drawn strays from the prim's true surface in the picture, at most, in pixels
+        (delegate/translate/stray/stray.h); None where it was not measured: delegate/translate/translator.h says of
+        what."""
+    @property
     def bytes(self) -> int:
         """Of the track's control points."""
     @property
@@ -204,6 +209,7 @@ class Translator:
         interpolation: Literal["auto", "linear", "quadratic", "cubic"] = "auto",
         segments: int = 0,
         keep_faces: bool = False,
+        measure_shape: bool = False,
         edge_length: float = 1.0,
         displacement: Literal["auto", "patches", "tessellate", "none"] = "auto",
         displaced_triangle_bytes: int = 2**28,
@@ -215,7 +221,8 @@ class Translator:
         ``bends01``: where its motion may change its course; None: at every time. ``periods01``: shares of the
         shutter after which it may repeat.
         ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
-        ``keep_faces``: for the AOV elementId. ``edge_length``: about how long edges of a subdivided surface are in pixels;
+        ``keep_faces``: for the AOV elementId. ``measure_shape``: whether TrackReport.shape_error_pixels is.
+        ``edge_length``: about how long edges of a subdivided surface are in pixels;
         0: cages are drawn as polygons. ``displacement``: what surfaces become whose
         materials displace them; auto: triangles, as long as their trees take about
         ``displaced_triangle_bytes``, then patches. ``curves``: flat, across their normals where they have some, or round.

@@ -64,6 +64,9 @@ class MeshInput:
     """Faces change within the shutter."""
     computed_points: bool
     """Points are not authored as they stand."""
+    stray: float | None
+    """How far the faces lie off the surface that they stand for, at most, in the mesh's own space; None: they are that
+    surface; NaN: not known."""
     visible: F64 | None
     """[K, 2]: intervals of the shutter; None: always."""
     transform: TransformSamples

@@ -120,6 +120,9 @@ def sides_for(radii_pixels: F64, silhouette_pixels: float, side_counts: Sequence
     """int32[N]: the fewest of ``side_counts``, which increase, for which shapes of float64[N] radii stray by
     ``silhouette_pixels`` at most. SIDES for NaN."""
 
+def stray_of(kind: str, sides: int) -> float:
+    """How far the faces of a shape of radius 1 lie off the true one, at most. ``sides``: a multiple of 4."""
+
 def radii_in_pixels(kind: str, radius: float, box: F64, matrices: F64, pixel_size: PixelSize) -> F64:
     """float64[N]: the largest of shapes of that radius in that box (float64[2, 3]) under float64[T, N, 4, 4] matrices.
     NaN where there is no radius, or a matrix that is not finite."""

@@ -75,6 +75,7 @@ TRACK_FIELDS = (
     "hidden_partly",
     "moving_transform",
     "error_pixels",
+    "shape_error_pixels",
     "bytes",
     "count",
 )

@@ -49,6 +49,11 @@ def sphere(radius: float, sides: int = SIDES) -> Surface:
     return _core.implicit_surface("Sphere", [radius], sides)
 
 
+def stray(kind: str, radius: float, sides: int) -> float | None:
+    """How far the faces of a shape lie off the true one, at most; None: they are it."""
+    return radius * _core.stray_of(kind, sides) if IMPLICIT_TYPES[kind].smooth else None
+
+
 class ImplicitShape:
     """An implicit prim over the shutter, read once; a mesh at as many sides as its size calls for."""
 
@@ -81,6 +86,7 @@ class ImplicitShape:
             for number, code in enumerate(self._codes, start=1)
         ] or [(0.0, _points(surface))]
         mesh.face_vertex_counts, mesh.face_vertex_indices = surface.counts, surface.indices
+        mesh.stray = stray(self.kind, self.radius, sides)
         mesh.left_handed = self._left_handed
         mesh.computed_normals = IMPLICIT_TYPES[self.kind].computed_normals
         return Samples(poses[:1] if still(poses) else poses, self._context.held)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from math import nan
 
 import numpy as np
 from pxr import Usd, UsdGeom
@@ -58,7 +59,7 @@ class NurbsShape:
         mesh.velocities, mesh.accelerations = (
             None if rates is None else self._rates(rates, grid) for rates in (mesh.velocities, mesh.accelerations)
         )
-        mesh.computed_points = True
+        mesh.computed_points, mesh.stray = True, nan
         every = self.moving_weights if controls is self.controls else None
         points = [
             (time01, grid.positions(pose, every[number] if every else weights))

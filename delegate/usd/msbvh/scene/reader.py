@@ -83,6 +83,9 @@ class ReadSettings:
     """More are refused, nested ones multiplied out."""
     keep_faces: bool = False
     """Which face each triangle is of, for the AOV elementId: four bytes a triangle."""
+    measure_shape: bool = False
+    """Whether TrackReport.shape_error_pixels is measured: how far what is drawn strays from the true surface. Takes a few
+    times as long as refining the surfaces."""
 
 
 @dataclass
@@ -255,6 +258,7 @@ class _FrameReader:
             "interpolation": settings.interpolation,
             "segments": settings.segments,
             "keep_faces": settings.keep_faces,
+            "measure_shape": settings.measure_shape,
             "edge_length": self._edge_length,
             "displacement": settings.displacement,
             "displaced_triangle_bytes": settings.displaced_triangle_bytes,

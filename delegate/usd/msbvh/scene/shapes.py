@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from math import nan
 from operator import itemgetter
 
 import numpy as np
@@ -164,6 +165,8 @@ class Shapes:
             mesh.normals, mesh.normals_indices = skinned.normals, None
             mesh.velocities = mesh.accelerations = None
             mesh.computed_points = True
+            if isinstance(form, ImplicitShape):
+                mesh.stray = nan
             posed_at = [time01 for time01, _ in samples.values if time01 is not None]
         patch = None
         if isinstance(form, NurbsShape):

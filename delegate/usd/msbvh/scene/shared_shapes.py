@@ -29,7 +29,7 @@ from ..motion.transform_faults import report_unusable
 from ..motion.transforms import Motion, XformCaches
 from ..motion.visibility import common_intervals, visible_intervals
 from .displaced import leave_undisplaced
-from .implicit import IMPLICIT_TYPES, SIDE_COUNTS
+from .implicit import IMPLICIT_TYPES, SIDE_COUNTS, stray
 from .instances import Level, Placement, matrix_level
 from .part import Part
 from .shape_sizes import sides_in_pixels
@@ -215,6 +215,7 @@ class SharedShapes:
             path = crowd.paths[0]
             self._prototypes[key] = self._translator.begin_prototype(path, 0.0)
             mesh = _mesh(path, _unit_surface(alike, sides), alike)
+            mesh.stray = stray(alike.kind, 1.0, sides)
             self._translator.add_prototype_mesh(self._prototypes[key], mesh)
         return self._prototypes[key]
 
