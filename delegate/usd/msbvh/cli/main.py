@@ -111,6 +111,7 @@ def record_command(
     outputs: tuple[str, ...],
     frames: str | None,
     stats: Path | None,
+    ray_costs: bool,
     strict: bool,
     renderer: str | None,
     **options: Any,
@@ -124,6 +125,8 @@ def record_command(
     check_text(scene, options)
     if options["aovs"] and not any(Path(output).suffix.lower() == ".exr" for output in outputs):
         raise click.UsageError("--aov: only .exr files hold AOVs, and no OUT is one")
+    if ray_costs and stats is None:
+        raise click.UsageError("--ray-costs: found no --stats FILE.json to write them to")
     jobs = _record_jobs(outputs, frames, options["default_time"])
     settings = RecordSettings(
         read=read_settings(options),
@@ -131,6 +134,7 @@ def record_command(
         image=ImageSettings(_color_correction(options), options["show_domes"], options["exr_float"]),
         mask=options["mask"],
         stats=stats,
+        ray_costs=ray_costs,
     )
     reporter = Reporter()
     _note_threads([options["threads"]], reporter)

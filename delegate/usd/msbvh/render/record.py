@@ -54,6 +54,8 @@ class RecordSettings:
     """Prims that the stage is limited to; empty: all."""
     stats: Path | None = None
     """Where the run's figures go, as JSON."""
+    ray_costs: bool = False
+    """Whether they say what rays cost: Renderer.ray_costs()."""
 
 
 TRACK_FIELDS = (
@@ -182,6 +184,9 @@ def _record_frame(
     with stats.timed("trace"), Progress(f"msbvh: {frame_label(frame)}") as progress:
         pixels, aovs = renderer.render_with_aovs(progress)
     stats.render = dict(renderer.statistics)
+    if settings.ray_costs:
+        with stats.timed("ray_costs"):
+            stats.render["ray_costs"] = renderer.ray_costs()
     if not camera.path and not pixels[..., 3].any():
         reporter.warning(NOTHING_SEEN)
     with stats.timed("write"):
