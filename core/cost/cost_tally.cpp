@@ -1,5 +1,7 @@
 #include "core/cost/cost_tally.h"
 
+#include <utility>
+
 namespace msbvh {
 namespace {
 
@@ -16,7 +18,12 @@ std::uint64_t part_of(std::uint64_t parts, double share) {
 }  // namespace
 
 CostTally::CostTally(const SceneRows& rows, const SceneOwners& owners, const CostModel& model)
-    : rows_(rows), owners_(owners), model_(model), work_(rows.size()), ray_cost_(rows.size(), 0.0) {}
+    : rows_(rows),
+      owners_(owners),
+      model_(model),
+      work_(rows.size()),
+      ray_(rows.size()),
+      inside_(rows.size()) {}
 
 double CostTally::cost_of(const TalliedWork& work, std::uint32_t row) const {
   return work.nodes() + model_.instance * work.instances() +
@@ -27,44 +34,54 @@ double CostTally::cost(std::uint32_t row) const { return cost_of(work_[row], row
 double CostTally::empty_cost() const { return empty_.nodes() + model_.instance * empty_.instances(); }
 
 void CostTally::add(const std::vector<TraceVisit>& ray) {
-  TalliedWork shared;
   for (const TraceVisit& visit : ray) {
-    const std::uint32_t owner = owners_.owner(visit);
-    if (owner == kOwnedByMany) {
-      shared += work_of(visit);
-    } else if (owner == kOwnedByNone) {
-      empty_ += work_of(visit);
-    } else {
+    const std::uint32_t instance = owners_.instance(visit), owner = owners_.owner(visit);
+    if (instance != instance_) end_instance();
+    instance_ = instance;
+    if (owner < rows_.size()) {
       add_own(work_of(visit), owner);
+    } else {
+      (instance == kNoInstance ? ray_shared_ : inside_shared_) += work_of(visit);
     }
   }
-  split(shared);
+  end_instance();
+  const std::vector<RowWeight> met = ray_.costs();
+  empty_ += split(std::exchange(ray_shared_, {}), met);
+  ray_.clear();
 }
 
 void CostTally::add_own(const TalliedWork& work, std::uint32_t row) {
+  const double cost = cost_of(work, row);
   work_[row] += work;
-  if (ray_cost_[row] == 0.0) ray_rows_.push_back(row);
-  ray_cost_[row] += cost_of(work, row);
+  ray_.add(row, cost);
+  if (instance_ != kNoInstance) inside_.add(row, cost);
 }
 
-// What rounding leaves goes to the last row, so that nothing is lost. Ends the ray.
-void CostTally::split(TalliedWork shared) {
+// What was done in it is its geometry's, also where the ray got no further than what several have.
+void CostTally::end_instance() {
+  if (instance_ == kNoInstance) return;
+  const std::vector<RowWeight> met = inside_.costs();
+  empty_ += split(std::exchange(inside_shared_, {}), met.empty() ? owners_.shown_by(instance_) : met);
+  inside_.clear();
+  instance_ = kNoInstance;
+}
+
+// What rounding leaves goes to the last row, so that nothing is lost. Returns what is nobody's.
+TalliedWork CostTally::split(TalliedWork shared, const std::vector<RowWeight>& among) {
+  if (shared.node_parts == 0 && shared.instance_parts == 0) return {};
   double all = 0.0;
-  for (const std::uint32_t row : ray_rows_) all += ray_cost_[row];
+  for (const RowWeight& each : among) all += each.weight;
   const TalliedWork whole = shared;
-  for (const std::uint32_t row : ray_rows_) {
-    const bool last = row == ray_rows_.back();
-    const double share = ray_cost_[row] / all;
+  for (const RowWeight& each : among) {
+    const bool last = &each == &among.back();
     TalliedWork part;
-    part.node_parts = last ? shared.node_parts : part_of(whole.node_parts, share);
-    part.instance_parts = last ? shared.instance_parts : part_of(whole.instance_parts, share);
-    work_[row] += part;
+    part.node_parts = last ? shared.node_parts : part_of(whole.node_parts, each.weight / all);
+    part.instance_parts = last ? shared.instance_parts : part_of(whole.instance_parts, each.weight / all);
+    add_own(part, each.row);
     shared.node_parts -= part.node_parts;
     shared.instance_parts -= part.instance_parts;
-    ray_cost_[row] = 0.0;
   }
-  empty_ += shared;
-  ray_rows_.clear();
+  return shared;
 }
 
 CostTally& CostTally::operator+=(const CostTally& other) {

@@ -39,13 +39,37 @@ struct TalliedWork {
   }
 };
 
+// What some rows cost, in the order in which they came up.
+class RowCosts {
+ public:
+  explicit RowCosts(std::uint32_t rows) : place_(rows, kNone) {}
+
+  void add(std::uint32_t row, double cost) {
+    if (place_[row] == kNone) {
+      place_[row] = static_cast<std::uint32_t>(costs_.size());
+      costs_.push_back({row, 0.0});
+    }
+    costs_[place_[row]].weight += cost;
+  }
+  void clear() {
+    for (const RowWeight& cost : costs_) place_[cost.row] = kNone;
+    costs_.clear();
+  }
+  const std::vector<RowWeight>& costs() const { return costs_; }
+
+ private:
+  std::vector<RowWeight> costs_;
+  std::vector<std::uint32_t> place_;  // there, by row
+};
+
 class CostTally {
  public:
   CostTally(const SceneRows& rows, const SceneOwners& owners, const CostModel& model);
 
   // All of one ray. A node below which one row's geometry stands is that row's, whether or not the ray gets
-  // to a leaf. What is several rows' is split by what this ray costs each by itself; where that is none, it
-  // is empty space's.
+  // to a leaf. What is several rows' is split by what this ray costs each by itself: in an instance, among
+  // those that it shows, and where the ray gets to none of them alone, by their leaf entries; in the world's
+  // tree among all, and where that is none, it is empty space's.
   void add(const std::vector<TraceVisit>& ray);
   CostTally& operator+=(const CostTally& other);
 
@@ -57,16 +81,18 @@ class CostTally {
  private:
   double cost_of(const TalliedWork& work, std::uint32_t row) const;
   void add_own(const TalliedWork& work, std::uint32_t row);
-  void split(TalliedWork shared);
+  void end_instance();
+  TalliedWork split(TalliedWork shared, const std::vector<RowWeight>& among);
 
   const SceneRows& rows_;
   const SceneOwners& owners_;
   const CostModel model_;
   std::vector<TalliedWork> work_;  // by row
   TalliedWork empty_;
-  // Of the ray at hand: what it costs each row, and which rows have a cost.
-  std::vector<double> ray_cost_;
-  std::vector<std::uint32_t> ray_rows_;
+  // Of the ray at hand, and of the instance that it is in: what they cost rows, and what several have.
+  RowCosts ray_, inside_;
+  TalliedWork ray_shared_, inside_shared_;
+  std::uint32_t instance_ = kNoInstance;
 };
 
 }  // namespace msbvh

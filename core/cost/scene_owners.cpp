@@ -1,5 +1,6 @@
 #include "core/cost/scene_owners.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace msbvh {
@@ -13,7 +14,18 @@ std::uint64_t references_in(const BlockHeader& block) {
 }  // namespace
 
 void SceneOwners::References::split(double seconds, std::vector<double>& by_row) const {
-  for (const auto& [row, count] : of_row) by_row[row] += seconds * double(count) / double(all);
+  for (const auto& [row, count] : of_row) by_row[row] += seconds * count / all;
+}
+
+SceneOwners::References SceneOwners::references_of(
+    const std::unordered_map<std::uint32_t, std::uint64_t>& counts) {
+  References references;
+  for (const auto& [row, count] : counts) {
+    references.of_row.push_back({row, static_cast<double>(count)});
+    references.all += static_cast<double>(count);
+  }
+  std::ranges::sort(references.of_row, {}, &RowWeight::row);
+  return references;
 }
 
 SceneOwners::SceneOwners(const SceneIndex& index, const SceneRows& rows, const Bvh& world)
@@ -31,13 +43,13 @@ std::uint32_t SceneOwners::row_of(GeometryId geometry, std::uint32_t instance) c
 }
 
 std::unique_ptr<SceneOwners::Object> SceneOwners::make_object(const Bvh& tree, std::uint32_t instance) const {
-  References references;
+  std::unordered_map<std::uint32_t, std::uint64_t> references;
   TreeOwners owners(tree, [&](const BlockHeader& block) {
     const std::uint32_t row = row_of(block.geometry(), instance);
-    references.add(row, references_in(block));
+    references[row] += references_in(block);
     return row;
   });
-  return std::make_unique<Object>(Object{&tree, std::move(references), 0, std::move(owners)});
+  return std::make_unique<Object>(Object{&tree, references_of(references), 0, std::move(owners)});
 }
 
 std::vector<SceneOwners::Object*> SceneOwners::add_objects() {
@@ -61,7 +73,7 @@ std::uint32_t SceneOwners::add_world_block(const BlockHeader& block) {
   }
   const std::uint32_t row = row_of(block.geometry(), kNoInstance);
   world_references_ += references_in(block);
-  in_world_.add(row, references_in(block));
+  in_world_[row] += references_in(block);
   return row;
 }
 
@@ -75,6 +87,10 @@ std::uint32_t SceneOwners::owner(const TraceVisit& visit) const {
   return row_of(block.geometry(), visit.instance);
 }
 
+std::uint32_t SceneOwners::instance(const TraceVisit& visit) const {
+  return visit.instances > 0 ? world_.block(visit.at).owner : visit.instance;
+}
+
 std::vector<double> SceneOwners::build_seconds() const {
   std::vector<double> by_row(rows_.size(), 0.0);
   const double world = world_.statistics.build_seconds;
@@ -82,7 +98,8 @@ std::vector<double> SceneOwners::build_seconds() const {
     const double shown = world_references_ ? double(object->shown) / double(world_references_) : 0.0;
     object->references.split(object->tree->statistics.build_seconds + world * shown, by_row);
   }
-  if (in_world_.all > 0) in_world_.split(world * double(in_world_.all) / double(world_references_), by_row);
+  const References in_world = references_of(in_world_);
+  if (in_world.all > 0.0) in_world.split(world * in_world.all / double(world_references_), by_row);
   return by_row;
 }
 

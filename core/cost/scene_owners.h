@@ -13,6 +13,11 @@
 
 namespace msbvh {
 
+struct RowWeight {
+  std::uint32_t row;
+  double weight;
+};
+
 class SceneOwners {
  public:
   // All must outlive it. `world` is the tree that `index` counts in.
@@ -20,6 +25,12 @@ class SceneOwners {
 
   // kOwnedByMany: a node above several rows' geometry, or an instance that shows several.
   std::uint32_t owner(const TraceVisit& visit) const;
+  // The instance that a visit is to or in; kNoInstance: what is in the world itself.
+  std::uint32_t instance(const TraceVisit& visit) const;
+  // What an instance shows: rows and their leaf entries, in the order of rows.
+  const std::vector<RowWeight>& shown_by(std::uint32_t instance) const {
+    return of_instance_[instance]->references.of_row;
+  }
 
   // By row: what it has of the seconds that each tree's build took, in proportion to its leaf entries there.
   // In the world's tree an instance's entry is its prototype's, and split in the proportions of that. Trees
@@ -30,13 +41,9 @@ class SceneOwners {
  private:
   // Leaf entries: triangles, windows of grids, pieces of curves, points.
   struct References {
-    std::unordered_map<std::uint32_t, std::uint64_t> of_row;
-    std::uint64_t all = 0;
+    std::vector<RowWeight> of_row;  // in the order of rows
+    double all = 0.0;
 
-    void add(std::uint32_t row, std::uint64_t count) {
-      of_row[row] += count;
-      all += count;
-    }
     void split(double seconds, std::vector<double>& by_row) const;
   };
   struct Object {
@@ -49,6 +56,7 @@ class SceneOwners {
   std::unique_ptr<Object> make_object(const Bvh& tree, std::uint32_t instance) const;
   std::vector<Object*> add_objects();  // of each instance
   std::uint32_t add_world_block(const BlockHeader& block);
+  static References references_of(const std::unordered_map<std::uint32_t, std::uint64_t>& counts);
   std::uint32_t row_of(GeometryId geometry, std::uint32_t instance) const;
 
   const SceneIndex& index_;
@@ -56,9 +64,9 @@ class SceneOwners {
   const Bvh& world_;
   std::vector<std::unique_ptr<Object>> objects_;  // in the order in which instances show them
   std::vector<Object*> of_instance_;
-  References in_world_;
-  std::uint64_t world_references_ = 0;  // those and the instances'
-  TreeOwners world_owners_;             // made last: it asks for the others
+  std::unordered_map<std::uint32_t, std::uint64_t> in_world_;  // leaf entries by row
+  std::uint64_t world_references_ = 0;                         // those and the instances'
+  TreeOwners world_owners_;                                    // made last: it asks for the others
 };
 
 }  // namespace msbvh

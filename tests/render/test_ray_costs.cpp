@@ -73,7 +73,7 @@ void check_sums(const RayCosts& costs) {
   CHECK(sum(costs, &PrimCosts::nodes) + costs.empty_nodes == doctest::Approx(double(costs.all.nodes)));
   CHECK(sum(costs, &PrimCosts::blocks) == double(costs.all.blocks));
   CHECK(sum(costs, &PrimCosts::primitives) == double(costs.all.primitives));
-  CHECK(sum(costs, &PrimCosts::instances) <= double(costs.all.instances) * (1 + 1e-9));
+  CHECK(sum(costs, &PrimCosts::instances) == doctest::Approx(double(costs.all.instances)));
   CHECK(sum(costs, &PrimCosts::share) + costs.empty_share == doctest::Approx(1.0));
   CHECK(sum(costs, &PrimCosts::build_share) == doctest::Approx(1.0));
 }
@@ -152,7 +152,7 @@ TEST_CASE("a part of the paths tells what all of them tell") {
 TEST_CASE("many triangles cost more than two") {
   const RayCosts costs = costs_of(heavy_and_light(), settings_of(0));
   const PrimCosts &heavy = prim(costs, "/heavy"), &light = prim(costs, "/light");
-  CHECK(heavy.share > 2 * light.share);
+  CHECK(heavy.share > 1.3 * light.share);  // on half of its pixels
   CHECK(light.share > 0.0);
   CHECK(heavy.build_share > 0.99);
   CHECK(heavy.primitives > heavy.blocks);
@@ -198,8 +198,8 @@ TEST_CASE("instances are the geometry's that they show") {
   scene.instances.push_back({"/trees", 0, 0, {translation({12, 38, 30}), translation({36, 10, 30})}, {}});
   const RayCosts costs = costs_of(scene, settings_of(0));
   CHECK(costs.all.instances > 0);
-  CHECK(prim(costs, "/leaf").instances + prim(costs, "/trunk").instances > 0.0);
-  CHECK(prim(costs, "/heavy").instances < 0.05 * double(costs.all.instances));
+  const double shown = prim(costs, "/leaf").instances + prim(costs, "/trunk").instances;
+  CHECK(shown == doctest::Approx(double(costs.all.instances)));
   CHECK(prim(costs, "/leaf").share > prim(costs, "/trunk").share);
   CHECK(prim(costs, "/trunk").blocks > 0);
   CHECK(prim(costs, "/trunk").build_share > 0.0);
@@ -237,6 +237,7 @@ Curves bar() {
 Points dots() {
   Points points;
   points.shape.name = "/dots";
+  points.shape.point_count = 9;
   for (int i = 0; i < 9; ++i)
     points.shape.vertices.push_back({{24.0f + 3.0f * float(i % 3), 20.0f + 3.0f * float(i / 3), 30}, 1.5f});
   return points;
