@@ -16,7 +16,7 @@ namespace msbvh {
 namespace {
 
 constexpr std::size_t kPathsPerTask = 64;
-constexpr std::size_t kPathsPerProgress = 4096;  // some ten milliseconds
+constexpr std::uint64_t kPathsPerProgress = 4096;  // some ten milliseconds
 
 CostModel model_of(const BuildSettings& build) {
   const double block = build.block_cost;
@@ -39,7 +39,7 @@ class Counting {
   Counting(const Frame& frame, EffectSet effects, const CostTally& none)
       : frame_(frame), effects_(effects), tracer_(frame.world), none_(none) {}
 
-  void count(const std::vector<PathId>& paths, std::size_t first, std::size_t last) {
+  void count(const SampledPaths& paths, std::uint64_t first, std::uint64_t last) {
     parallel_for_ranges(last - first, kPathsPerTask, [&](std::size_t begin, std::size_t end) {
       std::unique_ptr<Counter> counter = take();
       for (std::size_t i = begin; i < end; ++i) count(paths[first + i], *counter);
@@ -134,14 +134,13 @@ void expect_samples(const RayCostSettings& settings) {
 RayCosts ray_costs(const Frame& frame, EffectSet effects, const BuildSettings& build, std::uint32_t spp,
                    const RayCostSettings& settings, const RayCostProgress& progress) {
   expect_samples(settings);
-  const std::vector<PathId> paths =
-      sampled_paths(frame.width, frame.height, spp, frame.seed, settings.camera_samples);
+  const SampledPaths paths(frame.width, frame.height, spp, frame.seed, settings.camera_samples);
   const SceneRows rows(frame.scene());
   const SceneOwners owners(frame.index, rows, frame.world);
   const CostTally none(rows, owners, model_of(build));
   Counting counting(frame, effects, none);
-  for (std::size_t first = 0; first < paths.size(); first += kPathsPerProgress) {
-    const std::size_t last = std::min(paths.size(), first + kPathsPerProgress);
+  for (std::uint64_t first = 0; first < paths.size(); first += kPathsPerProgress) {
+    const std::uint64_t last = std::min(paths.size(), first + kPathsPerProgress);
     counting.count(paths, first, last);
     if (progress && !progress(static_cast<double>(last) / static_cast<double>(paths.size())))
       throw Cancelled();
