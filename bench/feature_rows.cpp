@@ -133,7 +133,7 @@ class Measurement {
     add("_keys", side(i).keys);
     add("_mrays", 1e-6 * double(rays_.size()) / spread_of(seconds_[i]).median);
     add("_nodes_per_ray", double(work.nodes) / rays);
-    add("_tests_per_ray", double(work.triangles) / rays);
+    add("_tests_per_ray", double(work.primitives) / rays);
     add("_bytes_per_tri", double(trees_[i].bytes) / triangles);
     add("_node_bytes_per_tri", double(trees_[i].bvh->statistics.node_bytes) / triangles);
     add("_build_s", spread_of(build_seconds_[i]).median);

@@ -162,7 +162,7 @@ class SceneRun {
   std::size_t affordable_rays(RayKind kind) const {
     const std::size_t most = settings_.rays, least = std::min(most, kLeastRays);
     const TraceCounts work = count_work(ours_[0]->trees().world(), kind, rays_of(kind, least));
-    const double tests = static_cast<double>(work.nodes) + 0.25 * static_cast<double>(work.triangles);
+    const double tests = static_cast<double>(work.nodes) + 0.25 * static_cast<double>(work.primitives);
     const double share = kUsualWork * static_cast<double>(work.rays) / std::max(1.0, tests);
     return std::clamp(static_cast<std::size_t>(share * static_cast<double>(most)), least, most);
   }
@@ -236,7 +236,7 @@ class SceneRun {
     const double rays = static_cast<double>(set.work[i].rays);
     row.add("nodes_per_ray", static_cast<double>(set.work[i].nodes) / rays);
     row.add("blocks_per_ray", static_cast<double>(set.work[i].blocks) / rays);
-    row.add("tests_per_ray", static_cast<double>(set.work[i].triangles) / rays);
+    row.add("tests_per_ray", static_cast<double>(set.work[i].primitives) / rays);
     row.add("sah", tree.sah_cost);
     const std::uint64_t whole = tree.triangles + tree.patches + tree.spans + tree.points + tree.instances;
     row.add("duplication",

@@ -51,6 +51,19 @@ std::string names_of(const std::vector<Aov>& aovs) {
   return names;
 }
 
+Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const RenderSettings& settings) {
+  return {SceneIndex(scene),
+          LightSampler(scene, bounds_of(world)),
+          world,
+          tracer,
+          settings.width,
+          settings.height,
+          settings.seed,
+          settings.max_bounces,
+          settings.show_domes,
+          settings.sampling};
+}
+
 constexpr std::chrono::milliseconds kProgressInterval{100};
 
 }  // namespace
@@ -114,9 +127,7 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
       plan_effects(*data->scene, {.max_bounces = settings.max_bounces, .aovs = names_of(settings.aovs)});
   data->build(data_ && data_->trees ? &*data_->trees : nullptr);
   const Bvh& world = data->trees->world().bvh();
-  data->frame.emplace(Frame{SceneIndex(*data->scene), LightSampler(*data->scene, bounds_of(world)), world,
-                            Tracer(world), settings.width, settings.height, settings.seed,
-                            settings.max_bounces, settings.show_domes, settings.sampling});
+  data->frame.emplace(frame_of(*data->scene, world, Tracer(world), settings));
   data_ = std::move(data);
 }
 
@@ -159,6 +170,18 @@ Renderer::Data& Renderer::committed() const {
 void Renderer::verify() const { committed().trees->verify(); }
 ProbeReport Renderer::probe(const ProbeSettings& settings, const ProbeProgress& progress) const {
   return msbvh::probe(committed().trees->world().bvh(), settings, progress);
+}
+
+RayCosts Renderer::ray_costs(const RayCostSettings& settings, const RayCostProgress& progress) const {
+  const Data& data = committed();
+  const Bvh& world = data.trees->world().bvh();
+  const Frame logging = frame_of(*data.scene, world, Tracer::logging(world), data.settings);
+  RayCosts costs;
+  Arena(data.settings.threads).execute([&] {
+    costs =
+        msbvh::ray_costs(logging, data.plan.set, data.settings.build, data.settings.spp, settings, progress);
+  });
+  return costs;
 }
 
 const EffectPlan& Renderer::plan() const { return committed().plan; }

@@ -8,6 +8,7 @@
 
 #include "core/build/settings.h"
 #include "core/bvh/statistics.h"
+#include "core/cost/ray_costs.h"
 #include "core/film/image.h"
 #include "core/film/sum_tree.h"
 #include "core/integrate/sampler.h"
@@ -66,6 +67,11 @@ class Renderer {
   void verify() const;
   // Traces rays that are likely to find a defect (core/probe/probe.h). Throws Cancelled.
   ProbeReport probe(const ProbeSettings& settings, const ProbeProgress& progress = {}) const;
+
+  // What the frame's rays cost, and which geometry's they are: traces a sample of its paths again, by its
+  // own seed, on settings.threads (core/cost/ray_costs.h). Before or after render(), which it does not touch.
+  // Throws Cancelled.
+  RayCosts ray_costs(const RayCostSettings& settings, const RayCostProgress& progress = {}) const;
 
   const EffectPlan& plan() const;
   const RenderStatistics& statistics() const;

@@ -6,6 +6,8 @@
 #include "core/base/error.h"
 #include "core/bvh/bvh.h"
 #include "core/trace/kernels.h"
+#include "core/trace/ray_log.h"
+#include "core/trace/trace_visit.h"
 
 namespace msbvh {
 namespace {
@@ -44,6 +46,15 @@ InstructionSet best_instruction_set() {
   return best;
 }
 
+void log_closest(const Bvh& bvh, const Ray* rays, std::size_t count, Hit* hits, TraceModes& modes) {
+  if (modes.log) modes.log->closest.insert(modes.log->closest.end(), rays, rays + count);
+  Tracer(bvh).intersect({rays, count}, hits, modes);
+}
+void log_any(const Bvh& bvh, const Ray* rays, std::size_t count, bool* occluded, TraceModes& modes) {
+  if (modes.log) modes.log->any.insert(modes.log->any.end(), rays, rays + count);
+  Tracer(bvh).occluded({rays, count}, occluded, modes);
+}
+
 }  // namespace
 
 std::vector<InstructionSet> supported_instruction_sets() {
@@ -67,6 +78,14 @@ const char* instruction_set_name(InstructionSet set) {
   return "unknown";
 }
 
+void TraceCounts::add(const TraceVisit& visit) {
+  nodes += visit.nodes;
+  blocks += visit.blocks;
+  primitives += visit.primitives;
+  instances += visit.instances;
+  if (visits) visits->push_back(visit);
+}
+
 Tracer::Tracer(const Bvh& bvh) : Tracer(bvh, best_instruction_set()) {}
 
 Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
@@ -82,6 +101,13 @@ Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
   occluded_ = kernels->occluded[leaves];
   intersect_counted_ = kernels->intersect_counted[leaves];
   occluded_counted_ = kernels->occluded_counted[leaves];
+}
+
+Tracer Tracer::logging(const Bvh& bvh) {
+  Tracer tracer(bvh);
+  tracer.intersect_many_ = log_closest;
+  tracer.occluded_many_ = log_any;
+  return tracer;
 }
 
 bool Tracer::intersect_counted(const Ray& ray, Hit& hit, TraceCounts& counts) const {

@@ -10,6 +10,8 @@
 namespace msbvh {
 
 class Bvh;
+struct RayLog;      // core/trace/ray_log.h
+struct TraceVisit;  // core/trace/trace_visit.h
 
 // Compiled in; which of them run is decided at run time. kAvx3 is AVX-512 as of Skylake, used at 256 bits.
 enum class InstructionSet : std::uint8_t { kSse4, kAvx2, kAvx3 };
@@ -20,10 +22,23 @@ const char* instruction_set_name(InstructionSet set);      // "sse4", "avx2", "a
 // What one or many rays cost. Counted only by the counting entry points, which run kernels of their own.
 struct TraceCounts {
   std::uint64_t rays = 0;
-  std::uint64_t nodes = 0;      // 8-wide nodes whose boxes were tested
-  std::uint64_t blocks = 0;     // leaf blocks of up to 8 triangles, and tiles of grids, tested
-  std::uint64_t triangles = 0;  // triangles in them
-  std::uint64_t instances = 0;  // instances entered
+  std::uint64_t nodes = 0;       // 8-wide nodes, and windows of grids, whose boxes were tested
+  std::uint64_t blocks = 0;      // leaf blocks of up to 8 primitives, and tiles of grids, tested
+  std::uint64_t primitives = 0;  // triangles, spans of curves and points in them
+  std::uint64_t instances = 0;   // instances entered
+  // Where not null: each of these one by one, in the order in which the ray met them.
+  std::vector<TraceVisit>* visits = nullptr;
+
+  void add(const TraceVisit& visit);
+  // The visits of `other` are its own.
+  TraceCounts& operator+=(const TraceCounts& other) {
+    rays += other.rays;
+    nodes += other.nodes;
+    blocks += other.blocks;
+    primitives += other.primitives;
+    instances += other.instances;
+    return *this;
+  }
 };
 
 // How many rays went in which way.
@@ -31,6 +46,7 @@ struct TraceModes {
   std::uint64_t packets = 0;      // in packets of 16 that go down a tree together
   std::uint64_t interleaved = 0;  // many at once, each on its own way
   std::uint64_t single = 0;       // one after another
+  RayLog* log = nullptr;          // where a logging Tracer writes; others do not read it
 
   std::uint64_t rays() const { return packets + interleaved + single; }
   TraceModes& operator+=(const TraceModes& other) {
@@ -48,6 +64,9 @@ class Tracer {
   explicit Tracer(const Bvh& bvh);
   // Throws Error if the processor or the build does not support `set`.
   Tracer(const Bvh& bvh, InstructionSet set);
+  // Gives the same answers, and writes each ray of those that are asked for many at once to the `log` of the
+  // caller's TraceModes. For measurements: the ordinary Tracer has none of its instructions.
+  static Tracer logging(const Bvh& bvh);
 
   // The closest hit in [tnear, tfar]; `hit` is written only where true is returned.
   bool intersect(const Ray& ray, Hit& hit) const { return intersect_(*bvh_, ray, hit, nullptr); }

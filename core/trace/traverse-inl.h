@@ -11,6 +11,7 @@
 #include <bit>
 #include <hwy/highway.h>
 
+#include "core/trace/trace_visit.h"
 #include "core/trace/visit-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -48,7 +49,7 @@ class Traversal {
   // first one. False: none is hit.
   HWY_INLINE bool descend(Place& at) {
     const NodeHeader& node = bvh_.node(at.ref);
-    if constexpr (kCount) ++counts_->nodes;
+    if constexpr (kCount) counts_->add({.instance = instance_, .at = at.ref, .nodes = 1});
     std::uint32_t hits;
     const ChildKeys keys = test_node<kMovement>(node, at.form, setup_, query_.tfar, hits);
     if (hits == 0) return false;
@@ -97,30 +98,38 @@ class Traversal {
       } else if (kRound && block->kind >= BlockKind::kCurves) {
         visit_round(*block);
       } else {
-        if constexpr (kCount) {
-          ++counts_->blocks;
-          counts_->triangles += block->count;
-        }
+        if constexpr (kCount) count(*block, 0, 1, block->count);
         test_triangles<kMovement, kAnyHit>(bvh_, *block, setup_, instance_, query_);
       }
       if ((kAnyHit && query_.found) || block->last) return;
     }
   }
 
+  // The place of a block, as its parent knows it.
+  ChildRef ref_of(const BlockHeader& block) const {
+    const std::ptrdiff_t bytes = reinterpret_cast<const std::byte*>(&block) - bvh_.arena.data();
+    return ChildRef::leaf(static_cast<std::uint32_t>(static_cast<std::size_t>(bytes) / kUnit));
+  }
+  // Only where kCount.
+  void count(const BlockHeader& block, std::uint32_t nodes, std::uint32_t blocks, std::uint32_t primitives) {
+    counts_->add({.instance = instance_,
+                  .at = ref_of(block),
+                  .nodes = nodes,
+                  .blocks = blocks,
+                  .primitives = primitives});
+  }
+
   HWY_INLINE void visit_grid(const BlockHeader& block) {
     if constexpr (kGrids) {
       const std::uint32_t tiles = test_grid<kMovement, kAnyHit>(bvh_, block, setup_, instance_, query_);
-      if constexpr (kCount) {
-        counts_->blocks += tiles;
-        counts_->triangles += 2 * kTileQuads * tiles;
-      }
+      if constexpr (kCount) count(block, 1, tiles, 2 * kTileQuads * tiles);
     }
   }
 
   HWY_INLINE void visit_round(const BlockHeader& block) {
     if constexpr (kRound) {
       test_round<kMovement, kAnyHit>(bvh_, block, setup_, instance_, query_);
-      if constexpr (kCount) ++counts_->blocks;
+      if constexpr (kCount) count(block, 0, 1, block.count);
     }
   }
 
@@ -130,7 +139,7 @@ class Traversal {
       const Instance& instance = bvh_.instances[block.owner];
       Ray local = ray_;
       if (!to_object<kMovement>(bvh_, instance, local)) return;
-      if constexpr (kCount) ++counts_->instances;
+      if constexpr (kCount) counts_->add({.instance = instance_, .at = ref_of(block), .instances = 1});
       if (kMovement == Movement::kPolynomial && instance.object->movement == Movement::kPolynomial) {
         trace_object<Movement::kPolynomial>(instance, local, block);
       } else if (kMoving && instance.object->movement != Movement::kStill) {

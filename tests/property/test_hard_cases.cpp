@@ -150,7 +150,7 @@ TEST_CASE("the reference budget holds, and spatial splits pay on long thin trian
   };
   const TraceCounts a = count(with), b = count(without);
   MESSAGE("nodes a ray ", double(a.nodes) / double(a.rays), " against ", double(b.nodes) / double(b.rays),
-          ", triangles ", double(a.triangles) / double(a.rays), " against ",
-          double(b.triangles) / double(b.rays));
-  CHECK((a.nodes < b.nodes || a.triangles < b.triangles));
+          ", triangles ", double(a.primitives) / double(a.rays), " against ",
+          double(b.primitives) / double(b.rays));
+  CHECK((a.nodes < b.nodes || a.primitives < b.primitives));
 }

@@ -118,11 +118,11 @@ TEST_CASE("rays that pass a spinning prop by cost as they would without it") {
     const bool hit_beside = Tracer(with_prop.bvh()).intersect_counted(ray, b, beside);
     same += hit == hit_beside && (!hit || a.t == b.t);
   }
-  MESSAGE("nodes ", beside.nodes, " against ", plain.nodes, ", triangles ", beside.triangles, " against ",
-          plain.triangles);
+  MESSAGE("nodes ", beside.nodes, " against ", plain.nodes, ", triangles ", beside.primitives, " against ",
+          plain.primitives);
   CHECK(rays > 3000);
   CHECK(same == rays);
   CHECK(beside.nodes <=
         plain.nodes + std::uint64_t(rays));  // the root, where the prop is parted from the set
-  CHECK(beside.triangles <= plain.triangles + plain.triangles / 50);
+  CHECK(beside.primitives <= plain.primitives + plain.primitives / 50);
 }

@@ -25,6 +25,7 @@ MODULES = [
     "core/shade",
     "core/film",
     "core/integrate",
+    "core/cost",
     "core/api",
     "delegate/translate",
     "delegate/usd/bindings",

@@ -166,6 +166,49 @@ nb::dict probe(const Renderer& renderer, std::size_t rays, std::uint64_t seed, c
   return found;
 }
 
+// What a ray takes, in the mean over those counted.
+nb::dict means(const TraceCounts& counts) {
+  const auto mean = [&](std::uint64_t sum) {
+    return counts.rays ? static_cast<double>(sum) / static_cast<double>(counts.rays) : 0.0;
+  };
+  nb::dict result;
+  result["rays"] = counts.rays;
+  result["nodes_per_ray"] = mean(counts.nodes);
+  result["blocks_per_ray"] = mean(counts.blocks);
+  result["tests_per_ray"] = mean(counts.primitives);
+  result["instances_per_ray"] = mean(counts.instances);
+  return result;
+}
+
+nb::list prim_costs(const RayCosts& costs) {
+  nb::list prims;
+  for (const PrimCosts& prim : costs.prims) {
+    nb::dict row;
+    row["path"] = prim.path;
+    row["nodes"] = prim.nodes;
+    row["blocks"] = prim.blocks;
+    row["tests"] = prim.primitives;
+    row["instances"] = prim.instances;
+    row["share"] = prim.share;
+    row["build_share"] = prim.build_share;
+    prims.append(row);
+  }
+  return prims;
+}
+
+nb::dict ray_costs(const Renderer& renderer, std::uint64_t camera_samples, const nb::object& progress) {
+  const RayCosts costs = without_gil(progress, [&](const ProgressFunction& report) {
+    return renderer.ray_costs({.camera_samples = camera_samples}, report);
+  });
+  nb::dict result = means(costs.all);
+  result["paths"] = costs.paths;
+  result["camera"] = means(costs.camera);
+  result["prims"] = prim_costs(costs);
+  result["empty_nodes"] = costs.empty_nodes;
+  result["empty_share"] = costs.empty_share;
+  return result;
+}
+
 nb::object render(Renderer& renderer, const nb::object& progress) {
   return nb::object(render_with_aovs(renderer, progress)[0]);
 }
@@ -300,6 +343,8 @@ void bind_renderer(nb::module_& m) {
            nb::arg("progress") = nb::none())
       .def("verify", &Renderer::verify, nb::call_guard<nb::gil_scoped_release>())
       .def("probe", &probe, nb::kw_only(), nb::arg("rays"), nb::arg("seed"), nb::arg("progress") = nb::none())
+      .def("ray_costs", &ray_costs, nb::kw_only(),
+           nb::arg("camera_samples") = RayCostSettings{}.camera_samples, nb::arg("progress") = nb::none())
       .def_prop_ro("plan", &plan)
       .def_prop_ro("statistics", &statistics);
 }

@@ -89,8 +89,11 @@ from ._core_shape import unit_form as unit_form
 from ._core_statistics import AccelStatistics as AccelStatistics
 from ._core_statistics import FoundEffect as FoundEffect
 from ._core_statistics import FoundEffects as FoundEffects
+from ._core_statistics import PrimCosts as PrimCosts
 from ._core_statistics import ProbeReport as ProbeReport
 from ._core_statistics import ProbeRow as ProbeRow
+from ._core_statistics import RayCosts as RayCosts
+from ._core_statistics import RayMeans as RayMeans
 from ._core_statistics import RenderStatistics as RenderStatistics
 from ._core_statistics import SceneStatistics as SceneStatistics
 
@@ -350,6 +353,12 @@ class Renderer:
         """Traces rays that are likely to find a defect, by every instruction set of this machine: `rays` of each probe.
 
         Without the GIL; ``progress`` as of render().
+        """
+    def ray_costs(self, *, camera_samples: int = 20000, progress: Callable[[float], object] | None = None) -> RayCosts:
+        """Traces a sample of the frame's own paths again, evenly over the image, and counts what its rays test and whose it
+        is: about ``camera_samples`` of the frame's width * height * spp. core/cost/ray_costs.h says what shares leave out.
+
+        The same on any number of threads, but for build_share. Without the GIL; ``progress`` as of render().
         """
     @property
     def plan(self) -> list[tuple[str, str, str]]:

@@ -59,6 +59,48 @@ class RenderStatistics(TypedDict):
     accel: AccelStatistics
     """Sums over all trees; depth and max_segments are the largest of any."""
 
+class RayMeans(TypedDict):
+    """Means over rays, as if each went by itself."""
+
+    rays: int
+    nodes_per_ray: float
+    """8-wide nodes whose boxes were tested."""
+    blocks_per_ray: float
+    """Leaf blocks of up to 8 primitives, and tiles of displaced patches."""
+    tests_per_ray: float
+    """Triangles, spans of curves and points in them."""
+    instances_per_ray: float
+    """Entered."""
+
+class PrimCosts(TypedDict):
+    """Of one of Scene.mesh_names, whatever shows it: instances are the mesh's that they show."""
+
+    path: str
+    nodes: float
+    """Sums over the rays that were traced again. Nodes and instances in fractions: what stands above several meshes is split
+    among them."""
+    blocks: int
+    tests: int
+    instances: float
+    share: float
+    """Of all rays' traversal, by a model that gives nodes, blocks and instances a price each (core/cost/ray_costs.h)."""
+    build_share: float
+    """Of the seconds that the trees' builds took: of each tree's in proportion to the mesh's leaf entries there. All 0 where
+    every tree was kept from the frame before."""
+
+class RayCosts(RayMeans):
+    """Of camera, bounce and shadow rays together. The prims' shares and empty_share sum up to 1."""
+
+    paths: int
+    """Camera samples of the frame that were traced again."""
+    camera: RayMeans
+    """Of rays from the camera."""
+    prims: list[PrimCosts]
+    """In the order of Scene.mesh_names."""
+    empty_nodes: float
+    empty_share: float
+    """Rays that got to no node of one prim alone."""
+
 class ProbeRow(TypedDict):
     probe: str
     instruction_set: str

@@ -126,6 +126,7 @@ def record_command(
     outputs: tuple[str, ...],
     frames: str | None,
     stats: Path | None,
+    ray_costs: bool,
     strict: bool,
     renderer: str | None,
     **options: Any,
@@ -140,6 +141,8 @@ def record_command(
     check_text(scene, options)
     if options["aovs"] and not any(Path(output).suffix.lower() == ".exr" for output in outputs):
         raise click.UsageError("--aov: only .exr files hold AOVs, and no OUT is one")
+    if ray_costs and stats is None:
+        raise click.UsageError("--ray-costs: found no --stats FILE.json to write them to")
     jobs = _record_jobs(outputs, frames, options["default_time"])
     goals = goals_from(ctx)
     read = read_settings(options)
@@ -150,6 +153,7 @@ def record_command(
         mask=options["mask"],
         stats=stats,
         goals=goals,
+        ray_costs=ray_costs,
     )
     reporter = Reporter()
     _note_threads([options["threads"]], reporter)

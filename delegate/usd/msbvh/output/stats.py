@@ -16,7 +16,8 @@ from ..base.atomic import write_whole
 
 PHASES = ("read", "sample", "build", "trace", "write")
 """read: opening and composing the stage. sample: evaluating it over the shutter and fitting tracks. build:
-checking the scene, the plan and the trees. trace: pixels. write: colour correction and the file."""
+checking the scene, the plan and the trees. trace: pixels. write: colour correction and the file. Where --ray-costs asks,
+there is one more, ray_costs: a sample of the rays traced again."""
 
 
 @dataclass
@@ -38,7 +39,7 @@ class FrameStats:
     before: cages_made, cages_kept, meshes_made, meshes_kept."""
     render: dict[str, Any] = field(default_factory=dict)
     """The renderer's: rays, trees, and of the trees nodes, references and bytes, how many were built,
-    refitted and kept from the frame before, and the seconds that it took."""
+    refitted and kept from the frame before, and the seconds that it took; ray_costs where --ray-costs asks."""
     plan: list[dict[str, str]] = field(default_factory=list)
     """The effects that the frame calls for: effect, prim, why."""
     tracks: list[dict[str, Any]] = field(default_factory=list)
@@ -55,7 +56,7 @@ class FrameStats:
         try:
             yield
         finally:
-            self.seconds[phase] += time.perf_counter() - start
+            self.seconds[phase] = self.seconds.get(phase, 0.0) + time.perf_counter() - start
 
 
 @dataclass

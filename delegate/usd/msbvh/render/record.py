@@ -63,6 +63,8 @@ class RecordSettings:
     """Where the run's figures go, as JSON."""
     goals: Goals = Goals()
     """What every frame has to keep."""
+    ray_costs: bool = False
+    """Whether they say what rays cost: Renderer.ray_costs()."""
 
 
 TRACK_FIELDS = (
@@ -194,6 +196,9 @@ def _record_frame(
     stats.plan = plan_entries(renderer)
     outcome = _traced(renderer, settings, started, stats)
     pixels, aovs = outcome.pixels, {name: outcome.aovs[name] for name in settings.render.aovs}
+    if settings.ray_costs:
+        with stats.timed("ray_costs"):
+            stats.render["ray_costs"] = renderer.ray_costs()
     if not camera.path and not pixels[..., 3].any():
         reporter.warning(NOTHING_SEEN)
     with stats.timed("write"):
