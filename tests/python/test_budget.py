@@ -57,6 +57,43 @@ def test_the_error_of_motion_is_kept_or_the_command_fails(msbvh: Run, tmp_path: 
     assert (tmp_path / "o.exr").exists()
 
 
+def cube(path: Path) -> str:
+    """A cage of catmullClark that fills the picture."""
+    stage = Usd.Stage.CreateNew(str(path))
+    mesh = UsdGeom.Mesh.Define(stage, "/cube")
+    mesh.CreatePointsAttr([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    mesh.CreateFaceVertexCountsAttr([4] * 6)
+    mesh.CreateFaceVertexIndicesAttr([0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3])
+    mesh.CreateExtentAttr([(-1, -1, -1), (1, 1, 1)])
+    ball = UsdGeom.Sphere.Define(stage, "/ball")
+    ball.CreateRadiusAttr(0.2)
+    ball.AddTranslateOp().Set((1, 1, 1))
+    stage.GetRootLayer().Save()
+    return str(path)
+
+
+def test_the_error_of_shape_is_kept_by_edges_that_are_no_finer_than_that(msbvh: Run, tmp_path: Path) -> None:
+    scene = cube(tmp_path / "cube.usda")
+    triangles = []
+    for wanted in (0.02, 0.1, 0.5):
+        done = msbvh("record", scene, "o.exr", "-w", 200, "--spp", 1, "--target-error", wanted, "--stats", "s.json")
+        assert done.returncode == 0, done.stderr
+        frame = json.loads((tmp_path / "s.json").read_text())["frames"][0]
+        errors = {
+            track["path"]: track["shape_error_pixels"] for track in frame["tracks"] if track["source"] != "camera"
+        }
+        assert 0.0 < errors["/cube"] <= 1.1 * wanted
+        assert frame["budget"]["error_px"] == pytest.approx(max(errors.values())) and not frame["budget"]["misses"]
+        triangles.append(frame["scene"]["triangles"])
+    assert triangles[0] > 2 * triangles[1] > 4 * triangles[2]
+
+
+def test_shape_that_cannot_be_kept_is_an_error(msbvh: Run, tmp_path: Path) -> None:
+    done = msbvh("record", cube(tmp_path / "cube.usda"), "o.exr", "-w", 64, "--spp", 1, "--target-error", "1e-5px")
+    assert done.returncode == 1
+    assert "--target-error 1e-05px: the shape of /" in done.stderr and (tmp_path / "o.exr").exists()
+
+
 def test_a_time_budget_is_filled_and_kept(msbvh: Run, tmp_path: Path) -> None:
     found = recorded(msbvh, tmp_path, "--time-budget", "2s", "--threads", 1)["budget"]
     assert found["seconds"] <= 2.2 and found["misses"] == []

@@ -47,7 +47,16 @@ def run(shot: Shot, options: Options, seed: int, folder: Path) -> Figures:
     folder.mkdir(parents=True, exist_ok=True)
     for old in folder.iterdir():
         old.unlink()  # What an interrupted run left must not pass for this one's.
-    more = ["--exr-float", "--stats", str(folder / STATS), "--seed", str(seed), "--threads", str(shot.threads)]
+    more = [
+        "--exr-float",
+        "--stats",
+        str(folder / STATS),
+        "--ray-costs",
+        "--seed",
+        str(seed),
+        "--threads",
+        str(shot.threads),
+    ]
     command = [sys.executable, "-m", "msbvh", *shot.command(options, str(folder / PICTURE), more)]
     took = launched(f"msbvh {options.text()}", command, shot.threads, folder)
     stats = json.loads((folder / STATS).read_text(encoding="utf-8"))

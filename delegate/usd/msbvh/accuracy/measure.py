@@ -16,6 +16,7 @@ from .launch import Shot, run
 from .options import Options
 from .picture_errors import paired_error, picture_error
 from .points import Point
+from .shapes import ShapeErrors
 from .store import Figures, Store
 
 REFERENCE_SEED = 1_000_000
@@ -27,7 +28,15 @@ HALVES = 2
 class Measurement:
     """Points of one scene, measured as they are asked for; what the store holds is not rendered again."""
 
-    def __init__(self, shot: Shot, store: Store, seeds: Sequence[int], progress: Callable[[float], object]) -> None:
+    def __init__(
+        self,
+        shot: Shot,
+        store: Store,
+        seeds: Sequence[int],
+        progress: Callable[[float], object],
+        shapes: ShapeErrors,
+    ) -> None:
+        self.shapes = shapes
         self._shot = shot
         self._store = store
         self._seeds = seeds
@@ -49,7 +58,7 @@ class Measurement:
         """Each of them by every seed, in rounds."""
         wanted = list(dict.fromkeys(one for one in options if one not in self.points))
         for one in wanted:
-            self.points[one] = Point(one)
+            self.points[one] = Point(one, shape_px=self.shapes.largest(one))
         for turn, seed in enumerate(self._seeds):
             first = turn * len(wanted) // max(len(self._seeds), 1)
             for one in [*wanted[first:], *wanted[:first]]:

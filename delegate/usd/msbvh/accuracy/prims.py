@@ -13,6 +13,7 @@ from ..motion_report.report import DEGREES
 from ..scene.reader import ReadSettings, read_frame
 from ..stage.opening import tf_messages
 from .facts import SceneFacts
+from .measure import Measurement
 from .motion_knobs import TOLERANCES
 from .options import Options
 from .points import Point
@@ -75,14 +76,24 @@ def prim_rows(
     stage: Usd.Stage,
     facts: SceneFacts,
     settings: ReadSettings,
-    points: Mapping[Options, Point],
+    measurement: Measurement,
     base: Options,
 ) -> list[dict[str, Any]]:
     """Of the prims that are drawn; reads the frame once for each other tolerance."""
     now = tracks_by_path(facts.tracks)
     ladder = _ladder(stage, facts, settings) if facts.moves and not settings.segments else {}
-    shares = _shares(points, base)
-    rows = [_row(path, track, ladder, settings.motion_tolerance, shares) for path, track in now.items()]
+    shares = _shares(measurement.points[base])
+    shapes = measurement.shapes.by_prim(base)
+    changes = FrameChanges(now, ladder, shares, measurement, base)
+    rows = [
+        {
+            **_row(path, track, ladder, settings.motion_tolerance, changes),
+            "shape_px": shapes.get(path),
+            "trace_share": changes.rays(path),
+            "build_share": changes.rays(path, "build_share"),
+        }
+        for path, track in now.items()
+    ]
     rows.sort(key=lambda row: (-(row["error_px"] or 0.0), -row["bytes"], row["path"]))
     return rows[:MOST_PRIMS]
 
@@ -97,11 +108,50 @@ def _ladder(stage: Usd.Stage, facts: SceneFacts, settings: ReadSettings) -> dict
     return found
 
 
-def _shares(points: Mapping[Options, Point], base: Options) -> dict[str, Mapping[str, float]]:
-    """What a sample of the base's rays says of each prim."""
-    runs = points[base].runs
-    costs = runs[0].stats["render"].get("ray_costs") if runs else None
+def _shares(point: Point) -> dict[str, Mapping[str, float]]:
+    """What a sample of a point's rays says of each prim."""
+    costs = point.runs[0].stats["render"].get("ray_costs") if point.runs else None
     return {row["path"]: row for row in costs["prims"]} if costs else {}
+
+
+@dataclass(frozen=True)
+class FrameChanges:
+    """What another track of one prim does to the frame's time.
+
+    No frame was rendered with one prim changed alone. Those of the motion axis change all prims whose track another tolerance
+    changes: the difference in time is split among them, by their shares of the rays' time. What the clock cannot tell from the
+    machine's own noise is not told.
+    """
+
+    now: Mapping[str, Track]
+    ladder: Mapping[float, Mapping[str, Track]]
+    shares: Mapping[str, Mapping[str, float]]
+    measurement: Measurement
+    base: Options
+
+    def rays(self, path: str, name: str = "share") -> float | None:
+        """A prim's share of the base's rays; of an instancer that of its prototypes, where they lie below it."""
+        if path in self.shares:
+            return self.shares[path][name]
+        below = [row[name] for one, row in self.shares.items() if one.startswith(f"{path}/")]
+        return sum(below) if below else None
+
+    def share(self, path: str, tolerance: float) -> float | None:
+        """Of the frame's time, below 0 for less; None where it is not known."""
+        points = self.measurement.points
+        held = self.base.without("segments", "interpolation")
+        other = points.get(Options.of({"motion-tolerance": tolerance}).over(held))
+        start = points[self.base]
+        own = self.rays(path)
+        if other is None or not other.runs or not start.runs or own is None:
+            return None
+        change = other.frame_seconds / start.frame_seconds
+        if 1.0 / self.measurement.noise <= change <= self.measurement.noise:
+            return None
+        others = self.ladder[tolerance]
+        changed = [one for one, track in self.now.items() if one in others and others[one].form != track.form]
+        together = sum(self.rays(one) or 0.0 for one in changed)
+        return (change - 1.0) * own / together if together > 0.0 else None
 
 
 def _row(
@@ -109,9 +159,8 @@ def _row(
     track: Track,
     ladder: Mapping[float, Mapping[str, Track]],
     tolerance: float,
-    shares: Mapping[str, Mapping[str, float]],
+    changes: FrameChanges,
 ) -> dict[str, Any]:
-    share = shares.get(path, {})
     cheaper = next((found for found in _others(path, track, ladder, tolerance, 1)), None)
     dearer = next((found for found in _others(path, track, ladder, tolerance, -1)), None)
     return {
@@ -119,14 +168,11 @@ def _row(
         "source": track.source,
         "track": track.words,
         "error_px": track.error_px,
-        "shape_px": None,
         "bytes": track.bytes,
         "keys": track.keys,
         "count": track.count,
-        "trace_share": share.get("share"),
-        "build_share": share.get("build_share"),
-        "cheaper": _plain(cheaper, track),
-        "dearer": _plain(dearer, track),
+        "cheaper": _plain(path, cheaper, track, changes),
+        "dearer": _plain(path, dearer, track, changes),
     }
 
 
@@ -139,7 +185,7 @@ def _others(
     return [(value, other) for value, other in found if other.form != track.form]
 
 
-def _plain(found: tuple[float, Track] | None, track: Track) -> dict[str, Any] | None:
+def _plain(path: str, found: tuple[float, Track] | None, track: Track, changes: FrameChanges) -> dict[str, Any] | None:
     if found is None:
         return None
     tolerance, other = found
@@ -149,5 +195,5 @@ def _plain(found: tuple[float, Track] | None, track: Track) -> dict[str, Any] | 
         "bytes": other.bytes,
         "bytes_change": other.bytes - track.bytes,
         "tolerance": tolerance,
-        "frame_share": None,
+        "frame_share": changes.share(path, tolerance),
     }

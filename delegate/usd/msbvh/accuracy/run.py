@@ -21,7 +21,7 @@ from .all_knobs import ALL
 from .facts import SceneFacts, scene_facts
 from .findings import findings
 from .front import guesses, promising
-from .kinds import finest, motion_pixels
+from .kinds import finest, kinds_in, motion_pixels
 from .launch import Shot
 from .measure import HALVES, REFERENCE_SEED, Measurement
 from .options import Options
@@ -29,6 +29,7 @@ from .picture_errors import own_noise
 from .pictures import write_pictures
 from .points import Point, front_of
 from .prims import prim_rows
+from .shapes import ShapeErrors
 from .store import Store, fingerprint
 from .sweep import Axis, Partners, axes, named
 from .targets import Target, aim
@@ -90,7 +91,9 @@ def run_accuracy(
     size = ("--resolution", str(camera.width), str(camera.height))
     shot = Shot(settings.scene, time, (*settings.shared, *size), settings.processors)
     identity = repr((fingerprint(stage), host()["commit"], _core.__version__, shot))
-    report = _Report(settings, facts, Measurement(shot, Store(out / "points", identity), settings.seeds, progress))
+    shapes = ShapeErrors(stage, time, settings.read, "shape" in kinds_in(facts))
+    measurement = Measurement(shot, Store(out / "points", identity), settings.seeds, progress, shapes)
+    report = _Report(settings, facts, measurement)
     report.measure()
     data = {
         "software": f"msbvh {_core.__version__}",
@@ -104,7 +107,7 @@ def run_accuracy(
         "machine": {**host(), "load_before": load, "load_after": os.getloadavg()[0], "noise": report.measurement.noise},
         "base": settings.base.plain(),
         **report.plain(shot),
-        "prims": prim_rows(stage, facts, settings.read, report.measurement.points, settings.base),
+        "prims": prim_rows(stage, facts, settings.read, measurement, settings.base),
         "warnings": [str(found) for found in diagnostics],
     }
     write_pictures(data, report.pictures(), out)

@@ -58,7 +58,7 @@ def goals_from(ctx: click.Context) -> Goals:
     goals = Goals(ctx.params["target_error"], ctx.params["target_flip"], ctx.params["time_budget"])
     clashes = []
     if goals.error_px is not None:
-        clashes += [("--target-error", name) for name in ("motion_tolerance", "segments")]
+        clashes += [("--target-error", name) for name in ("motion_tolerance", "segments", "edge_length", "complexity")]
     if goals.decide_samples:
         option = "--target-flip" if goals.flip is not None else "--time-budget"
         clashes += [(option, "spp")]

@@ -145,9 +145,8 @@ def record_command(
         raise click.UsageError("--ray-costs: found no --stats FILE.json to write them to")
     jobs = _record_jobs(outputs, frames, options["default_time"])
     goals = goals_from(ctx)
-    read = read_settings(options)
     settings = RecordSettings(
-        read=read if goals.error_px is None else replace(read, motion_tolerance=goals.error_px),
+        read=read_settings(options),
         render=RenderSettings(**{name: options[name] for name in RENDER_NAMES}),
         image=ImageSettings(_color_correction(options), options["show_domes"], options["exr_float"]),
         mask=options["mask"],

@@ -17,8 +17,8 @@ def tell_budget(stats: FrameStats, goals: Goals, outcome: Outcome, reporter: Rep
     found: dict[str, float] = {}
     misses = outcome.misses(goals, sum(stats.seconds.values()))
     if goals.error_px is not None:
-        worst = max(stats.tracks, key=lambda track: track["error_pixels"])
-        found["error_px"] = worst["error_pixels"]
+        worst = max(stats.tracks, key=_error)
+        found["error_px"] = _error(worst)
         misses += _too_far(worst, goals.error_px)
     if goals.flip is not None and outcome.flip is not None:
         found["flip"] = outcome.flip
@@ -31,9 +31,16 @@ def tell_budget(stats: FrameStats, goals: Goals, outcome: Outcome, reporter: Rep
         reporter.error(f"{frame}: {miss}")
 
 
+def _error(track: dict[str, Any]) -> float:
+    """Of motion or of shape, whichever is larger; pixels."""
+    return float(max(track["error_pixels"], track["shape_error_pixels"] or 0.0))
+
+
 def _too_far(worst: dict[str, Any], wanted: float) -> list[str]:
-    if worst["error_pixels"] <= wanted * SLACK:
+    if _error(worst) <= wanted * SLACK:
         return []
+    if _error(worst) > worst["error_pixels"]:
+        return [f"--target-error {wanted:g}px: the shape of {worst['path']} is off by {_error(worst):.3g} px"]
     return [
         f"--target-error {wanted:g}px: {worst['path']} is off by {worst['error_pixels']:.3g} px, on {worst['segments']} segments"
     ]

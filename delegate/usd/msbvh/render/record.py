@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from ..stage.opening import open_stage
 from ..stage.stage_metadata import frames_per_second, start_time
 from .budget import Goals, Outcome, render_within
 from .budget_told import tell_budget
+from .fine_enough import read_within
 from .sample_sum import DEPTH, MEANS
 
 
@@ -182,7 +184,9 @@ def _record_frame(
     stats.seconds["read"] = read_seconds
     before = kept.refinements.counts
     with stats.timed("sample"), reading_progress(frame) as progress:
-        result = read_frame(stage, frame, settings.read, progress=progress, refinements=kept.refinements)
+        read = partial(_read, stage, frame, progress, kept)
+        pixels = settings.goals.error_px
+        result = read(settings.read) if pixels is None else read_within(read, settings.read, pixels)
     stats.subdivision = {name: count - before[name] for name, count in kept.refinements.counts.items()}
     rate = frames_per_second(stage, result.diagnostics)
     report(result.diagnostics, reporter)
@@ -210,6 +214,10 @@ def _record_frame(
         tell_budget(stats, settings.goals, outcome, reporter)
     reporter.note(f"{frame_label(frame)}: wrote {', '.join(files)} in {sum(stats.seconds.values()):.1f} s")
     return stats
+
+
+def _read(stage: Usd.Stage, frame: float | None, progress: Progress, kept: Kept, settings: ReadSettings) -> ReadResult:
+    return read_frame(stage, frame, settings, progress=progress, refinements=kept.refinements)
 
 
 def _with_depth(settings: RecordSettings) -> RenderSettings:

@@ -1,0 +1,62 @@
+"""How finely surfaces have to be cut to stay within an error in pixels: tried out on the frame itself."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from .._core import EDGE_LENGTHS, SILHOUETTES
+from ..scene.reader import ReadResult, ReadSettings
+
+READINGS = 4
+"""At most; each takes as long as reading the frame does."""
+LONGEST_EDGE = 8.0
+SHORTEST_EDGE = 0.125
+"""Pixels."""
+COARSER_FROM = 0.5
+"""Of what is allowed: an error below it lets edges be longer."""
+
+
+def read_within(read: Callable[[ReadSettings], ReadResult], settings: ReadSettings, pixels: float) -> ReadResult:
+    """The frame, with the coarsest complexity whose shapes stray by so many pixels, and edges about as long as do. Where no
+    length does, the best that was found: what its tracks say of it is for the caller to tell."""
+    edge = settings.edge_length if settings.edge_length is not None else EDGE_LENGTHS[settings.complexity]
+    fine = [name for name, strays in SILHOUETTES.items() if strays <= pixels]
+    settings = replace(
+        settings,
+        motion_tolerance=pixels,
+        measure_shape=True,
+        complexity=max(fine, key=lambda name: SILHOUETTES[name]) if fine else "veryhigh",
+    )
+    best: tuple[float, ReadResult] | None = None
+    for _ in range(READINGS):
+        result = read(replace(settings, edge_length=edge))
+        error = worst_shape(result)
+        if best is None or _rank(error, edge, pixels) > best[0]:
+            best = _rank(error, edge, pixels), result
+        longer = _next_edge(edge, error, pixels)
+        if longer is None:
+            break
+        edge = longer
+    assert best is not None
+    return best[1]
+
+
+def worst_shape(result: ReadResult) -> float:
+    """The largest shape error that is known of any prim, pixels."""
+    return max((track.shape_error_pixels or 0.0 for track in result.tracks), default=0.0)
+
+
+def _rank(error: float, edge: float, pixels: float) -> float:
+    """Those that are fine enough by the length of their edges, above all others by their error."""
+    return edge if error <= pixels else -error
+
+
+def _next_edge(edge: float, error: float, pixels: float) -> float | None:
+    """A surface strays with the square of its edges. None: this one will do."""
+    if error == 0.0 or COARSER_FROM * pixels <= error <= pixels:
+        return None
+    wanted = edge * math.sqrt(0.8 * pixels / error) if edge > 0.0 else EDGE_LENGTHS["medium"]
+    wanted = min(max(wanted, SHORTEST_EDGE), LONGEST_EDGE)
+    return None if math.isclose(wanted, edge, rel_tol=0.05) else wanted
