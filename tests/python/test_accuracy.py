@@ -189,6 +189,13 @@ def test_the_front_has_what_nothing_beats() -> None:
     assert front_of(points) == ["a", "c"]
 
 
+class NoShapes:
+    """Of a frame where nothing is cut."""
+
+    def largest(self, options: Options) -> None:
+        return None
+
+
 def fake(seconds: float, error: float) -> Point:
     from msbvh.accuracy.picture_errors import PictureError
 
@@ -327,7 +334,7 @@ def test_settings_that_fail_are_told_and_the_rest_is_reported(tmp_path: Path, mo
     from msbvh.base.errors import SceneError
 
     shot = launch.Shot("s.usda", 1.0, (), 1)
-    measurement = Measurement(shot, Store(tmp_path, "x"), [1, 2], lambda share: None)
+    measurement = Measurement(shot, Store(tmp_path, "x"), [1, 2], lambda share: None, NoShapes())
 
     def run(shot: launch.Shot, options: Options, seed: int, folder: Path) -> Figures:
         raise SceneError("out of memory")

@@ -65,12 +65,15 @@ SUBPACKAGES = [
     "verify",
     "conform",
     "bench",
+    "accuracy",
     "cli",
 ]
 """In the order in which data flows: a subpackage imports itself and those before it."""
 MODULE_HOMES = {
     "click": {
+        "cli.accuracy_command",
         "cli.bench_options",
+        "cli.budget_options",
         "cli.frame_options",
         "cli.main",
         "cli.option_types",
@@ -80,7 +83,7 @@ MODULE_HOMES = {
     },
     "tqdm": {"base.progress"},
     "lz4": {"stage.crate_check"},
-    "OpenImageIO": {"output.images", "look.texture_channel", "look.texture_matrix", "look.texture_mean"},
+    "OpenImageIO": {"output.flip", "output.images", "look.texture_channel", "look.texture_matrix", "look.texture_mean"},
     "PyOpenColorIO": {"look.color"},
     "jinja2": {"accuracy_report.page"},
     "matplotlib": {

@@ -119,8 +119,8 @@ def _arm(stage: Usd.Stage, path: str, arm: int, detail: float) -> None:
         around, radius = 2 * np.pi * v, 0.5 - 0.3 * u
         return [radius * np.cos(around), radius * np.sin(around), joints * length * u]
 
-    skin = _quads(stage, f"{path}/skin", faces, place, (0.8, 0.55 - 0.05 * arm, 0.4 + 0.08 * arm), closed=True)
-    heights = np.asarray(skin.GetPointsAttr().Get())[:, 2] / length
+    skin, points = _quads(stage, f"{path}/skin", faces, place, (0.8, 0.55 - 0.05 * arm, 0.4 + 0.08 * arm), closed=True)
+    heights = points[:, 2] / length
     first = np.clip(np.floor(heights).astype(np.int32), 0, joints - 1)
     second, share = np.minimum(first + 1, joints - 1), np.clip(heights - first, 0.0, 1.0)
     binding = UsdSkel.BindingAPI.Apply(skin.GetPrim())
@@ -139,8 +139,8 @@ def _quads(
     place: Callable[[np.ndarray, np.ndarray], list[np.ndarray]],
     colour: tuple[float, float, float],
     closed: bool = False,
-) -> UsdGeom.Mesh:
-    """A catmullClark cage of `faces` x `faces` quads over [0, 1] x [0, 1]; closed: v = 0 and v = 1 are the same points."""
+) -> tuple[UsdGeom.Mesh, np.ndarray]:
+    """A catmullClark cage, with its points float32[N, 3], of `faces` x `faces` quads over [0, 1] x [0, 1]; closed: v = 0 and v = 1 are the same points."""
     columns = faces if closed else faces + 1
     u, v = np.meshgrid(np.linspace(0, 1, faces + 1), np.arange(columns) / faces, indexing="ij")
     points = np.stack(place(u, v), axis=-1).reshape(-1, 3).astype(np.float32)
@@ -159,7 +159,7 @@ def _quads(
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.catmullClark)
     mesh.CreateDisplayColorAttr([Gf.Vec3f(*colour)])
     mesh.CreateDoubleSidedAttr(True)
-    return mesh
+    return mesh, points
 
 
 def _hair(stage: Usd.Stage, detail: float) -> None:
@@ -217,9 +217,8 @@ def _displaced(stage: Usd.Stage, detail: float) -> None:
         tilt, around = np.pi * (0.02 + 0.96 * u), 2 * np.pi * v
         return [3.2 * np.sin(tilt) * np.cos(around), 3.2 * np.sin(tilt) * np.sin(around), 3.2 * np.cos(tilt)]
 
-    ball = _quads(stage, "/ball", faces, place, (0.3, 0.6, 0.75), closed=True)
+    ball, points = _quads(stage, "/ball", faces, place, (0.3, 0.6, 0.75), closed=True)
     UsdShade.MaterialBindingAPI.Apply(ball.GetPrim()).Bind(material)
-    points = np.asarray(ball.GetPointsAttr().Get())
     waves = np.sin(5.0 * points[:, 0]) * np.sin(5.0 * points[:, 1]) * np.sin(5.0 * points[:, 2])
     UsdGeom.PrimvarsAPI(ball).CreatePrimvar("height", TYPES.FloatArray, UsdGeom.Tokens.vertex).Set(
         Vt.FloatArray.FromNumpy((0.6 * waves).astype(np.float32))

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+from pxr import Usd, UsdGeom
+
 from .._core import EDGE_LENGTHS, SILHOUETTES
 from ..scene.reader import ReadResult, ReadSettings
 
@@ -18,7 +20,9 @@ COARSER_FROM = 0.5
 """Of what is allowed: an error below it lets edges be longer."""
 
 
-def read_within(read: Callable[[ReadSettings], ReadResult], settings: ReadSettings, pixels: float) -> ReadResult:
+def read_within(
+    stage: Usd.Stage, read: Callable[[ReadSettings], ReadResult], settings: ReadSettings, pixels: float
+) -> ReadResult:
     """The frame, with the coarsest complexity whose shapes stray by so many pixels, and edges about as long as do. Where no
     length does, the best that was found: what its tracks say of it is for the caller to tell."""
     edge = settings.edge_length if settings.edge_length is not None else EDGE_LENGTHS[settings.complexity]
@@ -32,7 +36,7 @@ def read_within(read: Callable[[ReadSettings], ReadResult], settings: ReadSettin
     best: tuple[float, ReadResult] | None = None
     for _ in range(READINGS):
         result = read(replace(settings, edge_length=edge))
-        error = worst_shape(result)
+        error = _worst_by_edges(stage, result)
         if best is None or _rank(error, edge, pixels) > best[0]:
             best = _rank(error, edge, pixels), result
         longer = _next_edge(edge, error, pixels)
@@ -43,9 +47,17 @@ def read_within(read: Callable[[ReadSettings], ReadResult], settings: ReadSettin
     return best[1]
 
 
-def worst_shape(result: ReadResult) -> float:
-    """The largest shape error that is known of any prim, pixels."""
-    return max((track.shape_error_pixels or 0.0 for track in result.tracks), default=0.0)
+def _worst_by_edges(stage: Usd.Stage, result: ReadResult) -> float:
+    """The largest shape error that is known of any prim whose edges have a length, pixels: spheres and the like go by the
+    complexity alone."""
+    found = (track.shape_error_pixels or 0.0 for track in result.tracks if _has_edges(stage, track.path))
+    return max(found, default=0.0)
+
+
+def _has_edges(stage: Usd.Stage, path: str) -> bool:
+    """Meshes and patches, and what instances them."""
+    prim = stage.GetPrimAtPath(path) if path.startswith("/") else None
+    return bool(prim) and (prim.IsA(UsdGeom.PointBased) or not prim.IsA(UsdGeom.Gprim))
 
 
 def _rank(error: float, edge: float, pixels: float) -> float:

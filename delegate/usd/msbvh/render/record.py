@@ -185,8 +185,8 @@ def _record_frame(
     before = kept.refinements.counts
     with stats.timed("sample"), reading_progress(frame) as progress:
         read = partial(_read, stage, frame, progress, kept)
-        pixels = settings.goals.error_px
-        result = read(settings.read) if pixels is None else read_within(read, settings.read, pixels)
+        wanted = settings.goals.error_px
+        result = read(settings.read) if wanted is None else read_within(stage, read, settings.read, wanted)
     stats.subdivision = {name: count - before[name] for name, count in kept.refinements.counts.items()}
     rate = frames_per_second(stage, result.diagnostics)
     report(result.diagnostics, reporter)
