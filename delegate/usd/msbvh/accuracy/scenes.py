@@ -140,7 +140,8 @@ def _quads(
     colour: tuple[float, float, float],
     closed: bool = False,
 ) -> tuple[UsdGeom.Mesh, np.ndarray]:
-    """A catmullClark cage, with its points float32[N, 3], of `faces` x `faces` quads over [0, 1] x [0, 1]; closed: v = 0 and v = 1 are the same points."""
+    """A catmullClark cage of `faces` x `faces` quads over [0, 1] x [0, 1], and its points, float32[N, 3]; closed: v = 0 and v = 1
+    are the same points."""
     columns = faces if closed else faces + 1
     u, v = np.meshgrid(np.linspace(0, 1, faces + 1), np.arange(columns) / faces, indexing="ij")
     points = np.stack(place(u, v), axis=-1).reshape(-1, 3).astype(np.float32)

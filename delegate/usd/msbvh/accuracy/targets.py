@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..render.budget import AIM, FLIP_SLOPE, MOST_SAMPLES, SLACK, Goals
+from ..render.budget import AIM, FLIP_SLOPE, MOST_GROWTH, MOST_SAMPLES, SLACK, Goals
 from .measure import Measurement
 from .options import Options
 from .points import Point
@@ -94,22 +94,31 @@ class _Search:
             if point.error is not None:
                 tried[int(options.get("spp", 16))] = point
         for _ in range(ATTEMPTS):
-            samples = _next_samples({n: _flip(point) for n, point in tried.items()}, wanted, samples)
+            samples = _next_samples({n: self._flip(point) for n, point in tried.items()}, wanted, samples)
             if samples in tried:
                 break
             point = self._judge(Options.of({"spp": samples}).over(self._base))
             if point.failed:
                 return _failed(f"--target-flip {wanted:g}", "FLIP", point)
             tried[samples] = point
-            if wanted / SLACK <= _flip(point) <= wanted:
+            if wanted / SLACK <= self._flip(point) <= wanted:
                 break
-        holding = [n for n, point in tried.items() if _flip(point) <= wanted * SLACK]
+        holding = [n for n, point in tried.items() if self._flip(point) <= wanted * SLACK]
         best = min(holding) if holding else max(tried)
         point = tried[best]
         says = f"--spp {best}"
-        if not holding and point.error is not None and point.error.bias_flip > wanted:
-            says += f": more samples would not do, {point.error.bias_flip:.3g} is left of the mean of all seeds"
-        return Target(f"--target-flip {wanted:g}", "FLIP", _flip(point), bool(holding), says, point.id)
+        bias = self._bias()
+        if bias > wanted * SLACK:
+            says += f" leave {bias:.3g} that no sample mends: motion, shape or path depth come first"
+            return Target(f"--target-flip {wanted:g}", "FLIP", bias, False, says, point.id)
+        return Target(f"--target-flip {wanted:g}", "FLIP", self._flip(point), bool(holding), says, point.id)
+
+    def _flip(self, point: Point) -> float:
+        return self._measurement.noise_flip(point.options)
+
+    def _bias(self) -> float:
+        """The largest FLIP of one kind of error alone, of the base settings."""
+        return max((found.flip for found in self._measurement.points[self._base].kinds.values()), default=0.0)
 
     def _by_samples(self) -> Iterator[Options]:
         yield self._base
@@ -151,10 +160,6 @@ def _failed(asked: str, unit: str, point: Point) -> Target:
     return Target(asked, unit, None, False, point.failed, point.id)
 
 
-def _flip(point: Point) -> float:
-    return point.error.flip if point.error is not None else math.inf
-
-
 def _next_samples(found: Mapping[int, float], wanted: float, start: int) -> int:
     """By how FLIP has fallen between the two counts next to what is wanted, as a power of the samples."""
     known = sorted((n, error) for n, error in found.items() if 0.0 < error < math.inf)
@@ -166,7 +171,8 @@ def _next_samples(found: Mapping[int, float], wanted: float, start: int) -> int:
         (n0, e0), (n1, e1) = nearest
         slope = max(-math.log(e1 / e0) / math.log(n1 / n0), 0.1)
     samples, error = nearest[0]
-    return min(MOST_SAMPLES, max(1, math.ceil(samples * (error / (AIM * wanted)) ** (1.0 / slope))))
+    picked = math.ceil(samples * (error / (AIM * wanted)) ** (1.0 / slope))
+    return max(1, min(picked, MOST_GROWTH * max(found)))
 
 
 def _samples_in(point: Point, seconds: float) -> int:
