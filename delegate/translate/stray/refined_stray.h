@@ -2,12 +2,12 @@
 //
 // For each triangle the surface is evaluated half way along its three edges and at its middle (in the
 // surface's parameters), and held against what is drawn there, not against the point of the triangle that has
-// the same parameters: where parameters are only spread unevenly nothing is seen. Half way along an edge that
-// is the nearer of the two triangles at it; on the rim of the surface and at creases
-// (LimitSurface::is_sharp()) the triangle itself. In the middle of a triangle, and on the border of two of
-// the cage's faces, it is the triangle's plane, which its neighbours continue to first order: a place may lie
-// beside its triangle. Corners lie on the surface. Held against the nearest of all triangles from dense limit
-// points, the result is 0.98 to 1 of that at edges that are short beside the surface's bends, and not less
+// the same parameters: where parameters are only spread unevenly nothing is seen. That is the triangle's
+// plane, which its neighbours continue to first order, since a place may lie beside its triangle; half way
+// along an edge between two triangles of a face the nearer triangle, or the farther plane where it is beside
+// both; on the rim of the surface and at creases (LimitSurface::is_sharp()), where nothing goes on, the
+// triangle itself. Corners lie on the surface. Held against the nearest of all triangles from dense limit
+// points, the result is 0.97 to 1.03 of that at edges that are short beside the surface's bends, and not less
 // than 0.88 where two triangles are a whole face (tests/unit/test_stray.cpp).
 #pragma once
 

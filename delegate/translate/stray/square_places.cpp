@@ -90,18 +90,21 @@ void SquarePlaces::for_drawn(const std::vector<Vec3d>& points, const Visit& visi
 }
 
 std::vector<double> SquarePlaces::off_edges(const Positions& at) const {
-  std::vector<double> off(at.halves.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> nearest(at.halves.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> off_planes(at.halves.size(), 0.0);
   for_drawn(at.drawn, [&](const auto& corners, const TriangleCorners& drawn) {
     for (std::size_t i = 0; i < 3; ++i) {
       const std::uint32_t from = corners[i], to = corners[(i + 1) % 3];
       const std::size_t place = half(from, to);
-      const bool goes_on = !side_is_sharp(from, to).value_or(true);
       const Vec3d& p = at.halves[place];
-      off[place] =
-          std::min(off[place], goes_on ? distance_to_plane(p, drawn) : distance_to_triangle(p, drawn));
+      nearest[place] = std::min(nearest[place], distance_to_triangle(p, drawn));
+      const double off_plane =
+          side_is_sharp(from, to).value_or(false) ? nearest[place] : distance_to_plane(p, drawn);
+      off_planes[place] = std::max(off_planes[place], off_plane);
     }
   });
-  return off;
+  for (std::size_t i = 0; i < nearest.size(); ++i) nearest[i] = std::min(nearest[i], off_planes[i]);
+  return nearest;
 }
 
 void SquarePlaces::add_to(WorstStray& worst, const ScreenInstant& screen, const Positions& at) const {
