@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/triangle_distance.h"
 
@@ -71,28 +72,56 @@ std::vector<Vec3d> SquarePlaces::points_of(const std::vector<Vec3d>& halves) con
   return result;
 }
 
-bool SquarePlaces::is_sharp(std::uint32_t a, std::uint32_t b) const {
+std::optional<bool> SquarePlaces::side_is_sharp(std::uint32_t a, std::uint32_t b) const {
   const auto both = [](std::uint32_t x, std::uint32_t y, std::uint32_t end) { return x == end && y == end; };
-  return (sharp_[0] && both(row(a), row(b), 0)) ||
-         (sharp_[1] && both(column(a), column(b), square_.columns)) ||
-         (sharp_[2] && both(row(a), row(b), square_.rows)) || (sharp_[3] && both(column(a), column(b), 0));
+  if (both(row(a), row(b), 0)) return sharp_[0];
+  if (both(column(a), column(b), square_.columns)) return sharp_[1];
+  if (both(row(a), row(b), square_.rows)) return sharp_[2];
+  if (both(column(a), column(b), 0)) return sharp_[3];
+  return std::nullopt;
+}
+
+// `visit(corners, drawn)` of each triangle: which of the square's points they are, and where.
+template <typename Visit>
+void SquarePlaces::for_drawn(const std::vector<Vec3d>& points, const Visit& visit) const {
+  square_.for_triangles([&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    visit(std::array<std::uint32_t, 3>{a, b, c}, TriangleCorners{points[a], points[b], points[c]});
+  });
+}
+
+std::vector<double> SquarePlaces::off_edges(const Positions& at) const {
+  std::vector<double> nearest(at.halves.size(), std::numeric_limits<double>::infinity());
+  std::vector<double> off_planes(at.halves.size(), 0.0);
+  for_drawn(at.drawn, [&](const auto& corners, const TriangleCorners& drawn) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::uint32_t from = corners[i], to = corners[(i + 1) % 3];
+      const std::size_t place = half(from, to);
+      const Vec3d& p = at.halves[place];
+      nearest[place] = std::min(nearest[place], distance_to_triangle(p, drawn));
+      const double off_plane =
+          side_is_sharp(from, to).value_or(false) ? nearest[place] : distance_to_plane(p, drawn);
+      off_planes[place] = std::max(off_planes[place], off_plane);
+    }
+  });
+  for (std::size_t i = 0; i < nearest.size(); ++i) nearest[i] = std::min(nearest[i], off_planes[i]);
+  return nearest;
 }
 
 void SquarePlaces::add_to(WorstStray& worst, const ScreenInstant& screen, const Positions& at) const {
+  const std::vector<double> off = off_edges(at);
   std::size_t triangle = 0;
-  square_.for_triangles([&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    const std::array<std::uint32_t, 3> corner{a, b, c};
-    const TriangleCorners drawn{at.drawn[a], at.drawn[b], at.drawn[c]};
+  for_drawn(at.drawn, [&](const auto& corners, const TriangleCorners& drawn) {
     const auto in_picture = [&] { return may_be_in_picture(screen, drawn); };
-    const auto add = [&](const Vec3d& p, bool sharp) {
-      worst.add(sharp ? distance_to_triangle(p, drawn) : distance_to_plane(p, drawn), p, in_picture);
-    };
     for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t from = corner[i], to = corner[(i + 1) % 3];
-      add(at.halves[half(from, to)], is_sharp(from, to));
-      add(at.halves[half(from, from)], false);
+      const std::size_t edge = half(corners[i], corners[(i + 1) % 3]);
+      worst.add(off[edge], at.halves[edge], in_picture);
+      const Vec3d& corner = at.halves[half(corners[i], corners[i])];
+      worst.add(distance_to_plane(corner, drawn), corner, in_picture);
     }
-    if (!at.middles.empty()) add(at.middles[triangle], false);
+    if (!at.middles.empty()) {
+      const Vec3d& middle = at.middles[triangle];
+      worst.add(distance_to_plane(middle, drawn), middle, in_picture);
+    }
     ++triangle;
   });
 }

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/geometry/subdivision/face_lattice.h"
@@ -39,7 +40,13 @@ class SquarePlaces {
   std::size_t half(std::uint32_t a, std::uint32_t b) const {
     return std::size_t(row(a) + row(b)) * (2 * square_.columns + 1) + column(a) + column(b);
   }
-  bool is_sharp(std::uint32_t a, std::uint32_t b) const;
+  // Whether the face's edge is sharp that two of the square's points lie on; nothing for what lies inside of
+  // it.
+  std::optional<bool> side_is_sharp(std::uint32_t a, std::uint32_t b) const;
+  template <typename Visit>
+  void for_drawn(const std::vector<Vec3d>& points, const Visit& visit) const;
+  // By half: how far the surface is off half way along an edge.
+  std::vector<double> off_edges(const Positions& at) const;
 
   const SquareLattice& square_;
   std::array<bool, 4> sharp_;  // the face's edges along the first row, last column, last row, first column
