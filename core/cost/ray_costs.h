@@ -5,8 +5,8 @@
 // same leaves at least and some nodes more or fewer (core/trace/packets-inl.h, stream-inl.h).
 //
 // Shares are a model of the time that rays take, not a measurement: every node, block, and way into an
-// instance has one price (CostModel, core/cost/cost_tally.h), wherever it lies in memory. They hold the
-// rays' traversal alone: generating paths, textures, lights and shading, and the film are left out. And they
+// instance has one price (core/cost/cost_model.h), wherever it lies in memory. They hold the rays' traversal
+// alone: generating paths, textures, lights and shading, and the film are left out. And they
 // say where rays spend their time, not what a frame without the prim would save: rays that bounce off it, and
 // their shadow rays, fall away with it, and rays that it stopped go on to what lies behind it.
 // docs/design/ray_costs.md holds them against measured times.
