@@ -104,6 +104,7 @@ void set_prims(const SceneRows& rows, const CostTally& tally, const std::vector<
                RayCosts& costs) {
   double all = tally.empty_cost();
   for (std::uint32_t row = 0; row < rows.size(); ++row) all += tally.cost(row);
+  costs.cost = all;
   const double build = std::accumulate(build_seconds.begin(), build_seconds.end(), 0.0);
   for (std::uint32_t row = 0; row < rows.size(); ++row) {
     const TalliedWork& work = tally.of(row);

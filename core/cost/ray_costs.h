@@ -49,6 +49,7 @@ struct RayCosts {
   std::uint64_t paths = 0;       // camera samples traced again
   TraceCounts all;               // camera, bounce and shadow rays
   TraceCounts camera;            // of them, those from the camera
+  double cost = 0.0;             // of all of them, in tests of a still node, by the model
   std::vector<PrimCosts> prims;  // all of the scene's geometry, in the order of Scene's lists
   double empty_nodes = 0.0;      // of rays that got to nobody's own nodes
   double empty_share = 0.0;      // theirs; with the prims' shares 1, or all are 0 where nothing costs
