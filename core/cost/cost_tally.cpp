@@ -26,8 +26,9 @@ CostTally::CostTally(const SceneRows& rows, const SceneOwners& owners, const Cos
       inside_(rows.size()) {}
 
 double CostTally::cost_of(const TalliedWork& work, std::uint32_t row) const {
-  return work.nodes() + model_.instance * work.instances() +
-         model_.of_blocks(rows_.id(row).kind()) * static_cast<double>(work.blocks);
+  const double tests =
+      work.nodes() + model_.of_block(rows_.id(row).kind()) * static_cast<double>(work.blocks);
+  return model_.of_motion(rows_.form(row)) * tests + model_.instance * work.instances();
 }
 
 double CostTally::cost(std::uint32_t row) const { return cost_of(work_[row], row); }

@@ -4,23 +4,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/cost/cost_model.h"
 #include "core/cost/scene_owners.h"
 #include "core/cost/scene_rows.h"
 #include "core/trace/trace_visit.h"
 
 namespace msbvh {
-
-// The work of rays in units of one node's test: a model of the time that they take.
-struct CostModel {
-  double block;     // 8 triangles or spheres
-  double curves;    // 8 pieces of curves
-  double tile;      // of a grid: 16 triangles
-  double instance;  // the way into one, and out
-
-  double of_blocks(GeometryKind kind) const {
-    return kind == GeometryKind::kCurves ? curves : kind == GeometryKind::kGridMesh ? tile : block;
-  }
-};
 
 struct TalliedWork {
   // Nodes and instances in 1 / kParts: whole numbers add up alike in any order, on any number of threads.

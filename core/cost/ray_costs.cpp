@@ -18,11 +18,6 @@ namespace {
 constexpr std::size_t kPathsPerTask = 64;
 constexpr std::uint64_t kPathsPerProgress = 4096;  // some ten milliseconds
 
-CostModel model_of(const BuildSettings& build) {
-  const double block = build.block_cost;
-  return {.block = block, .curves = 2 * block, .tile = 2 * block, .instance = 2.0};
-}
-
 // What a thread needs to count paths, and what it has counted.
 struct Counter {
   explicit Counter(const CostTally& none) : tally(none) {}
@@ -109,6 +104,7 @@ void set_prims(const SceneRows& rows, const CostTally& tally, const std::vector<
                RayCosts& costs) {
   double all = tally.empty_cost();
   for (std::uint32_t row = 0; row < rows.size(); ++row) all += tally.cost(row);
+  costs.cost = all;
   const double build = std::accumulate(build_seconds.begin(), build_seconds.end(), 0.0);
   for (std::uint32_t row = 0; row < rows.size(); ++row) {
     const TalliedWork& work = tally.of(row);
@@ -137,7 +133,7 @@ RayCosts ray_costs(const Frame& frame, EffectSet effects, const BuildSettings& b
   const SampledPaths paths(frame.width, frame.height, spp, frame.seed, settings.camera_samples);
   const SceneRows rows(frame.scene());
   const SceneOwners owners(frame.index, rows, frame.world);
-  const CostTally none(rows, owners, model_of(build));
+  const CostTally none(rows, owners, CostModel(build));
   Counting counting(frame, effects, none);
   for (std::uint64_t first = 0; first < paths.size(); first += kPathsPerProgress) {
     const std::uint64_t last = std::min(paths.size(), first + kPathsPerProgress);

@@ -5,11 +5,12 @@
 // same leaves at least and some nodes more or fewer (core/trace/packets-inl.h, stream-inl.h).
 //
 // Shares are a model of the time that rays take, not a measurement: every node, block, and way into an
-// instance has one price (CostModel, core/cost/cost_tally.h), wherever it lies in memory. They hold the
-// rays' traversal alone: generating paths, textures, lights and shading, and the film are left out. And they
+// instance has one price (core/cost/cost_model.h), wherever it lies in memory. They hold the rays' traversal
+// alone: generating paths, textures, lights and shading, and the film are left out. And they
 // say where rays spend their time, not what a frame without the prim would save: rays that bounce off it, and
 // their shadow rays, fall away with it, and rays that it stopped go on to what lies behind it.
-// docs/design/ray_costs.md holds them against measured times.
+// Finely cut prims that coherent rays meet come out too dear, up to twofold. docs/design/ray_costs.md holds
+// shares against measured times.
 #pragma once
 
 #include <cstdint>
@@ -49,6 +50,7 @@ struct RayCosts {
   std::uint64_t paths = 0;       // camera samples traced again
   TraceCounts all;               // camera, bounce and shadow rays
   TraceCounts camera;            // of them, those from the camera
+  double cost = 0.0;             // of all of them, in tests of a still node, by the model
   std::vector<PrimCosts> prims;  // all of the scene's geometry, in the order of Scene's lists
   double empty_nodes = 0.0;      // of rays that got to nobody's own nodes
   double empty_share = 0.0;      // theirs; with the prims' shares 1, or all are 0 where nothing costs

@@ -8,6 +8,22 @@ std::uint32_t index_in(const std::vector<Geometry>& list, const Geometry* geomet
   return static_cast<std::uint32_t>(geometry - list.data());
 }
 
+// What `use` says of the geometry's shape, whatever its kind.
+template <typename Use>
+decltype(auto) with_shape(const Scene& scene, GeometryId id, const Use& use) {
+  switch (id.kind()) {
+    case GeometryKind::kGridMesh:
+      return use(scene.grids[id.index()].shape);
+    case GeometryKind::kCurves:
+      return use(scene.curves[id.index()].shape);
+    case GeometryKind::kPoints:
+      return use(scene.points[id.index()].shape);
+    case GeometryKind::kTriangleMesh:
+      break;
+  }
+  return use(scene.mesh(id).shape);
+}
+
 }  // namespace
 
 SceneRows::SceneRows(const Scene& scene) : scene_(&scene) {
@@ -31,18 +47,11 @@ GeometryId SceneRows::id(std::uint32_t row) const {
 }
 
 const std::string& SceneRows::name(std::uint32_t row) const {
-  const GeometryId id = this->id(row);
-  switch (id.kind()) {
-    case GeometryKind::kGridMesh:
-      return scene_->grids[id.index()].shape.name;
-    case GeometryKind::kCurves:
-      return scene_->curves[id.index()].shape.name;
-    case GeometryKind::kPoints:
-      return scene_->points[id.index()].shape.name;
-    case GeometryKind::kTriangleMesh:
-      break;
-  }
-  return scene_->mesh(id).shape.name;
+  return with_shape(*scene_, id(row), [](const auto& shape) -> const std::string& { return shape.name; });
+}
+
+TrackForm SceneRows::form(std::uint32_t row) const {
+  return with_shape(*scene_, id(row), [](const auto& shape) { return shape.form(); });
 }
 
 }  // namespace msbvh

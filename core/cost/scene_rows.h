@@ -23,6 +23,7 @@ class SceneRows {
   std::uint32_t row(const HitSource& source) const;
   GeometryId id(std::uint32_t row) const;
   const std::string& name(std::uint32_t row) const;
+  TrackForm form(std::uint32_t row) const;  // of its own motion
 
  private:
   const Scene* scene_;

@@ -92,6 +92,7 @@ def test_a_prim_that_is_switched_off_is_gone_and_the_rest_goes_up(stage: Usd.Sta
     assert [row["path"] for row in after["prims"]] == ["/card", "/outside"]
     assert prim(after, "/card")["share"] > prim(before, "/card")["share"]
     check_sums(after)
+    assert after["cost"] < before["cost"]
 
 
 def test_prims_stand_in_the_order_of_mesh_names(stage: Usd.Stage) -> None:

@@ -152,6 +152,7 @@ TEST_CASE("a part of the paths tells what all of them tell") {
 TEST_CASE("many triangles cost more than two") {
   const RayCosts costs = costs_of(heavy_and_light(), settings_of(0));
   const PrimCosts &heavy = prim(costs, "/heavy"), &light = prim(costs, "/light");
+  CHECK(costs.cost > double(costs.all.nodes + costs.all.blocks));
   CHECK(heavy.share > 1.3 * light.share);  // on half of its pixels
   CHECK(light.share > 0.0);
   CHECK(heavy.build_share > 0.99);

@@ -202,6 +202,7 @@ nb::dict ray_costs(const Renderer& renderer, std::uint64_t camera_samples, const
   });
   nb::dict result = means(costs.all);
   result["paths"] = costs.paths;
+  result["cost"] = costs.cost;
   result["camera"] = means(costs.camera);
   result["prims"] = prim_costs(costs);
   result["empty_nodes"] = costs.empty_nodes;

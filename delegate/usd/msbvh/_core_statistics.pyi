@@ -93,6 +93,8 @@ class RayCosts(RayMeans):
 
     paths: int
     """Camera samples of the frame that were traced again."""
+    cost: float
+    """Of all rays together, in tests of a still node, by the model that shares are of."""
     camera: RayMeans
     """Of rays from the camera."""
     prims: list[PrimCosts]
