@@ -133,7 +133,7 @@ def in_common(reports: Mapping[str, Report]) -> Iterator[str]:
     )
     noises = [report["machine"]["noise"] for report in reports.values()]
     low, high = min(noises), max(noises)
-    yield f"The same frame's time changed by a factor of {low:.2f} to {high:.2f} from run to run: smaller differences mean nothing."
+    yield f"The same frame's time changed by a factor of {low:.2f} to {high:.2f} from run to run: less means nothing."
 
 
 def useless(reports: Mapping[str, Report]) -> dict[str, list[str]]:

@@ -22,7 +22,7 @@ from msbvh.accuracy.all_knobs import ALL
 from msbvh.accuracy.facts import SceneFacts
 from msbvh.accuracy.kinds import DECIDED_BY, FINEST, rid_of
 from msbvh.accuracy.options import Options
-from msbvh.accuracy.picture_errors import own_noise, paired_error, picture_error
+from msbvh.accuracy.picture_errors import noise_flip, own_noise, paired_error, picture_error
 from msbvh.accuracy.points import Point, front_of
 from msbvh.accuracy.scenes import SCENES
 from msbvh.accuracy.store import Figures, Store, fingerprint
@@ -123,6 +123,15 @@ def test_one_cause_alone_is_seen_through_noise_in_common() -> None:
     same = [truth + noise + little for noise, little in zip(noises, moved, strict=True)]
     assert paired_error(same, without).relative_mse == pytest.approx(0.0, abs=2e-6)
     assert paired_error(without, without).flip == 0.0
+
+
+def test_flip_of_noise_needs_no_reference() -> None:
+    random = np.random.default_rng(4)
+    truth = np.linspace(0.1, 0.9, 96)[:, None, None] * np.ones((96, 96, 3))
+    for amount in (0.02, 0.1):
+        pictures = [np.maximum(truth + amount * random.normal(size=truth.shape), 0.0) for _ in range(3)]
+        true = np.mean([flip_map(truth, picture).mean() for picture in pictures])
+        assert noise_flip(pictures) == pytest.approx(true, rel=0.1)
 
 
 def test_flip_is_that_of_its_authors() -> None:

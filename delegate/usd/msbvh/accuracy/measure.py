@@ -14,7 +14,7 @@ from .kinds import kinds_in, rid_of
 from .knobs import Error
 from .launch import Shot, run
 from .options import Options
-from .picture_errors import paired_error, picture_error
+from .picture_errors import noise_flip, paired_error, picture_error
 from .points import Point
 from .shapes import ShapeErrors
 from .store import Figures, Store
@@ -98,6 +98,10 @@ class Measurement:
 
     def pictures(self, options: Options) -> list[np.ndarray]:
         return [self._store.picture(options, seed) for seed in self._seeds]
+
+    def noise_flip(self, options: Options) -> float:
+        """Of one seed's picture beside a converged one, by seeds alone: picture_errors.noise_flip()."""
+        return noise_flip(self.pictures(options))
 
     def judge(self, references: Sequence[np.ndarray]) -> None:
         """Sets the whole error of all points that have none yet."""

@@ -56,6 +56,13 @@ def picture_error(pictures: Pictures, references: Pictures) -> PictureError:
     )
 
 
+def noise_flip(pictures: Pictures) -> float:
+    """Mean HDR-FLIP of a picture beside a converged one, by pictures of two seeds and more: A - B has twice the variance of A,
+    so that A is as far from A + (B - A) / sqrt(2) as it is from the truth."""
+    pairs = zip(pictures, [*pictures[1:], pictures[0]], strict=True)
+    return float(np.mean([flip_map(one + (other - one) / np.sqrt(2.0), one).mean() for one, other in pairs]))
+
+
 def own_noise(references: Pictures) -> float:
     """The relative MSE of the references' mean itself, by how they differ."""
     variance = np.var(references, axis=0, ddof=1) / len(references)

@@ -146,9 +146,7 @@ class _Report:
         for kind, found in apart.items():
             measurement.set_apart(found, kind)
         self._measure_front()
-        self._targets = aim(
-            self._settings.goals, base, self._axes, measurement, self._judge_anew, self._settings.reference_samples
-        )
+        self._targets = aim(self._settings.goals, base, self._axes, measurement, self._judge_anew)
 
     def _render_references(self) -> list[np.ndarray]:
         options = self._reference_options

@@ -107,7 +107,7 @@ class _Search:
         best = min(holding) if holding else max(tried)
         point = tried[best]
         says = f"--spp {best}"
-        bias = self._bias()
+        bias = self._bias(point)
         if bias > wanted * SLACK:
             says += f" leave {bias:.3g} that no sample mends: motion, shape or path depth come first"
             return Target(f"--target-flip {wanted:g}", "FLIP", bias, False, says, point.id)
@@ -116,9 +116,11 @@ class _Search:
     def _flip(self, point: Point) -> float:
         return self._measurement.noise_flip(point.options)
 
-    def _bias(self) -> float:
-        """The largest FLIP of one kind of error alone, of the base settings."""
-        return max((found.flip for found in self._measurement.points[self._base].kinds.values()), default=0.0)
+    def _bias(self, point: Point) -> float:
+        """The largest FLIP of one kind of error of the base settings alone, of those that stand out of a point's noise."""
+        noise = point.error.noise_relative_mse if point.error is not None else 0.0
+        kinds = self._measurement.points[self._base].kinds.values()
+        return max((found.flip for found in kinds if found.relative_mse > noise), default=0.0)
 
     def _by_samples(self) -> Iterator[Options]:
         yield self._base

@@ -56,7 +56,7 @@ def _worst_by_edges(stage: Usd.Stage, result: ReadResult) -> float:
 
 def _has_edges(stage: Usd.Stage, path: str) -> bool:
     """Meshes and patches, and what instances them."""
-    prim = stage.GetPrimAtPath(path) if path.startswith("/") else None
+    prim = stage.GetPrimAtPath(path) if path.startswith("/") else Usd.Prim()
     return bool(prim) and (prim.IsA(UsdGeom.PointBased) or not prim.IsA(UsdGeom.Gprim))
 
 
