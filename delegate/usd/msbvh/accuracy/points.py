@@ -75,6 +75,7 @@ class Point:
             "shape_px": self.shape_px,
             **error,
             "kinds": {kind: asdict(found) for kind, found in self.kinds.items()},
+            **{f"{kind}_flip": found.flip for kind, found in self.kinds.items()},
         }
 
 

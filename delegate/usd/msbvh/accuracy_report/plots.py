@@ -26,12 +26,14 @@ ERROR_LABELS = {
     "noise_relative_mse": "noise, relative MSE",
     "bias_relative_mse": "bias, relative MSE",
     "relative_mse": "picture error, relative MSE",
+    "light_flip": "light that is left out, FLIP",
+    "shape_flip": "shape alone, FLIP",
 }
 TRADED = {
     "motion": ("motion_px", "relative_mse"),
-    "shape": ("shape_px", "relative_mse"),
+    "shape": ("shape_px", "shape_flip", "relative_mse"),
     "noise": ("noise_relative_mse", "relative_mse"),
-    "light": ("bias_relative_mse", "relative_mse"),
+    "light": ("light_flip", "bias_relative_mse", "relative_mse"),
 }
 """Figures of a point that show what an axis trades, the best first: the first that any point has is drawn."""
 STAGES = ("read", "sample", "build", "trace", "write")
