@@ -46,6 +46,16 @@ TREE_KNOBS = (
         joint=False,
     ),
     Knob(
+        name="Robust traversal",
+        option="robust",
+        unit="",
+        says="Whether rays that pass through edges and corners are certain to be met.",
+        error="none",
+        steps=lambda facts, few: {},
+        idle=lambda facts: "rays are always traced robustly, there is no other way here",
+        joint=False,
+    ),
+    Knob(
         name="Refit",
         option="refit",
         unit="",
