@@ -111,3 +111,30 @@ def test_the_plan_is_that_of_a_render(tmp_path: Path, capfd: pytest.CaptureFixtu
     arguments = ["record", str(tmp_path / "scene.usda"), str(out), "--stats", str(stats), "-w", "16", "--spp", "1"]
     assert main(arguments) == 0
     assert json.loads(stats.read_text())["frames"][0]["plan"] == found["plan"]
+
+
+def test_the_rays_work_is_predicted_by_effect_and_found_by_a_render(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """What covers most of the picture takes most of the work; what the render finds is near what was predicted."""
+    big = deforming("big").replace(CORNERS, "(-4, -4, 0), (4, -4, 0), (4, 4, 0), (-4, 4, 0)")
+    found, text = planned(tmp_path, capfd, big + STILL.replace("-1, -1, 0", "-1, -1, 1"))
+    share = row(found, "deforming keys")["ray_share"]
+    assert 0.3 < share < 1.0
+    assert "of the rays' work" in next(line for line in text.splitlines() if line.startswith("deforming keys"))
+    assert row(found, "lens")["ray_share"] is None
+    stats = tmp_path / "stats.json"
+    out = str(tmp_path / "o.exr")
+    assert main(["record", str(tmp_path / "scene.usda"), out, "--spp", "1", "--ray-costs", "--stats", str(stats)]) == 0
+    costs = json.loads(stats.read_text())["frames"][0]["render"]["ray_costs"]
+    assert costs["effects"]["deforming keys"] == pytest.approx(share, abs=0.1)
+    shares = {prim["path"]: prim["share"] for prim in costs["prims"]}
+    assert costs["effects"]["deforming keys"] == pytest.approx(shares["/big"])
+
+
+def test_no_rays_are_traced_where_none_are_asked_for(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "scene.usda"
+    path.write_text(CAMERA + deforming("moves"))
+    assert main(["plan", str(path), "--json", "--rays", "0"]) == 0
+    found = json.loads(capfd.readouterr().out)
+    assert row(found, "deforming keys")["ray_share"] is None

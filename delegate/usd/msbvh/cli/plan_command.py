@@ -7,29 +7,52 @@ from typing import Any
 
 import click
 
+from .. import _core
 from ..base.exit_codes import DONE
 from ..base.reporter import Reporter
 from ..plan_report.report import first_reasons, plain, plan_report
 from ..plan_report.table import plan_text
 from ..render.record import report
+from ..scene.reader import ReadResult
 from .frame_options import read_one_frame
 from .options import ONE_FRAME, SCENE, with_options
 
+OPTIONS = (
+    click.option(
+        "--rays",
+        type=click.IntRange(0, 1_000_000),
+        default=2000,
+        show_default=True,
+        help="Camera rays that the prediction is made by, with all that follow from them. The trees are built for it: seconds on"
+        " large scenes. 0: neither.",
+    ),
+)
+
 
 @click.command("plan")
-@with_options(SCENE, ONE_FRAME)
-def plan_command(scene: str, frame: str | None, as_json: bool, **options: Any) -> int:
-    """Print the effects that SCENE calls for, the prims that ask for each, and its share of the scene's geometry.
+@with_options(SCENE, ONE_FRAME, OPTIONS)
+def plan_command(scene: str, frame: str | None, as_json: bool, rays: int, **options: Any) -> int:
+    """Print the effects that SCENE calls for, the prims that ask for each, its share of the scene's geometry, and a
+    prediction of its share of the rays' work.
 
-    Bytes are counted in what was read, before any tree is built.
+    Bytes are counted in what was read, before any tree is built. The prediction is of traversal, by a few of the frame's own
+    rays; what a whole frame's rays say of it is in --stats of `record --ray-costs`.
     """
     reporter = Reporter()
     _, _, result = read_one_frame("plan", scene, frame, options, reporter)
     report(result.diagnostics, reporter)
-    found = plan_report(result.scene)
+    found = plan_report(result.scene, _costs(result, rays) if rays else None)
     if as_json:
         said = {"warnings": reporter.warnings, "errors": reporter.errors}
         print(json.dumps({"scene": scene, "plan": first_reasons(found), **plain(found), **said}, indent=2))
     else:
         print(plan_text(found))
     return DONE
+
+
+def _costs(result: ReadResult, rays: int) -> _core.RayCosts | None:
+    """None where nothing is in the frame that rays could meet."""
+    camera = result.camera
+    renderer = _core.Renderer(result.scene, width=camera.width, height=camera.height, spp=1)
+    costs = renderer.ray_costs(camera_samples=rays)
+    return costs if costs["prims"] else None

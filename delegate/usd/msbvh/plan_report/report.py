@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .. import _core
+from .ray_shares import ray_shares
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,9 @@ class EffectRow:
     trees are built. What nothing shows is held as well, so an effect that is off may hold some."""
     geometry_share: float
     """Of all the scene's geometry, in [0, 1]; these and the base's add up to 1."""
+    ray_share: float | None
+    """Of the rays' work, in [0, 1], predicted by a few rays: ray_shares(). None: no rays were traced, or the effect has no
+    geometry of its own."""
 
 
 @dataclass(frozen=True)
@@ -41,15 +45,16 @@ class PlanReport:
 MOST_PRIMS = 3
 
 
-def plan_report(scene: _core.Scene) -> PlanReport:
-    """Raises _core.Error for a scene that is wrong."""
+def plan_report(scene: _core.Scene, costs: _core.RayCosts | None = None) -> PlanReport:
+    """`costs`: of a sample of the frame's rays. Raises _core.Error for a scene that is wrong."""
     found = _core.effects(scene)
+    shares = ray_shares(found, costs) if costs else {}
     total = found["base_bytes"] + sum(row["geometry_bytes"] for row in found["effects"])
-    rows = [_row(row, total) for row in found["effects"]]
+    rows = [_row(row, total, shares.get(row["effect"])) for row in found["effects"]]
     return PlanReport(rows, found["base_bytes"], total)
 
 
-def _row(found: _core.FoundEffect, total: int) -> EffectRow:
+def _row(found: _core.FoundEffect, total: int, ray_share: float | None) -> EffectRow:
     asked_by = found["asked_by"]
     prims = [prim for prim, _ in asked_by if prim]
     return EffectRow(
@@ -60,6 +65,7 @@ def _row(found: _core.FoundEffect, total: int) -> EffectRow:
         why=asked_by[0][1] if asked_by else "",
         geometry_bytes=found["geometry_bytes"],
         geometry_share=found["geometry_bytes"] / total if total else 0.0,
+        ray_share=ray_share,
     )
 
 

@@ -20,5 +20,7 @@ def _line(row: EffectRow) -> str:
     first = f"{row.prims[0]}: {row.why}" if row.prims else row.why
     more = row.prim_count - len(row.prims)
     also = ", ".join([*row.prims[1:], *([f"{more:,} more"] if more else [])])
-    held = f" [{row.geometry_share:.1%} of the geometry]" if row.geometry_bytes else ""
+    shares = [f"{row.geometry_share:.1%} of the geometry"] if row.geometry_bytes else []
+    shares += [] if row.ray_share is None else [f"about {row.ray_share:.0%} of the rays' work"]
+    held = f" [{', '.join(shares)}]" if shares else ""
     return f"{row.effect:20} {first}{f'; also {also}' if also else ''}{held}"

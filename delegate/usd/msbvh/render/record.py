@@ -21,6 +21,7 @@ from ..base.reporter import Reporter
 from ..output.images import ImageSettings, Layers, write_image
 from ..output.outputs import Outputs
 from ..output.stats import FrameStats, RunStats
+from ..plan_report.ray_shares import ray_shares
 from ..scene.reader import ReadResult, ReadSettings, read_frame
 from ..stage.opening import open_stage
 from ..stage.stage_metadata import frames_per_second, start_time
@@ -202,7 +203,9 @@ def _record_frame(
     pixels, aovs = outcome.pixels, {name: outcome.aovs[name] for name in settings.render.aovs}
     if settings.ray_costs:
         with stats.timed("ray_costs"):
-            stats.render["ray_costs"] = renderer.ray_costs()
+            costs = renderer.ray_costs()
+            effects = _core.effects(result.scene, max_bounces=settings.render.max_bounces)
+            stats.render["ray_costs"] = {**costs, "effects": ray_shares(effects, costs)}
     if not camera.path and not pixels[..., 3].any():
         reporter.warning(NOTHING_SEEN)
     with stats.timed("write"):
