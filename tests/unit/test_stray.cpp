@@ -167,6 +167,18 @@ TEST_SUITE("translate: stray") {
     for (const double edge : {0.0, 100.0, 10.0}) CHECK(*drawn(input, measuring(edge)).stray < 1e-3);
   }
 
+  TEST_CASE("a hole's rim is seen, also in a plane") {
+    SubdivisionMesh flat = sheet_cage(3, 4);
+    for (Vec3f& p : flat.positions) p.z = 0.0f;
+    MeshFixture fixture = fixture_of(flat);
+    fixture.holes = {4};  // the middle one
+    MeshInput input = fixture.input();
+    input.subdivision.scheme = "catmullClark";
+    const double with_hole = *drawn(input, measuring(80.0)).stray;
+    input.hole_indices = {};
+    CHECK(with_hole > *drawn(input, measuring(80.0)).stray + 0.1);
+  }
+
   TEST_CASE("bilinear faces stray where they are twisted, and Loop's surfaces as others") {
     MeshFixture twisted;  // its centre lies half a unit above one diagonal and below the other
     twisted.points = {{{-1, -1, -0.5f}, {1, -1, 0.5f}, {1, 1, -0.5f}, {-1, 1, 0.5f}}};
