@@ -167,6 +167,14 @@ TEST_SUITE("translate: stray") {
     for (const double edge : {0.0, 100.0, 10.0}) CHECK(*drawn(input, measuring(edge)).stray < 1e-3);
   }
 
+  TEST_CASE("triangles without area have a distance, too") {
+    const Vec3d a{0, 0, 0}, b{2, 0, 0}, p{1, 1, 0};
+    for (const TriangleCorners& flat : {TriangleCorners{a, a, b}, TriangleCorners{a, b, b},
+                                        TriangleCorners{b, a, b}, TriangleCorners{a, b, a}})
+      CHECK(distance_to_triangle(p, flat) == doctest::Approx(1.0));
+    CHECK(distance_to_triangle(p, {a, a, a}) == doctest::Approx(std::sqrt(2.0)));
+  }
+
   TEST_CASE("a hole's rim is seen, also in a plane") {
     SubdivisionMesh flat = sheet_cage(3, 4);
     for (Vec3f& p : flat.positions) p.z = 0.0f;

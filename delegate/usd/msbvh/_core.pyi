@@ -85,6 +85,7 @@ from ._core_shape import implicit_types as implicit_types
 from ._core_shape import radii_in_pixels as radii_in_pixels
 from ._core_shape import shapes_from_units as shapes_from_units
 from ._core_shape import sides_for as sides_for
+from ._core_shape import stray_of as stray_of
 from ._core_shape import unit_form as unit_form
 from ._core_statistics import AccelStatistics as AccelStatistics
 from ._core_statistics import FoundEffect as FoundEffect
