@@ -17,13 +17,13 @@ inline double distance_to_triangle(const std::array<Vec3d, 3>& v) {
   const double d3 = dot(ab, -v[1]), d4 = dot(ac, -v[1]);
   if (d3 >= 0.0 && d4 <= d3) return length(v[1]);
   const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return length(v[0] + ab * (d1 / (d1 - d3)));
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3) return length(v[0] + ab * (d1 / (d1 - d3)));
   const double d5 = dot(ab, -v[2]), d6 = dot(ac, -v[2]);
   if (d6 >= 0.0 && d5 <= d6) return length(v[2]);
   const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return length(v[0] + ac * (d2 / (d2 - d6)));
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 > d6) return length(v[0] + ac * (d2 / (d2 - d6)));
   const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0)
+  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 && (d4 - d3) + (d5 - d6) > 0.0)
     return length(v[1] + (v[2] - v[1]) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))));
   const double sum = va + vb + vc;
   if (sum == 0.0) return std::min({length(v[0]), length(v[1]), length(v[2])});

@@ -101,6 +101,25 @@ double brute_force(const std::vector<Vec3d>& limit, const std::vector<TriangleCo
   return worst;
 }
 
+// Flat, with a straight rim.
+MeshFixture uneven_sheet() {
+  MeshFixture sheet;
+  sheet.counts.clear();
+  sheet.indices.clear();
+  sheet.points.front().clear();
+  for (int r = 0; r <= 4; ++r) {
+    for (int c = 0; c <= 4; ++c) {
+      const bool inside = r > 0 && r < 4 && c > 0 && c < 4;
+      const float shift = inside ? 0.13f * float((r * 5 + c * 3) % 4) : 0.0f;
+      sheet.points.front().push_back({float(c) + shift, float(r) - shift, 0.0f});
+      if (r == 4 || c == 4) continue;
+      sheet.counts.push_back(4);
+      for (const int i : {0, 1, 6, 5}) sheet.indices.push_back(r * 5 + c + i);
+    }
+  }
+  return sheet;
+}
+
 }  // namespace
 
 TEST_SUITE("translate: stray") {
@@ -148,23 +167,26 @@ TEST_SUITE("translate: stray") {
   }
 
   TEST_CASE("parameters that are spread unevenly over a plane are not seen") {
-    MeshFixture sheet;
-    sheet.counts.clear();
-    sheet.indices.clear();
-    sheet.points.front().clear();
-    for (int r = 0; r <= 4; ++r) {
-      for (int c = 0; c <= 4; ++c) {
-        const bool inside = r > 0 && r < 4 && c > 0 && c < 4;
-        const float shift = inside ? 0.13f * float((r * 5 + c * 3) % 4) : 0.0f;
-        sheet.points.front().push_back({float(c) + shift, float(r) - shift, 0.0f});
-        if (r == 4 || c == 4) continue;
-        sheet.counts.push_back(4);
-        for (const int i : {0, 1, 6, 5}) sheet.indices.push_back(r * 5 + c + i);
-      }
-    }
+    const MeshFixture sheet = uneven_sheet();
     MeshInput input = sheet.input();
     input.subdivision.scheme = "catmullClark";
     for (const double edge : {0.0, 100.0, 10.0}) CHECK(*drawn(input, measuring(edge)).stray < 1e-3);
+  }
+
+  TEST_CASE("triangles without area have a distance, too") {
+    const Vec3d a{0, 0, 0}, b{2, 0, 0}, p{1, 1, 0};
+    for (const TriangleCorners& flat : {TriangleCorners{a, a, b}, TriangleCorners{a, b, b},
+                                        TriangleCorners{b, a, b}, TriangleCorners{a, b, a}})
+      CHECK(distance_to_triangle(p, flat) == doctest::Approx(1.0));
+    CHECK(distance_to_triangle(p, {a, a, a}) == doctest::Approx(std::sqrt(2.0)));
+  }
+
+  TEST_CASE("a hole's rim is seen, also in a plane") {
+    MeshFixture sheet = uneven_sheet();
+    sheet.holes = {5};  // inside
+    MeshInput input = sheet.input();
+    input.subdivision.scheme = "catmullClark";
+    CHECK(*drawn(input, measuring(40.0)).stray > 0.1);
   }
 
   TEST_CASE("bilinear faces stray where they are twisted, and Loop's surfaces as others") {

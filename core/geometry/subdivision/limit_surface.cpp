@@ -248,7 +248,11 @@ std::uint32_t LimitSurface::edge_start(std::uint32_t edge) const {
 bool LimitSurface::is_sharp(std::uint32_t edge) const {
   const Far::TopologyLevel& level = data_->level();
   const auto e = static_cast<int>(edge);
-  return level.IsEdgeBoundary(e) || level.IsEdgeNonManifold(e) || level.GetEdgeSharpness(e) > 0.0f;
+  if (level.IsEdgeBoundary(e) || level.IsEdgeNonManifold(e) || level.GetEdgeSharpness(e) > 0.0f) return true;
+  for (const int face : level.GetEdgeFaces(e)) {
+    if (!has_limit(static_cast<std::uint32_t>(face))) return true;
+  }
+  return false;
 }
 bool LimitSurface::is_quad(std::uint32_t face) const {
   return face_vertices(face).size() == 4;  // Loop's faces have 3

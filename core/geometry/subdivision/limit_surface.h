@@ -40,7 +40,8 @@ class LimitSurface {
   std::span<const int> face_vertices(std::uint32_t face) const;
   std::span<const int> face_edges(std::uint32_t face) const;
   std::uint32_t edge_start(std::uint32_t edge) const;  // of its two vertices, the first
-  // Whether the surface ends or may bend there: a boundary, a crease of any sharpness, no manifold.
+  // Whether the surface ends or may bend there: a boundary, beside a face without a surface, a crease of any
+  // sharpness, no manifold.
   bool is_sharp(std::uint32_t edge) const;
   // Whether the face's parameters are those of a single square; else it is cut into one square a vertex.
   bool is_quad(std::uint32_t face) const;
