@@ -69,7 +69,7 @@ def test_bytes_are_those_of_the_arrays(tmp_path: Path, capfd: pytest.CaptureFixt
     assert found["base_bytes"] == 2 * (key + triangles)
     assert found["geometry_bytes"] == found["base_bytes"] + key
     assert row(found, "deforming keys")["geometry_share"] == pytest.approx(key / found["geometry_bytes"])
-    assert "[25.0% of the geometry]" in text
+    assert "[25.0% of the geometry, " in text
 
 
 def test_an_effect_that_is_off_says_so(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
