@@ -51,8 +51,24 @@ inline constexpr RefitName kRefits[] = {
 // 8 bring a tenth more rays a second for twice the bytes (docs/design/build.md).
 inline constexpr std::uint32_t kIncoherentSlices = 4;
 
+// In how many bits nodes hold the planes of their boxes.
+enum class NodePrecision : std::uint8_t {
+  kFull,    // 32
+  kCompact  // 16, rounded outwards, and leaves of moving triangles read the meshes' own tracks
+            // (docs/design/compact.md): fewer bytes and fewer rays a second
+};
+
+struct NodePrecisionName {
+  NodePrecision precision;
+  const char* name;
+};
+inline constexpr NodePrecisionName kNodePrecisions[] = {{NodePrecision::kFull, "full"},
+                                                        {NodePrecision::kCompact, "compact"}};
+
 struct BuildSettings {
   Builder builder = Builder::kMsbvh;
+  // A tree's instances must show trees of the same.
+  NodePrecision nodes = NodePrecision::kFull;
   // References that spatial splits may add, as a share of the triangles. More: fewer tests a ray on long thin
   // triangles, more bytes and a longer build. Spent only where the two conditions below hold.
   float spatial_split_budget = 1.0f;

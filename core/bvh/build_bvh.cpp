@@ -48,6 +48,12 @@ Bvh opened(BvhInput input, const BuildSettings& settings) {
   bvh.time_remaps = std::move(input.time_remaps);
   bvh.time_remap = std::move(input.time_remap);
   bvh.builder = settings.builder;
+  bvh.nodes = settings.nodes;
+  for (std::size_t i = 0; i < bvh.instances.size(); ++i) {
+    if (bvh.instances[i].object->nodes == bvh.nodes) continue;
+    throw Error("accelerator: instance " + std::to_string(i) +
+                " shows a tree whose nodes are of another precision; expected the same in every tree");
+  }
   return bvh;
 }
 
@@ -59,6 +65,7 @@ Primitives primitives_of(const Bvh& bvh, const InstanceParts& instances) {
           .points = bvh.points,
           .parts = instances.parts,
           .whole_spans = bvh.builder != Builder::kMsbvh,
+          .indexed_leaves = bvh.nodes == NodePrecision::kCompact,
           .swept = bvh.builder == Builder::kSwept};
 }
 

@@ -31,6 +31,28 @@ constexpr void fill(Kernels& kernels) {
   kernels.occluded_counted[kSet] = occluded<kMovement, kKinds, true>;
 }
 
+// Of trees with compact nodes: with triangles alone, or with anything; no steps of their own in still
+// subtrees.
+template <Movement kMovement, std::size_t kSet>
+constexpr void fill_compact(Kernels& kernels, std::size_t set) {
+  constexpr LeafKinds kKinds = kKernelKinds[kSet].with(LeafKind::kCompactNodes);
+  kernels.intersect[set] = intersect<kMovement, kKinds, false>;
+  kernels.occluded[set] = occluded<kMovement, kKinds, false>;
+  kernels.intersect_counted[set] = intersect<kMovement, kKinds, true>;
+  kernels.occluded_counted[set] = occluded<kMovement, kKinds, true>;
+  for (int mixed = 0; mixed < 2; ++mixed) {
+    kernels.intersect_many[set][mixed] = intersect_many<kMovement, kKinds, false>;
+    kernels.occluded_many[set][mixed] = occluded_many<kMovement, kKinds, false>;
+  }
+}
+template <Movement kMovement>
+constexpr Kernels compact_kernels_of() {
+  Kernels kernels{};
+  fill_compact<kMovement, 0>(kernels, 0);
+  for (std::size_t set = 1; set < kKernelSets; ++set) fill_compact<kMovement, kKernelSets - 1>(kernels, set);
+  return kernels;
+}
+
 template <Movement kMovement>
 constexpr Kernels kernels_of() {
   Kernels kernels{};

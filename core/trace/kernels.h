@@ -30,5 +30,7 @@ struct Kernels {
 const Kernels* still_kernels(InstructionSet set);
 const Kernels* linear_kernels(InstructionSet set);
 const Kernels* polynomial_kernels(InstructionSet set);
+// Of trees with compact nodes (NodePrecision).
+const Kernels* compact_kernels(InstructionSet set, Movement movement);
 
 }  // namespace msbvh

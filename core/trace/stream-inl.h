@@ -130,8 +130,8 @@ class Stream {
   template <Movement kTree>
   HWY_INLINE static void step_node(Slot& slot) {
     std::uint32_t hits;
-    const ChildKeys keys =
-        test_children<kTree>(slot.spot.bounds(), slot.at.form, *slot.in, slot.query.tfar, hits);
+    const ChildKeys keys = test_children<kTree, kKinds.has(LeafKind::kCompactNodes)>(
+        slot.spot.node(), slot.spot.control, slot.at.form, *slot.in, slot.query.tfar, hits);
     if (!kAnyHit) keys.store(slot.top->keys);
     slot.top->node = &slot.spot.node();
     slot.top->left = kAnyHit ? hits : static_cast<std::uint32_t>(std::popcount(hits));

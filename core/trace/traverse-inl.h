@@ -43,6 +43,7 @@ class Traversal {
 
  private:
   static constexpr bool kMoving = kMovement != Movement::kStill;
+  static constexpr bool kCompact = kKinds.has(LeafKind::kCompactNodes);
 
   // Goes to the nearest child that is hit and leaves the others in a frame; where any hit will do, to the
   // first one. False: none is hit.
@@ -50,7 +51,7 @@ class Traversal {
     const NodeHeader& node = bvh_.node(at.ref);
     if constexpr (kCount) ++counts_->nodes;
     std::uint32_t hits;
-    const ChildKeys keys = test_node<kMovement>(node, at.form, setup_, query_.tfar, hits);
+    const ChildKeys keys = test_node<kMovement, kCompact>(node, at.form, setup_, query_.tfar, hits);
     if (hits == 0) return false;
     const std::uint32_t others = hits & (hits - 1);
     if (kAnyHit || others == 0) {
