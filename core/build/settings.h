@@ -1,6 +1,7 @@
 // What a caller may choose about the build. Every field says what it costs.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 
@@ -64,6 +65,9 @@ struct NodePrecisionName {
 };
 inline constexpr NodePrecisionName kNodePrecisions[] = {{NodePrecision::kFull, "full"},
                                                         {NodePrecision::kCompact, "compact"}};
+constexpr const char* name_of(NodePrecision precision) {
+  return kNodePrecisions[static_cast<std::size_t>(precision)].name;
+}
 
 struct BuildSettings {
   Builder builder = Builder::kMsbvh;

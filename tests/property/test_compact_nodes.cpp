@@ -21,8 +21,8 @@ BuildSettings compact(std::uint32_t slices = 0) {
 }  // namespace
 
 TEST_CASE("compact nodes equal the oracle, whatever moves how") {
-  for (const TrackForm form : {TrackForm{}, TrackForm{1, 1}, TrackForm{8, 1}, TrackForm{128, 1},
-                               TrackForm{1, 2}, TrackForm{4, 3}}) {
+  for (const TrackForm form :
+       {TrackForm{}, TrackForm{1, 1}, TrackForm{8, 1}, TrackForm{128, 1}, TrackForm{1, 2}, TrackForm{4, 3}}) {
     for (const double offset : {0.0, 1e4}) {
       CAPTURE(form.segments);
       CAPTURE(form.degree);

@@ -34,6 +34,15 @@ Builder builder_from(const std::string& name) {
   throw nb::value_error(("builder: found \"" + name + "\"; expected " + known).c_str());
 }
 
+NodePrecision nodes_from(const std::string& name) {
+  std::string known;
+  for (const NodePrecisionName& nodes : kNodePrecisions) {
+    if (name == nodes.name) return nodes.precision;
+    known += (known.empty() ? "" : " or ") + std::string(nodes.name);
+  }
+  throw nb::value_error(("nodes: found \"" + name + "\"; expected " + known).c_str());
+}
+
 Refit refit_from(const std::string& name) {
   std::string known;
   for (const RefitName& refit : kRefits) {
@@ -195,8 +204,8 @@ std::vector<Aov> aovs_from(const std::vector<std::string>& names) {
 
 void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width, std::uint32_t height,
                   std::uint32_t spp, std::uint32_t seed, std::uint32_t max_bounces, std::uint32_t threads,
-                  bool show_domes, const std::string& builder, const std::string& refit, bool keep_topology,
-                  const std::vector<std::string>& aovs) {
+                  bool show_domes, const std::string& builder, const std::string& nodes,
+                  const std::string& refit, bool keep_topology, const std::vector<std::string>& aovs) {
   RenderSettings settings{.width = width,
                           .height = height,
                           .spp = spp,
@@ -206,6 +215,7 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
                           .show_domes = show_domes,
                           .build = {}};
   settings.build.builder = builder_from(builder);
+  settings.build.nodes = nodes_from(nodes);
   settings.build.refit = refit_from(refit);
   settings.build.keep_topology = keep_topology;
   settings.aovs = aovs_from(aovs);
@@ -234,14 +244,15 @@ void bind_renderer(nb::module_& m) {
                  nb::arg("spp") = defaults.spp, nb::arg("seed") = defaults.seed,
                  nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
                  nb::arg("show_domes") = defaults.show_domes, nb::arg("builder") = "msbvh",
-                 nb::arg("refit") = "auto", nb::arg("keep_topology") = defaults.build.keep_topology,
+                 nb::arg("nodes") = "full", nb::arg("refit") = "auto",
+                 nb::arg("keep_topology") = defaults.build.keep_topology,
                  nb::arg("aovs") = std::vector<std::string>());
   };
   nb::class_<Renderer> renderer(m, "Renderer");
-  def_with_settings(
-      renderer, "__init__",
-      &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, bool,
-            const std::string&, const std::string&, bool, const std::vector<std::string>&>);
+  def_with_settings(renderer, "__init__",
+                    &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t,
+                          std::uint32_t, bool, const std::string&, const std::string&, const std::string&,
+                          bool, const std::vector<std::string>&>);
   def_with_settings(renderer, "commit", &commit_scene);
   renderer.def("render", &render, nb::arg("progress") = nb::none())
       .def("render_with_aovs", &render_with_aovs, nb::arg("progress") = nb::none())

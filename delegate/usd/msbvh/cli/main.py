@@ -53,7 +53,7 @@ from ..stage.stage_metadata import start_time
 from .bench_options import BENCH, FRAMES, frame_options
 from .options import CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
 
-RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "aovs", "builder", "refit")
+RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "aovs", "builder", "nodes", "refit")
 """Options that are fields of RenderSettings."""
 RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")
 

@@ -313,6 +313,14 @@ RENDER: Sequence[Decorator] = (
         " (slow rays). timesplit: one tree per motion segment (memory and build time grow with them).",
     ),
     click.option(
+        "--nodes",
+        type=click.Choice(("full", "compact")),
+        default="full",
+        show_default=True,
+        help="Boxes of the acceleration structure. compact: 16 bits a plane instead of 32, and leaves of moving meshes"
+        " that read the meshes' own points: less memory, slower rays. The picture is the same.",
+    ),
+    click.option(
         "--refit",
         type=click.Choice(("auto", "always", "never")),
         default="auto",
