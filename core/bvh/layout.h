@@ -29,7 +29,6 @@
 #include <cstdint>
 
 #include "core/base/box.h"
-#include "core/build/settings.h"
 #include "core/bvh/compact_bounds.h"
 #include "core/geometry/geometry_id.h"
 #include "core/motion/track.h"
