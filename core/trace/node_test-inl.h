@@ -69,28 +69,26 @@ class ChildKeys {
   }
 };
 
-// Where a node's planes are read, `at` counted from the first control in force.
-struct FullPlanes {
-  const float* first;
+// How a node's planes are read, from the first control in force on: floats, or 16 bits in the node's frame.
+HWY_INLINE const float* first_of(const float* planes) { return planes; }
+template <class D>
+HWY_INLINE hn::Vec<D> load_planes(D d, const float*, const float* at, std::size_t) {
+  return hn::Load(d, at);
+}
+template <class M>
+HWY_INLINE M present(const float*, M hit, std::size_t) {
+  return hit;
+}
 
-  template <class D>
-  HWY_INLINE hn::Vec<D> load(D d, std::size_t at, std::size_t) const {
-    return hn::Load(d, first + at);
-  }
-  template <class M>
-  HWY_INLINE M present(M hit, std::size_t) const {
-    return hit;
-  }
-};
 // As NodeFrame::plane(): the product is exact, fused or not.
 struct CompactPlanes {
   const std::uint16_t* first;
   const NodeHeader& node;
 
   template <class D>
-  HWY_INLINE hn::Vec<D> load(D d, std::size_t at, std::size_t axis) const {
+  HWY_INLINE hn::Vec<D> load(D d, const std::uint16_t* at, std::size_t axis) const {
     const hn::Rebind<std::int32_t, D> di;
-    const auto q = hn::PromoteTo(di, hn::LoadU(hn::Rebind<std::uint16_t, D>(), first + at));
+    const auto q = hn::PromoteTo(di, hn::LoadU(hn::Rebind<std::uint16_t, D>(), at));
     return hn::MulAdd(hn::ConvertTo(d, q), hn::Set(d, node.frame.scale(static_cast<int>(axis))),
                       hn::Set(d, node.frame.origin[axis]));
   }
@@ -104,6 +102,15 @@ struct CompactPlanes {
     return hn::And(hit, hn::RebindMask(d, there));
   }
 };
+HWY_INLINE const std::uint16_t* first_of(CompactPlanes planes) { return planes.first; }
+template <class D>
+HWY_INLINE hn::Vec<D> load_planes(D d, CompactPlanes planes, const std::uint16_t* at, std::size_t axis) {
+  return planes.load(d, at, axis);
+}
+template <class M>
+HWY_INLINE M present(CompactPlanes planes, M hit, std::size_t lane) {
+  return planes.present(hit, lane);
+}
 static_assert(sizeof(NodeBounds) / sizeof(float) == sizeof(CompactBounds) / sizeof(std::uint16_t));
 
 // What a ray meets of the 8 boxes: the distances where it enters and where it leaves them.
@@ -120,14 +127,14 @@ class Slabs {
 
  public:
   template <class Planes>
-  HWY_INLINE Slabs(const Planes& planes, std::size_t stride, std::uint32_t degree, float w,
+  HWY_INLINE Slabs(Planes planes, std::size_t stride, std::uint32_t degree, float w,
                    const RaySetup<kMovement>& ray, float tfar) {
     const hn::FixedTag<float, 2 * kWidth> d;
     const Weights<decltype(d)> weights(d, w);
     auto farthest = hn::IfThenElse(hn::FirstN(d, kWidth), hn::Set(d, ray.tnear), hn::Set(d, -tfar));
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::size_t p = 2 * kWidth * axis;
-      const auto control = [&](std::uint32_t c) { return planes.load(d, p + c * stride, axis); };
+      const auto* p = first_of(planes) + 2 * kWidth * axis;
+      const auto control = [&](std::uint32_t c) { return load_planes(d, planes, p + c * stride, axis); };
       const auto x = kMoving ? simd_bezier(control, degree, weights) : control(0);
       const auto t = hn::Mul(hn::Sub(x, hn::Set(d, ray.org[axis])), hn::Load(d, ray.signed_reciprocal[axis]));
       const auto swap = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&ray.backwards[axis]));
@@ -151,15 +158,15 @@ class Slabs {
 
  public:
   template <class Planes>
-  HWY_INLINE Slabs(const Planes& planes, std::size_t stride, std::uint32_t degree, float w,
+  HWY_INLINE Slabs(Planes planes, std::size_t stride, std::uint32_t degree, float w,
                    const RaySetup<kMovement>& ray, float tfar) {
     const D d;
     const Weights<D> weights(d, w);
     for (std::size_t i = 0; i < ChildKeys::kVectors; ++i) {
       const auto slab = [&](std::uint32_t plane, int axis) {
-        const std::size_t p = plane + i * ChildKeys::kLanes;
+        const auto* p = first_of(planes) + plane + i * ChildKeys::kLanes;
         const auto control = [&](std::uint32_t c) {
-          return planes.load(d, p + c * stride, static_cast<std::size_t>(axis));
+          return load_planes(d, planes, p + c * stride, static_cast<std::size_t>(axis));
         };
         const auto x = kMoving ? simd_bezier(control, degree, weights) : control(0);
         return hn::Mul(hn::Sub(x, hn::Set(d, ray.org[axis])), hn::Set(d, ray.reciprocal[axis]));
@@ -186,7 +193,7 @@ class Slabs {
 // The keys of 8 boxes; `hits` gets a bit for each that is hit in [tnear, tfar]. `planes` begin at the first
 // control in force at the ray's time, w is the time's weight there.
 template <Movement kMovement, class Planes>
-HWY_INLINE ChildKeys test_planes(const Planes& planes, bool moves, std::uint32_t degree, float w,
+HWY_INLINE ChildKeys test_planes(Planes planes, bool moves, std::uint32_t degree, float w,
                                  const RaySetup<kMovement>& ray, float tfar, std::uint32_t& hits) {
   const hn::CappedTag<float, kWidth> d;
   const ChildKeys::D di;
@@ -198,7 +205,7 @@ HWY_INLINE ChildKeys test_planes(const Planes& planes, bool moves, std::uint32_t
   hits = 0;
   for (std::size_t i = 0; i < ChildKeys::kVectors; ++i) {
     const std::size_t lane = i * ChildKeys::kLanes;
-    const auto hit = planes.present(slabs.hit(i), lane);
+    const auto hit = present(planes, slabs.hit(i), lane);
     const auto key = hn::Or(hn::AndNot(hn::Set(di, kSlotMask), hn::BitCast(di, slabs.enter(i))),
                             hn::Iota(di, static_cast<ChildKey>(lane)));
     keys.vector[i] = hn::IfThenElse(hn::RebindMask(di, hit), key, hn::Set(di, kNoChild));
@@ -212,33 +219,34 @@ HWY_INLINE ChildKeys test_planes(const Planes& planes, bool moves, std::uint32_t
 template <Movement kMovement>
 HWY_INLINE ChildKeys test_boxes(const NodeBounds* first, bool moves, std::uint32_t degree, float w,
                                 const RaySetup<kMovement>& ray, float tfar, std::uint32_t& hits) {
-  const FullPlanes planes{reinterpret_cast<const float*>(first)};
-  return test_planes<kMovement>(planes, moves, degree, w, ray, tfar, hits);
+  return test_planes<kMovement>(reinterpret_cast<const float*>(first), moves, degree, w, ray, tfar, hits);
 }
 
-// Of a node's children; `control` is the first in force at the ray's time.
-template <Movement kMovement, bool kCompact>
-HWY_INLINE ChildKeys test_children(const NodeHeader& node, const std::byte* control, FormCode form,
+// Of a node's children; `bounds` as in force at the ray's time.
+template <Movement kMovement>
+HWY_INLINE ChildKeys test_children(const NodeBounds* bounds, FormCode form, const RaySetup<kMovement>& ray,
+                                   float tfar, std::uint32_t& hits) {
+  const std::uint32_t level = kMovement != Movement::kStill ? form.level() : 0;
+  const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
+  return test_boxes<kMovement>(bounds, level != 0, degree, ray.at_level[level].w, ray, tfar, hits);
+}
+template <Movement kMovement>
+HWY_INLINE ChildKeys test_children(const CompactBounds* bounds, const NodeHeader& node, FormCode form,
                                    const RaySetup<kMovement>& ray, float tfar, std::uint32_t& hits) {
   const std::uint32_t level = kMovement != Movement::kStill ? form.level() : 0;
   const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
-  const float w = ray.at_level[level].w;
-  if constexpr (kCompact) {
-    const CompactPlanes planes{reinterpret_cast<const std::uint16_t*>(control), node};
-    return test_planes<kMovement>(planes, level != 0, degree, w, ray, tfar, hits);
-  } else {
-    return test_boxes<kMovement>(reinterpret_cast<const NodeBounds*>(control), level != 0, degree, w, ray,
-                                 tfar, hits);
-  }
+  const CompactPlanes planes{reinterpret_cast<const std::uint16_t*>(bounds), node};
+  return test_planes<kMovement>(planes, level != 0, degree, ray.at_level[level].w, ray, tfar, hits);
 }
 template <Movement kMovement, bool kCompact>
 HWY_INLINE ChildKeys test_node(const NodeHeader& node, FormCode form, const RaySetup<kMovement>& ray,
                                float tfar, std::uint32_t& hits) {
-  constexpr std::size_t kControl = kCompact ? sizeof(CompactBounds) : sizeof(NodeBounds);
   const std::uint32_t key = kMovement != Movement::kStill ? ray.at_level[form.level()].key : 0;
   const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
-  const std::byte* control = reinterpret_cast<const std::byte*>(&node + 1) + key * degree * kControl;
-  return test_children<kMovement, kCompact>(node, control, form, ray, tfar, hits);
+  if constexpr (kCompact)
+    return test_children<kMovement>(node.compact_bounds() + key * degree, node, form, ray, tfar, hits);
+  else
+    return test_children<kMovement>(node.bounds() + key * degree, form, ray, tfar, hits);
 }
 
 }  // namespace msbvh::HWY_NAMESPACE

@@ -162,7 +162,7 @@ class Packet {
       for (std::size_t axis = 0; axis < 3; ++axis) {
         for (std::size_t i = c * kControl + axis * kAxis; i < c * kControl + (axis + 1) * kAxis;
              i += hn::MaxLanes(d))
-          hn::Store(planes.load(d, i, axis), d, to + i);
+          hn::Store(planes.load(d, planes.first + i, axis), d, to + i);
       }
     }
   }

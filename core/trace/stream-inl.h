@@ -128,10 +128,18 @@ class Stream {
   }
 
   template <Movement kTree>
+  HWY_INLINE static ChildKeys test_spot(const Slot& slot, std::uint32_t& hits) {
+    const Spot& spot = slot.spot;
+    if constexpr (kKinds.has(LeafKind::kCompactNodes))
+      return test_children<kTree>(spot.compact_bounds(), spot.node(), slot.at.form, *slot.in, slot.query.tfar,
+                                  hits);
+    else
+      return test_children<kTree>(spot.bounds(), slot.at.form, *slot.in, slot.query.tfar, hits);
+  }
+  template <Movement kTree>
   HWY_INLINE static void step_node(Slot& slot) {
     std::uint32_t hits;
-    const ChildKeys keys = test_children<kTree, kKinds.has(LeafKind::kCompactNodes)>(
-        slot.spot.node(), slot.spot.control, slot.at.form, *slot.in, slot.query.tfar, hits);
+    const ChildKeys keys = test_spot<kTree>(slot, hits);
     if (!kAnyHit) keys.store(slot.top->keys);
     slot.top->node = &slot.spot.node();
     slot.top->left = kAnyHit ? hits : static_cast<std::uint32_t>(std::popcount(hits));

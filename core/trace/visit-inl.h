@@ -65,6 +65,8 @@ struct Spot {
 
   const NodeHeader& node() const { return *reinterpret_cast<const NodeHeader*>(start); }
   const BlockHeader& block() const { return *reinterpret_cast<const BlockHeader*>(start); }
+  const NodeBounds* bounds() const { return reinterpret_cast<const NodeBounds*>(control); }
+  const CompactBounds* compact_bounds() const { return reinterpret_cast<const CompactBounds*>(control); }
 };
 template <Movement kMovement>
 HWY_INLINE Spot spot_of(const Bvh& bvh, Place at, const RaySetup<kMovement>& setup) {
