@@ -24,8 +24,8 @@ CXX_SOURCES := $(shell find CMakeLists.txt core delegate tests bench examples -n
   -o -name CMakeLists.txt -o -name '*.cmake.in')
 PYTHON_SOURCES := $(shell find delegate/usd/msbvh -name '*.py')
 LINTERS := ruff==0.17.6 mypy==2.4.1 clang-format==16.0.6
-PYTHON_FOLDERS := delegate docs testenv tests/python bench
-LONG_CASES := every scene class*,a million triangles*,degenerate sets build*,curves equal*,curves whose*,curves far*,points equal*
+PYTHON_FOLDERS := cmake delegate docs testenv tests/python bench
+LONG_CASES := every scene class*,*a million triangles*,degenerate sets build*,curves equal*,curves whose*,curves far*,points equal*
 SHOWCASE := testenv/showcase/showcase.usda
 SHOWCASE_OPTIONS := --frames 6 --imageWidth 960 --spp 64
 

@@ -18,24 +18,11 @@ bool is_wrong(const Bvh& bvh, const Tracer& tracer, RayKind kind, const Ray& ray
   return judge_intersection(bvh, ray, found ? std::optional(hit) : std::nullopt).has_value();
 }
 
-// A span takes the oracle as long as so many triangles.
-constexpr double kOfSpan = 1000.0;
-
-double triangles_shown(const Bvh& bvh) {
-  double sum = 0.0;
-  for (const auto& set : bvh.points) sum += static_cast<double>(set->point_count);
-  for (const auto& set : bvh.curves) sum += kOfSpan * static_cast<double>(set->span_count());
-  for (const auto& mesh : bvh.grids) sum += static_cast<double>(mesh->triangle_count());
-  for (const auto& mesh : bvh.meshes) sum += static_cast<double>(mesh->triangles.size());
-  for (const Instance& instance : bvh.instances) sum += triangles_shown(*instance.object);
-  return sum;
-}
-
 }  // namespace
 
 OracleCheck check_oracle(const Bvh& bvh, RayKind kind, const std::vector<Ray>& rays, double triangle_tests) {
   const Tracer tracer(bvh);
-  const double affordable = std::max(4.0, triangle_tests / std::max(1.0, triangles_shown(bvh)));
+  const double affordable = std::max(4.0, triangle_tests / std::max(1.0, oracle_tests_per_ray(bvh)));
   const std::size_t count = std::min(rays.size(), static_cast<std::size_t>(affordable));
   std::atomic<std::size_t> wrong = 0;
   parallel_for(count,

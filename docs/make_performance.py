@@ -17,7 +17,7 @@ import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -25,12 +25,12 @@ import performance_frames
 import provenance
 from msbvh.base.errors import SceneError
 from msbvh.bench.rays import find_peer
+from performance_plot import plot
+from performance_rows import KINDS, Row, group, one
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
 
-Row = dict[str, Any]
-KINDS = ("primary", "shadow", "random")
 PEER_MODES = {"single": "one", "packet_coherent": "packets, coherent", "packet_incoherent": "packets, incoherent"}
 """The peer's modes as the report names them: the heading of their column."""
 
@@ -159,7 +159,7 @@ def page(report: dict[str, Any]) -> Iterator[str]:
     yield head(machine)
     beside = bool(machine["peer"])
     ours = [row for row in rows if row["builder"] == "msbvh" and row["robust"]]
-    if plot(ours, beside):
+    if beside and plot(ours, IMAGES / "performance.png"):
         yield "![Ratios and bytes by scene](images/performance.png)\n"
     for threads in machine["threads"]:
         name = "all threads" if threads == 0 else f"{threads} thread{'s' if threads > 1 else ''}"
@@ -268,18 +268,6 @@ def command_of(machine: dict[str, Any]) -> str:
     return " ".join(words)
 
 
-def group(rows: Iterable[Row]) -> dict[tuple[Any, ...], dict[str, Row]]:
-    """(scene, triangles, keys, degree) -> kind of ray -> row."""
-    found: dict[tuple[Any, ...], dict[str, Row]] = {}
-    for row in rows:
-        found.setdefault((row["scene"], row["triangles"], row["keys"], row["degree"]), {})[row["rays"]] = row
-    return found
-
-
-def one(found: dict[str, Row]) -> Row:
-    return next(iter(found.values()))
-
-
 def table(
     title: str,
     columns: list[str],
@@ -366,40 +354,6 @@ def check_table(ours: list[Row]) -> Iterator[str]:
     yield "Leaks: rays from inside a closed scene that hit nothing. Hits unlike: one side hits and the other does"
     yield "not, or their distances differ by more than 1e-4 of the scene, in the worst of its modes; not compared where the"
     yield "motion differs. Our own two modes must agree to the bit: the benchmark fails where they don't."
-
-
-def plot(ours: list[Row], peer: bool) -> bool:
-    """docs/images/performance.png; False where matplotlib is not installed or there is no peer."""
-    try:
-        import matplotlib
-    except ImportError:
-        return False
-    if not peer:
-        return False
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    groups = group(row for row in ours if row["threads"] == ours[0]["threads"])
-    names = [f"{scene}, {keys} keys" for scene, _, keys, _ in groups]
-    places = range(len(names))
-    size = (11, 1.5 + 0.36 * len(names))
-    figure_, (left, right) = pyplot.subplots(1, 2, figsize=size, sharey=True, layout="constrained")
-    for i, kind in enumerate(KINDS):
-        values = [found[kind]["ratio"] or 0.0 if kind in found else 0.0 for found in groups.values()]
-        left.barh([place + 0.27 * (i - 1) for place in places], values, 0.25, label=f"{kind} rays")
-    left.axvline(1.0, color="black", linewidth=0.8)
-    left.set_yticks(list(places), names)
-    left.invert_yaxis()
-    left.set_xlabel("rays a second, ours, many at once / peer, best mode (robust)")
-    left.legend()
-    bytes_ = [one(found) for found in groups.values()]
-    right.barh([p - 0.2 for p in places], [row["bytes_per_tri"] for row in bytes_], 0.38, label="ours")
-    right.barh([p + 0.2 for p in places], [row["peer_bytes_per_tri"] or 0 for row in bytes_], 0.38, label="peer")
-    right.set_xscale("log")
-    right.set_xlabel("bytes a triangle")
-    right.legend()
-    figure_.savefig(IMAGES / "performance.png", dpi=80)
-    return True
 
 
 if __name__ == "__main__":

@@ -151,6 +151,9 @@ Renderer::Data& Renderer::committed() const {
 }
 
 void Renderer::verify() const { committed().trees->verify(); }
+ProbeReport Renderer::probe(const ProbeSettings& settings, const ProbeProgress& progress) const {
+  return msbvh::probe(committed().trees->world().bvh(), settings, progress);
+}
 
 const EffectPlan& Renderer::plan() const { return committed().plan; }
 const RenderStatistics& Renderer::statistics() const { return committed().statistics; }

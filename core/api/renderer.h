@@ -10,6 +10,7 @@
 #include "core/bvh/statistics.h"
 #include "core/film/image.h"
 #include "core/plan/effect_plan.h"
+#include "core/probe/probe.h"
 #include "core/scene/scene.h"
 #include "core/trace/tracer.h"
 
@@ -57,6 +58,8 @@ class Renderer {
 
   // Proves the invariants of every tree, as Accel::verify(). For tests: takes seconds on large scenes.
   void verify() const;
+  // Traces rays that are likely to find a defect (core/probe/probe.h). Throws Cancelled.
+  ProbeReport probe(const ProbeSettings& settings, const ProbeProgress& progress = {}) const;
 
   const EffectPlan& plan() const;
   const RenderStatistics& statistics() const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -10,7 +11,7 @@
 namespace msbvh {
 namespace {
 
-constexpr std::array<std::pair<Effect, const char*>, 17> kNames{{
+constexpr std::array<std::pair<Effect, const char*>, kEffectCount> kNames{{
     {Effect::kDeformingKeys, "deforming keys"},
     {Effect::kInstances, "instances"},
     {Effect::kMovingInstances, "moving instances"},
@@ -30,23 +31,29 @@ constexpr std::array<std::pair<Effect, const char*>, 17> kNames{{
     {Effect::kSubdivision, "subdivision"},
 }};
 
-// Collects the first reason of each effect.
+enum class Collect : std::uint8_t { kFirst, kAll };
+
+// Collects the first reason of each effect, or of each effect and prim.
 class Planner {
  public:
-  bool needs(Effect effect) const { return plan_.set.has(effect); }
+  explicit Planner(Collect collect = Collect::kFirst) : collect_(collect) {}
+
+  bool collects_all() const { return collect_ == Collect::kAll; }
   void add(Effect effect, const std::string& prim, const std::string& why) {
-    if (needs(effect)) return;
+    if (collects_all() ? !seen_.emplace(effect, prim).second : plan_.set.has(effect)) return;
     plan_.set = plan_.set.with(effect);
     plan_.why.push_back({effect, prim, why});
   }
   EffectPlan finish() {
-    std::sort(plan_.why.begin(), plan_.why.end(),
-              [](const Reason& a, const Reason& b) { return a.effect < b.effect; });
+    std::stable_sort(plan_.why.begin(), plan_.why.end(),
+                     [](const Reason& a, const Reason& b) { return a.effect < b.effect; });
     return std::move(plan_);
   }
 
  private:
+  Collect collect_;
   EffectPlan plan_;
+  std::set<std::pair<Effect, std::string>> seen_;
 };
 
 std::string phrase(float number, const char* unit) {
@@ -152,11 +159,12 @@ void plan_geometry(const Scene& scene, Planner& planner) {
   }
 }
 
-// The first thing that is not opaque is enough: looking for the least opacity reads a whole primvar.
+// The first thing that is not opaque is enough, unless all are asked for: looking for the least opacity reads
+// a whole primvar.
 void plan_opacity(const Scene& scene, Planner& planner) {
   const auto found = [&](const std::string& name, float opacity) {
     if (opacity < 1.0f) planner.add(Effect::kOpacity, name, "opacity down to " + phrase(opacity, ""));
-    return opacity < 1.0f;
+    return opacity < 1.0f && !planner.collects_all();
   };
   for (const Shown& shown : shown_geometry(scene, true)) {
     if (found(shown.name, least_opacity(scene, shown.id))) return;
@@ -194,6 +202,7 @@ float largest(const Light& light, float LightValues::*size) {
 }
 
 void plan_light(const Light& light, Planner& planner) {
+  if (!shines(light)) return;
   const bool placeless = light.kind == LightKind::kDome || light.kind == LightKind::kCamera;
   if (light.segments > 0 && !(placeless && light.moving_values.empty())) {
     planner.add(Effect::kMovingLights, light.name, segments_phrase(light.segments));
@@ -212,6 +221,14 @@ void plan_light(const Light& light, Planner& planner) {
                 phrase(largest(light, &LightValues::width), " x ") +
                     phrase(largest(light, &LightValues::height), ""));
   }
+}
+
+// Bounces look for light: where there is none, not even a surface that glows, they would find nothing.
+bool anything_shines(const Scene& scene) {
+  const auto glows = [](const Material& material) {
+    return material.emissive_from_display_color || !(material.emissive_color == Vec3f{});
+  };
+  return std::ranges::any_of(scene.lights, shines) || std::ranges::any_of(scene.materials, glows);
 }
 
 std::string range_phrase(float a, float b) {
@@ -240,20 +257,31 @@ const char* effect_name(Effect effect) {
   return "unknown effect";
 }
 
-EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings) {
-  Planner planner;
+namespace {
+
+EffectPlan plan_all(const Scene& scene, const PlanSettings& settings, Planner planner) {
   plan_geometry(scene, planner);
   plan_opacity(scene, planner);
   plan_instances(scene, planner);
   plan_camera(scene.camera, planner);
   for (const Light& light : scene.lights) plan_light(light, planner);
-  if (settings.max_bounces > 0) {
+  if (settings.max_bounces > 0 && anything_shines(scene)) {
     planner.add(Effect::kIndirectLight, "",
                 "up to " + std::to_string(settings.max_bounces) +
                     (settings.max_bounces == 1 ? " bounce" : " bounces"));
   }
   if (!settings.aovs.empty()) planner.add(Effect::kAovs, "", settings.aovs);
   return planner.finish();
+}
+
+}  // namespace
+
+EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings) {
+  return plan_all(scene, settings, Planner(Collect::kFirst));
+}
+
+std::vector<Reason> all_reasons(const Scene& scene, const PlanSettings& settings) {
+  return plan_all(scene, settings, Planner(Collect::kAll)).why;
 }
 
 }  // namespace msbvh

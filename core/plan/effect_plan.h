@@ -3,6 +3,7 @@
 // rest.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -30,6 +31,9 @@ enum class Effect : std::uint32_t {
   kDisplacement = 1u << 15,      // of surfaces along their normals
   kSubdivision = 1u << 16        // a cage's limit surface is drawn, as triangles
 };
+
+constexpr std::size_t kEffectCount = 17;
+constexpr Effect effect_at(std::size_t index) { return static_cast<Effect>(1u << index); }
 
 // A set of effects; usable as a template argument.
 struct EffectSet {
@@ -60,5 +64,9 @@ const char* effect_name(Effect effect);  // "deforming keys", "moving instances"
 
 // Pure: the same scene and settings give the same plan.
 EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings);
+
+// All that ask, not just the first: each prim once an effect, in the order of the enum, then of the scene.
+// For people: reads the opacity of every prim, which plan_effects does until it finds one.
+std::vector<Reason> all_reasons(const Scene& scene, const PlanSettings& settings);
 
 }  // namespace msbvh

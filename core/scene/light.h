@@ -1,6 +1,7 @@
 // Lights: their kinds, what they give, how they move.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -40,5 +41,11 @@ struct Light : LightValues {  // its values while nothing but the transform move
   // them.
   std::vector<LightValues> moving_values;
 };
+
+// Whether it gives anything at any time; a light that does not takes no part in the rendering.
+inline bool shines(const Light& light) {
+  const auto bright = [](const LightValues& values) { return !(values.radiance == Vec3f{}); };
+  return light.moving_values.empty() ? bright(light) : std::ranges::any_of(light.moving_values, bright);
+}
 
 }  // namespace msbvh

@@ -41,15 +41,13 @@ struct Parameter {
 // A cubic, by Bernstein's polynomials: monotone in the controls, exact at both ends.
 class Cubic {
  public:
-  HWY_INLINE void set(const float (&c)[kSpanVertices]) {
-    for (int i = 0; i < 4; ++i) control[i] = c[i];
-    prepare();
-  }
-  // From the controls.
-  HWY_INLINE void prepare() {
-    const float* c = control;
-    for (int i = 0; i < 3; ++i) slope_[i] = 3.0f * (c[i + 1] - c[i]);
-    for (int i = 0; i < 2; ++i) bend_[i] = 6.0f * (c[i + 2] - 2.0f * c[i + 1] + c[i]);
+  HWY_INLINE void set(hn::Vec<D4f> controls) {
+    const D4f d;
+    const auto slope = hn::Mul(hn::Sub(hn::ShiftRightLanes<1>(d, controls), controls), hn::Set(d, 3.0f));
+    const auto change = hn::Sub(hn::ShiftRightLanes<1>(d, slope), slope);
+    hn::Store(controls, d, control);
+    hn::Store(slope, d, slope_);
+    hn::Store(hn::Add(change, change), d, bend_);
   }
   HWY_INLINE CurveLanes at(const Parameter& p) const {
     const CurveTag d;
@@ -71,11 +69,11 @@ class Cubic {
     return hn::MulAdd(p.u, hn::Set(d, bend_[1]), hn::Mul(p.v, hn::Set(d, bend_[0])));
   }
 
-  float control[kSpanVertices];
+  alignas(16) float control[kSpanVertices];
   const float* slopes() const { return slope_; }
 
  private:
-  float slope_[3], bend_[2];
+  alignas(16) float slope_[4], bend_[4];  // 3 and 2 of them
 };
 
 class SeenSpan {
@@ -83,31 +81,20 @@ class SeenSpan {
   template <Movement kMovement>
   HWY_INLINE SeenSpan(const VerticesAtTime<kMovement>& vertices, std::uint32_t first, const RayFrame& frame,
                       const float* org) {
-    for (std::uint32_t i = 0; i < kSpanVertices; ++i) {
-      alignas(16) float v[4];
-      hn::Store(vertices[first + i], D4f(), v);
-      const Vec3f seen = frame.seen({v[0] - org[0], v[1] - org[1], v[2] - org[2]});
-      for (int k = 0; k < 3; ++k) axis_[k].control[i] = seen[k];
-      axis_[kRadius].control[i] = v[3];
-    }
+    const D4f d;
+    alignas(16) float v[kSpanVertices][4];
+    for (std::uint32_t i = 0; i < kSpanVertices; ++i) hn::Store(vertices[first + i], d, v[i]);
+    auto x = hn::Zero(d), y = x, z = x, r = x;
+    hn::LoadInterleaved4(d, v[0], x, y, z, r);
+    x = hn::Sub(x, hn::Set(d, org[0]));
+    y = hn::Sub(y, hn::Set(d, org[1]));
+    z = hn::Sub(z, hn::Set(d, org[2]));
+    axis_[kX].set(dot_lanes(d, frame.x, x, y, z));
+    axis_[kY].set(dot_lanes(d, frame.y, x, y, z));
+    axis_[kZ].set(dot_lanes(d, frame.z, x, y, z));
+    axis_[kRadius].set(r);
   }
 
-  // Whether the hull of the control points lies beside the ray, farther than the largest radius: nothing is
-  // met, and most spans in the leaves that rays visit are sorted out.
-  HWY_INLINE bool is_aside() const {
-    const float r = largest_radius();
-    for (const Axis axis : {kX, kY}) {
-      const float* c = axis_[axis].control;
-      const float lo = std::min(std::min(c[0], c[1]), std::min(c[2], c[3]));
-      const float hi = std::max(std::max(c[0], c[1]), std::max(c[2], c[3]));
-      if (lo > r || hi < -r) return true;
-    }
-    return false;
-  }
-  // Before anything but the controls is asked for.
-  HWY_INLINE void prepare() {
-    for (Cubic& axis : axis_) axis.prepare();
-  }
   // Whether the ray meets the ball at an end.
   HWY_INLINE bool touches(bool at_end) const {
     const int i = at_end ? kSpanVertices - 1 : 0;
@@ -153,12 +140,14 @@ class SeenNormals {
   template <Movement kMovement>
   HWY_INLINE SeenNormals(const NormalsAtTime<kMovement>& normals, std::uint32_t first,
                          const RayFrame& frame) {
-    float c[3][kSpanVertices];
+    alignas(16) float c[3][kSpanVertices];
     for (std::uint32_t i = 0; i < kSpanVertices; ++i) {
-      const Vec3f seen = frame.seen(normals[first + i]);
+      alignas(16) float n[4];
+      hn::Store(normals[first + i], D4f(), n);
+      const Vec3f seen = frame.seen({n[0], n[1], n[2]});
       for (int k = 0; k < 3; ++k) c[k][i] = seen[k];
     }
-    for (int k = 0; k < 3; ++k) axis_[k].set(c[k]);
+    for (int k = 0; k < 3; ++k) axis_[k].set(hn::Load(D4f(), c[k]));
   }
   const Cubic& operator[](Axis axis) const { return axis_[axis]; }
 

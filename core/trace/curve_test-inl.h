@@ -26,6 +26,7 @@
 #include "core/geometry/curve_piece.h"
 #include "core/trace/curve_shapes-inl.h"
 #include "core/trace/round_test-inl.h"
+#include "core/trace/span_hull-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
@@ -224,41 +225,41 @@ HWY_INLINE Way way_beyond(const CurveSet& curves, const VerticesAtTime<kMovement
   return {};
 }
 
-// The nearest of the block's pieces that the ray meets within [tnear, tfar]: `visit(code, hit)` for each that
-// is nearer than, or as near as, those before it. False: none.
+// The nearest of some of a block's pieces that the ray meets within [tnear, tfar]: `visit(code, hit)` for
+// each that is nearer than, or as near as, those before it. False: none.
 template <Movement kMovement, typename Visit>
 class CurveBlockTest {
  public:
-  HWY_INLINE CurveBlockTest(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& setup,
+  HWY_INLINE CurveBlockTest(const CurveSet& curves, const BlockHeader& block,
+                            const RaySetup<kMovement>& setup, const VerticesAtTime<kMovement>& vertices,
                             const Visit& visit)
-      : curves_(*bvh.curves[block.owner]),
+      : curves_(curves),
         block_(block),
         setup_(setup),
-        vertices_(curves_.vertices.data(), curves_.vertex_count, block.form_code, setup),
+        vertices_(vertices),
         frame_(direction_of(setup)),
         visit_(visit) {}
 
-  HWY_INLINE bool run(float tfar) const {
+  // `pieces`: a bit for each that is to be tested.
+  HWY_INLINE bool run(std::uint32_t pieces, float tfar) const {
     switch (curves_.shape) {
       case CurveShape::kRibbon:
-        return test<RibbonShape>(tfar);
+        return test<RibbonShape>(pieces, tfar);
       case CurveShape::kTube:
-        return test<TubeShape>(tfar);
+        return test<TubeShape>(pieces, tfar);
       case CurveShape::kOriented:
         break;
     }
-    return test<OrientedShape>(tfar);
+    return test<OrientedShape>(pieces, tfar);
   }
 
  private:
   template <class Shape>
-  HWY_INLINE bool test(float tfar) const {
+  HWY_INLINE bool test(std::uint32_t pieces, float tfar) const {
     bool found = false;
-    for (std::uint32_t i = 0; i < block_.count; ++i) {
-      const CurvePiece piece = CurvePiece::of(block_.triangles()[i]);
-      SeenSpan span(vertices_, curves_.spans[piece.span], frame_, setup_.org);
-      if (span.is_aside()) continue;
-      span.prepare();
+    for (; pieces != 0; pieces &= pieces - 1) {
+      const CurvePiece piece = CurvePiece::of(block_.triangles()[std::countr_zero(pieces)]);
+      const SeenSpan span(vertices_, curves_.spans[piece.span], frame_, setup_.org);
       CurveHit hit{tfar, 0.0f, 0.0f};
       if (!met<Shape>(span, piece, hit)) continue;
       tfar = hit.t;
@@ -289,7 +290,7 @@ class CurveBlockTest {
   const CurveSet& curves_;
   const BlockHeader& block_;
   const RaySetup<kMovement>& setup_;
-  const VerticesAtTime<kMovement> vertices_;
+  const VerticesAtTime<kMovement>& vertices_;
   const RayFrame frame_;
   const Visit& visit_;
 };
@@ -297,7 +298,12 @@ class CurveBlockTest {
 template <Movement kMovement, typename Visit>
 HWY_INLINE bool test_curves(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& setup,
                             float tfar, const Visit& visit) {
-  return CurveBlockTest<kMovement, Visit>(bvh, block, setup, visit).run(tfar);
+  const CurveSet& curves = *bvh.curves[block.owner];
+  const VerticesAtTime<kMovement> vertices(curves.vertices.data(), curves.vertex_count, block.form_code,
+                                           setup);
+  const std::uint32_t near = SpanHulls(setup).near(curves, block, vertices, tfar);
+  if (near == 0) return false;
+  return CurveBlockTest<kMovement, Visit>(curves, block, setup, vertices, visit).run(near, tfar);
 }
 
 }  // namespace msbvh::HWY_NAMESPACE

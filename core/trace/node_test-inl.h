@@ -36,6 +36,10 @@ inline constexpr ChildKey kNoChild = 0x7fffffff;
 inline constexpr ChildKey kSlotMask = kWidth - 1;
 HWY_INLINE float distance_of(ChildKey key) { return std::bit_cast<float>(key & ~kSlotMask); }
 
+// Whether nothing in a box that is entered there can be nearer than, or as near as, what was found at `tfar`:
+// by the same roundings, so that of things at one distance all are looked at, in whatever order boxes come.
+HWY_INLINE bool is_beyond(float enter, float tfar) { return enter > tfar * kFarFactor; }
+
 // The keys of a node's children, in as many vectors as the instruction set needs for 8.
 class ChildKeys {
  public:

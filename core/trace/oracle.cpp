@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/motion/bezier.h"
+#include "core/trace/pose.h"
 #include "core/trace/verdict.h"
 
 namespace msbvh {
@@ -26,17 +26,16 @@ double distance_to_segment(const Vec2d& a, const Vec2d& b) {
 // The triangle sheared along the ray, as Woop et al. do, so that the ray becomes the origin of a plane.
 class ShearedTriangle {
  public:
-  ShearedTriangle(const RayD& ray, const std::array<Vec3d, 3>& vertices) {
+  // `size`: of the largest coordinate that the vertices were interpolated from.
+  ShearedTriangle(const RayD& ray, const std::array<Vec3d, 3>& vertices, double size) {
     const Vec3d a = abs(ray.dir);
     const int kz = a.z >= a.x && a.z >= a.y ? 2 : (a.y >= a.x ? 1 : 0), kx = (kz + 1) % 3, ky = (kz + 2) % 3;
-    double size = 0.0;
+    size = std::max(size, largest_coordinate(ray.org));
     for (int i = 0; i < 3; ++i) {
       const Vec3d v = vertices[i] - ray.org;
       const double z = v[kz] / ray.dir[kz];
       p_[i] = {v[kx] - ray.dir[kx] * z, v[ky] - ray.dir[ky] * z};
       t_[i] = z;
-      const Vec3d m = max(abs(vertices[i]), abs(ray.org));
-      size = std::max({size, m.x, m.y, m.z});
     }
     error_ = ray.error + kOracleError * size;
     t_error_ = error_ / std::abs(ray.dir[kz]);
@@ -79,24 +78,9 @@ class ShearedTriangle {
   double error_, t_error_;
 };
 
-Vec3d vertex_at(const TriangleMesh& mesh, std::uint32_t vertex, double u) {
-  if (mesh.segments == 0) return Vec3d(mesh.positions[vertex]);
-  const double scaled = u * mesh.segments;
-  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), mesh.segments - 1);
-  const auto control = [&](std::uint32_t i) {
-    return Vec3d(mesh.control_positions(key * mesh.degree + i)[vertex]);
-  };
-  return bezier(control, mesh.degree, scaled - key);
-}
-
 Vec3d point_at(const GridMesh& mesh, const Grid& grid, const GridVertex& v, double u) {
-  if (mesh.segments == 0) return Vec3d(mesh.control_point(grid, v.row, v.column, 0));
-  const double scaled = u * mesh.segments;
-  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), mesh.segments - 1);
-  const auto control = [&](std::uint32_t i) {
-    return Vec3d(mesh.control_point(grid, v.row, v.column, key * mesh.degree + i));
-  };
-  return bezier(control, mesh.degree, scaled - key);
+  return track_at(mesh.form(), u,
+                  [&](std::uint32_t c) { return Vec3d(mesh.control_point(grid, v.row, v.column, c)); });
 }
 
 using Id = PrimitiveId;
@@ -107,8 +91,13 @@ void visit_meshes(const Bvh& bvh, const RayD& ray, double u, std::uint32_t insta
     const TriangleMesh& mesh = *bvh.meshes[m];
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
       const Triangle& t = mesh.triangles[i];
+      const double size = largest_control(mesh.form(), u, [&](std::uint32_t c) {
+        const Vec3f* p = mesh.control_positions(c);
+        return std::max({largest_coordinate(Vec3d(p[t[0]])), largest_coordinate(Vec3d(p[t[1]])),
+                         largest_coordinate(Vec3d(p[t[2]]))});
+      });
       const ShearedTriangle sheared(
-          ray, {vertex_at(mesh, t[0], u), vertex_at(mesh, t[1], u), vertex_at(mesh, t[2], u)});
+          ray, {vertex_at(mesh, t[0], u), vertex_at(mesh, t[1], u), vertex_at(mesh, t[2], u)}, size);
       const Verdict verdict = sheared.judge();
       if (verdict.possible) visit({instance, {GeometryKind::kTriangleMesh, m}, i}, verdict);
     }
@@ -119,28 +108,20 @@ void visit_meshes(const Bvh& bvh, const RayD& ray, double u, std::uint32_t insta
       const GridTriangle t = mesh.triangle(i);
       const Grid& grid = mesh.grids[t.grid];
       const auto v = vertices_of(t);
+      const double size = largest_control(mesh.form(), u, [&](std::uint32_t c) {
+        double most = 0.0;
+        for (const GridVertex& corner : v)
+          most = std::max(most,
+                          largest_coordinate(Vec3d(mesh.control_point(grid, corner.row, corner.column, c))));
+        return most;
+      });
       const ShearedTriangle sheared(
-          ray, {point_at(mesh, grid, v[0], u), point_at(mesh, grid, v[1], u), point_at(mesh, grid, v[2], u)});
+          ray, {point_at(mesh, grid, v[0], u), point_at(mesh, grid, v[1], u), point_at(mesh, grid, v[2], u)},
+          size);
       const Verdict verdict = sheared.judge();
       if (verdict.possible) visit({instance, {GeometryKind::kGridMesh, m}, i}, verdict);
     }
   }
-}
-
-Affine3d map_at(const Bvh& bvh, const Instance& instance, double u) {
-  const Affine3f* controls = bvh.controls_of(instance);
-  if (!instance.form.moving()) return Affine3d(controls[0]);
-  const double scaled = u * instance.form.segments;
-  const std::uint32_t key = std::min(static_cast<std::uint32_t>(scaled), instance.form.segments - 1);
-  const Affine3f* first = controls + key * instance.form.degree;
-  return bezier([first](std::uint32_t i) { return Affine3d(first[i]); }, instance.form.degree, scaled - key);
-}
-
-// The time in an object's or instance's own time, as the kernels see it; none where it is not there.
-std::optional<double> local_time(const TimeRemap* time_remap, double u) {
-  if (!time_remap || time_remap->is_shutter()) return u;
-  float local = 0.0f;
-  return time_remap->at(static_cast<float>(u), local) ? std::optional<double>(local) : std::nullopt;
 }
 
 void visit_all(const Bvh& bvh, const Ray& ray, const Visitor& visit) {
@@ -177,7 +158,20 @@ std::string describe(const Id& id) {
   return s.str();
 }
 
+// A span is looked at in many parts.
+constexpr double kTestsPerSpan = 1000.0;
+
 }  // namespace
+
+double oracle_tests_per_ray(const Bvh& bvh) {
+  double sum = 0.0;
+  for (const auto& set : bvh.points) sum += static_cast<double>(set->point_count);
+  for (const auto& set : bvh.curves) sum += kTestsPerSpan * static_cast<double>(set->span_count());
+  for (const auto& mesh : bvh.grids) sum += static_cast<double>(mesh->triangle_count());
+  for (const auto& mesh : bvh.meshes) sum += static_cast<double>(mesh->triangles.size());
+  for (const Instance& instance : bvh.instances) sum += oracle_tests_per_ray(*instance.object);
+  return sum;
+}
 
 std::optional<std::string> judge_intersection(const Bvh& bvh, const Ray& ray, const std::optional<Hit>& hit) {
   std::ostringstream wrong;

@@ -15,9 +15,9 @@
 namespace msbvh {
 
 // Positions and distances are compared to within this share of the largest coordinate involved (ray origin,
-// vertices, transformed and not). 2^-24 is one rounding; the kernel rounds the interpolated vertex (3), the
-// difference to the origin (1), the sheared coordinate (3) and the distance (about 8), and the instance
-// transform (3).
+// controls that vertices are interpolated from, transformed and not). 2^-24 is one rounding; the kernel
+// rounds the interpolated vertex (3), the difference to the origin (1), the sheared coordinate (3) and the
+// distance (about 8), and the instance transform (3).
 inline constexpr double kOracleError = 0x1p-19;
 
 // Empty if the answer is right, else what is wrong with it, for a person to read. `hit` is the kernel's
@@ -26,5 +26,8 @@ std::optional<std::string> judge_intersection(const Bvh& bvh, const Ray& ray, co
 
 // The same for an any-hit query.
 std::optional<std::string> judge_occlusion(const Bvh& bvh, const Ray& ray, bool occluded);
+
+// About how many tests of a triangle the oracle takes for one ray; a span of a curve counts as a thousand.
+double oracle_tests_per_ray(const Bvh& bvh);
 
 }  // namespace msbvh

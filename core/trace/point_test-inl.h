@@ -20,7 +20,9 @@ HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// A bit in `hit.lanes` for each of the block's points that is hit in [tnear, tfar], and where.
+// A bit in `hit.lanes` for each of the block's points that is hit in [tnear, tfar], and where. Along the ray
+// goes its shear (ray_setup-inl.h): a direction whose largest coordinate is 1, so that no square of it is
+// lost.
 template <Movement kMovement>
 HWY_INLINE void test_spheres(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& setup,
                              float tfar, BlockHit& hit) {
@@ -28,27 +30,25 @@ HWY_INLINE void test_spheres(const Bvh& bvh, const BlockHeader& block, const Ray
   const PointSet& points = *bvh.points[block.owner];
   const VerticesAtTime<kMovement> vertices(points.vertices.data(), points.point_count, block.form_code,
                                            setup);
-  alignas(64) float row[4][kBlockWidth];
-  for (std::uint32_t i = 0; i < kBlockWidth; ++i) {
-    alignas(16) float v[4];
-    hn::Store(vertices[block.triangles()[i < block.lanes() ? i : 0]], D4f(), v);
-    for (int k = 0; k < 4; ++k) row[k][i] = v[k];
-  }
-  const RayFrame frame(direction_of(setup));
+  alignas(64) float vertex[kBlockWidth][4];
+  for (std::uint32_t i = 0; i < kBlockWidth; ++i)
+    hn::Store(vertices[block.triangles()[i < block.lanes() ? i : 0]], D4f(), vertex[i]);
+  const Vec3f along = sheared_direction(setup);
+  const auto dx = hn::Set(d, along.x), dy = hn::Set(d, along.y), dz = hn::Set(d, along.z);
+  const auto inverse2 = hn::Set(d, 1.0f / dot(along, along));
+  const auto scale = hn::Set(d, setup.shear.scale_z), tnear = hn::Set(d, setup.tnear);
   hit.lanes = 0;
   for (std::uint32_t lane = 0; lane < kBlockWidth; lane += hn::Lanes(d)) {
-    const auto from = [&](int axis) {
-      return hn::Sub(hn::Load(d, row[axis] + lane), hn::Set(d, setup.org[axis]));
-    };
-    const auto x = from(0), y = from(1), z = from(2), r = hn::Load(d, row[3] + lane);
-    const auto dot3 = [&](const Vec3f& v) {
-      return hn::MulAdd(z, hn::Set(d, v.z), hn::MulAdd(y, hn::Set(d, v.y), hn::Mul(x, hn::Set(d, v.x))));
-    };
-    const auto along = dot3(frame.z), a = dot3(frame.x), b = dot3(frame.y);
-    const auto rest = hn::NegMulAdd(a, a, hn::NegMulAdd(b, b, hn::Mul(r, r)));
-    const auto half = hn::Sqrt(hn::Max(rest, hn::Zero(d)));
-    const auto scale = hn::Set(d, frame.inverse_length), tnear = hn::Set(d, setup.tnear);
-    const auto near = hn::Mul(hn::Sub(along, half), scale), far = hn::Mul(hn::Add(along, half), scale);
+    auto x = hn::Zero(d), y = x, z = x, r = x;
+    hn::LoadInterleaved4(d, vertex[lane], x, y, z, r);
+    x = hn::Sub(x, hn::Set(d, setup.org[0]));
+    y = hn::Sub(y, hn::Set(d, setup.org[1]));
+    z = hn::Sub(z, hn::Set(d, setup.org[2]));
+    const auto foot = hn::Mul(dot_lanes(d, along, x, y, z), inverse2);
+    x = hn::NegMulAdd(foot, dx, x), y = hn::NegMulAdd(foot, dy, y), z = hn::NegMulAdd(foot, dz, z);
+    const auto rest = hn::NegMulAdd(x, x, hn::NegMulAdd(y, y, hn::NegMulAdd(z, z, hn::Mul(r, r))));
+    const auto half = hn::Mul(hn::Sqrt(hn::Mul(hn::Max(rest, hn::Zero(d)), inverse2)), hn::Abs(scale));
+    const auto near = hn::MulSub(foot, scale, half), far = hn::MulAdd(foot, scale, half);
     const auto t = hn::IfThenElse(hn::Ge(near, tnear), near, far);
     const auto met = hn::And(hn::And(hn::Ge(rest, hn::Zero(d)), hn::Gt(r, hn::Zero(d))),
                              hn::And(hn::Ge(t, tnear), hn::Le(t, hn::Set(d, tfar))));

@@ -21,67 +21,49 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using D4f = hn::FixedTag<float, 4>;
 
-// Where a set's vertices are at a ray's time.
-template <Movement kMovement>
-class VerticesAtTime {
+// x, y, z and radius of a vertex; a normal and 0.
+HWY_INLINE hn::Vec<D4f> lanes_of(const RoundVertex& vertex) { return hn::LoadU(D4f(), &vertex.p.x); }
+HWY_INLINE hn::Vec<D4f> lanes_of(const Vec3f& normal) {
+  alignas(16) const float lanes[4] = {normal.x, normal.y, normal.z, 0.0f};
+  return hn::Load(D4f(), lanes);
+}
+
+// What a set keeps for each of its vertices, at a ray's time.
+template <Movement kMovement, typename Value>
+class ValuesAtTime {
  public:
   // `count`: vertices at each control.
-  HWY_INLINE VerticesAtTime(const RoundVertex* vertices, std::size_t count, FormCode form,
-                            const RaySetup<kMovement>& setup)
-      : first_(vertices), stride_(count), moves_(kMovement != Movement::kStill && form.level() != 0) {
+  HWY_INLINE ValuesAtTime(const Value* values, std::size_t count, FormCode form,
+                          const RaySetup<kMovement>& setup)
+      : first_(values), stride_(count), moves_(kMovement != Movement::kStill && form.level() != 0) {
     if (!moves_) return;
     degree_ = kMovement == Movement::kPolynomial ? form.degree() : 1;
     const SegmentTime at = setup.at_level[form.level()];
     first_ += std::size_t(at.key) * degree_ * count;
     w_ = at.w;
   }
-  // x, y, z and radius.
   HWY_INLINE hn::Vec<D4f> operator[](std::uint32_t vertex) const {
-    const D4f d;
-    const auto control = [&](std::size_t c) { return hn::LoadU(d, &first_[vertex + c * stride_].p.x); };
-    return moves_ ? simd_bezier(control, degree_, Weights<D4f>(d, w_)) : control(0);
+    const auto control = [&](std::size_t c) { return lanes_of(first_[vertex + c * stride_]); };
+    return moves_ ? simd_bezier(control, degree_, Weights<D4f>(D4f(), w_)) : control(0);
   }
 
  private:
-  const RoundVertex* first_;
+  const Value* first_;
   std::size_t stride_;
   bool moves_;
   std::uint32_t degree_ = 1;
   float w_ = 0.0f;
 };
-
-// Where a set's normals are, likewise.
 template <Movement kMovement>
-class NormalsAtTime {
- public:
-  HWY_INLINE NormalsAtTime(const Vec3f* normals, std::size_t count, FormCode form,
-                           const RaySetup<kMovement>& setup)
-      : first_(normals), stride_(count), moves_(kMovement != Movement::kStill && form.level() != 0) {
-    if (!moves_) return;
-    degree_ = kMovement == Movement::kPolynomial ? form.degree() : 1;
-    const SegmentTime at = setup.at_level[form.level()];
-    first_ += std::size_t(at.key) * degree_ * count;
-    w_ = at.w;
-  }
-  HWY_INLINE Vec3f operator[](std::uint32_t vertex) const {
-    const D4f d;
-    const auto control = [&](std::size_t c) {
-      const Vec3f& n = first_[vertex + c * stride_];
-      alignas(16) const float lanes[4] = {n.x, n.y, n.z, 0.0f};
-      return hn::Load(d, lanes);
-    };
-    alignas(16) float n[4];
-    hn::Store(moves_ ? simd_bezier(control, degree_, Weights<D4f>(d, w_)) : control(0), d, n);
-    return {n[0], n[1], n[2]};
-  }
+using VerticesAtTime = ValuesAtTime<kMovement, RoundVertex>;
+template <Movement kMovement>
+using NormalsAtTime = ValuesAtTime<kMovement, Vec3f>;
 
- private:
-  const Vec3f* first_;
-  std::size_t stride_;
-  bool moves_;
-  std::uint32_t degree_ = 1;
-  float w_ = 0.0f;
-};
+// The dot product of a vector with the one in each lane.
+template <class D>
+HWY_INLINE hn::Vec<D> dot_lanes(D d, const Vec3f& a, hn::Vec<D> x, hn::Vec<D> y, hn::Vec<D> z) {
+  return hn::MulAdd(z, hn::Set(d, a.z), hn::MulAdd(y, hn::Set(d, a.y), hn::Mul(x, hn::Set(d, a.x))));
+}
 
 // A ray's direction, from what its setup keeps of it: to a rounding or two, 0 where it is 0.
 HWY_INLINE Vec3f direction_of(const StillSetup& setup) {
@@ -94,6 +76,13 @@ HWY_INLINE Vec3f direction_of(const StillSetup& setup) {
   const auto along = [&](int axis) { return 1.0f / setup.reciprocal[axis]; };
 #endif
   return {along(0), along(1), along(2)};
+}
+
+// A ray's direction, made as long along its largest axis as 1.
+HWY_INLINE Vec3f sheared_direction(const StillSetup& setup) {
+  Vec3f d;
+  d[setup.axes.x] = setup.shear.x, d[setup.axes.y] = setup.shear.y, d[setup.axes.z] = 1.0f;
+  return d;
 }
 
 // The ray as an axis: z along it, x and y across; all unit. T. Duff et al., "Building an Orthonormal Basis,

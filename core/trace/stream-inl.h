@@ -20,7 +20,7 @@
 #include <hwy/highway.h>
 #include <memory>
 
-#include "core/trace/packet-inl.h"
+#include "core/trace/packets-inl.h"
 #include "core/trace/traverse-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -170,7 +170,7 @@ class Stream {
         return true;
       }
       const ChildKey key = ChildKeys::load(frame.keys).take_nearest(frame.keys);
-      if (distance_of(key) > slot.query.tfar) {
+      if (is_beyond(distance_of(key), slot.query.tfar)) {
         --slot.top;
         continue;
       }

@@ -78,7 +78,7 @@ class Traversal {
         return true;
       }
       const ChildKey key = ChildKeys::load(frame.keys).take_nearest(frame.keys);
-      if (distance_of(key) > query_.tfar) {
+      if (is_beyond(distance_of(key), query_.tfar)) {
         --top_;
         continue;
       }

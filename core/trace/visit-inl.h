@@ -155,7 +155,7 @@ HWY_NOINLINE std::uint32_t test_grid(const Bvh& bvh, const BlockHeader& block,
   grid.tiles(query.tfar, tiles).store(keys);
   for (; tiles != 0; tiles &= tiles - 1) {
     const auto tile = static_cast<std::uint32_t>(std::countr_zero(tiles));
-    if (distance_of(keys[tile]) > query.tfar) continue;
+    if (is_beyond(distance_of(keys[tile]), query.tfar)) continue;
     test_tile<kMovement, kAnyHit>(grid, tile, block.geometry(), instance, query);
     ++tested;
     if (kAnyHit && query.found) break;

@@ -4,13 +4,11 @@
 #include <cmath>
 #include <utility>
 
-#include "delegate/translate/displace/as_grids.h"
-#include "delegate/translate/displace/displaced_surface.h"
+#include "delegate/translate/displace/displaced_shape.h"
 #include "delegate/translate/instance_chain.h"
+#include "delegate/translate/mesh_shape.h"
 #include "delegate/translate/moving_array.h"
-#include "delegate/translate/normals.h"
 #include "delegate/translate/point_motion.h"
-#include "delegate/translate/primvars.h"
 #include "delegate/translate/round/round_shape.h"
 #include "delegate/translate/tessellation.h"
 #include "delegate/translate/transform_fit.h"
@@ -49,135 +47,6 @@ bool check_controls(const TriangleMesh& shape, PrimLog& log) {
 Box3d grown(const Box3d& box, double by) {
   const Vec3d margin{by, by, by};
   return {box.lo - margin, box.hi + margin};
-}
-
-// A mesh's shape and, of a refined one that is not displaced, its cage's points at the same controls.
-struct Shape {
-  TriangleMesh mesh;
-  std::vector<Vec3f> cage{};
-  double displaced_by = 0.0;
-};
-
-std::vector<Vec3f> refined_controls(const RefinedMesh& refined, const std::vector<Vec3f>& cage,
-                                    std::uint32_t controls) {
-  std::vector<Vec3f> out(std::size_t(controls) * refined.point_count() + TriangleMesh::kGuard);
-  std::vector<const float*> from;
-  std::vector<float*> to;
-  for (std::size_t c = 0; c < controls; ++c) {
-    from.push_back(&cage[c * refined.cage().vertex_count].x);
-    to.push_back(&out[c * refined.point_count()].x);
-  }
-  refined.at_points({}, 3, from, to);
-  return out;
-}
-
-// All but the positions.
-Shape empty_shape(const Candidate& track, const Tessellation& faces, const std::string& name) {
-  Shape shape;
-  shape.mesh.name = name;
-  shape.mesh.segments = track.form().segments;
-  shape.mesh.degree = track.form().degree;
-  shape.mesh.triangles = faces.triangles();
-  return shape;
-}
-
-Shape shape_of(const MovingArray& points, const Candidate& track, const Tessellation& faces,
-               const std::string& name) {
-  Shape shape = empty_shape(track, faces, name);
-  TriangleMesh& mesh = shape.mesh;
-  mesh.vertex_count = std::uint32_t(points.size());
-  mesh.positions = point_controls(points, track);
-  if (const Refinement* refinement = faces.refinement()) {
-    shape.cage = std::move(mesh.positions);
-    mesh.vertex_count = refinement->mesh->point_count();
-    mesh.positions = refined_controls(*refinement->mesh, shape.cage, mesh.form().controls());
-  }
-  return shape;
-}
-
-// One material a triangle, or the mesh's own where all triangles have the same.
-void add_face_materials(const MeshInput& input, const Tessellation& topology, std::uint32_t material_count,
-                        Mesh& mesh, PrimLog& optional) {
-  const std::span<const int> given = input.face_materials;
-  if (given.empty()) return;
-  const auto largest = std::ranges::max_element(given);
-  const std::size_t face_count = topology.polygons().face_count;
-  if (given.size() != face_count || *largest >= std::int64_t(material_count)) {
-    optional.reject("material:binding",
-                    message("found ", given.size(), " materials of faces, the largest ", *largest,
-                            "; expected ", face_count, " and less than ", material_count));
-    return;
-  }
-  const auto of_face = [&](std::uint32_t face) {
-    return given[face] < 0 ? kNone : std::uint32_t(given[face]);
-  };
-  mesh.material = of_face(topology.faces().front());
-  const bool alike = std::ranges::all_of(topology.faces(),
-                                         [&](std::uint32_t face) { return of_face(face) == mesh.material; });
-  if (alike) return;
-  mesh.triangle_materials.reserve(topology.faces().size());
-  for (const std::uint32_t face : topology.faces()) mesh.triangle_materials.push_back(of_face(face));
-}
-
-// Smooth, but where polygons are to be flat. Authored ones are not those of the displaced surface.
-Primvar<Vec3f> displaced_normals(const MeshInput& input, const Tessellation& topology, const Shape& shape,
-                                 std::uint32_t max_segments) {
-  const bool flat =
-      !topology.refinement() && input.computed_normals != Normals::kSmooth && input.normals.samples.empty();
-  return flat ? Primvar<Vec3f>{} : smooth_normals(shape.mesh, max_segments);
-}
-
-Primvar<Vec3f> normals_of(const MeshInput& input, const Tessellation& topology, const NormalMotion& motion,
-                          const Shape& shape, std::uint32_t max_segments, PrimLog& log) {
-  if (shape.displaced_by > 0.0) return displaced_normals(input, topology, shape, max_segments);
-  if (const Refinement* refinement = topology.refinement())
-    return limit_normals(*refinement->mesh, shape.cage, shape.mesh.form(), max_segments);
-  Primvar<Vec3f> authored = authored_normals(input, topology.polygons(), motion, max_segments, log);
-  if (authored.authored() || input.computed_normals != Normals::kSmooth) return authored;
-  return smooth_normals(shape.mesh, max_segments);
-}
-
-std::uint32_t material_of(const MeshInput& input, const MeshTarget& target, PrimLog& optional) {
-  if (input.material == kNone || input.material < target.material_count) return input.material;
-  optional.reject("material:binding",
-                  message("found material ", input.material, "; expected less than ", target.material_count));
-  return kNone;
-}
-
-// About what a tree of triangles takes: docs/performance.md has 41 to 44 bytes a triangle at 1 key, 67 to 73
-// at 2, 231 to 245 at 9.
-std::uint64_t triangle_bytes(const TriangleMesh& mesh, std::size_t triangles) {
-  constexpr std::uint64_t kEach = 20, kEachKey = 24;
-  return triangles * (kEach + kEachKey * mesh.form().controls());
-}
-
-bool becomes_patches(const Tessellation& topology, const Shape& shape, const MeshTarget& target) {
-  if (shape.displaced_by == 0.0 || !topology.refinement()) return false;
-  if (target.displaced != Displaced::kByMemory) return target.displaced == Displaced::kAsPatches;
-  const std::uint64_t bytes = triangle_bytes(shape.mesh, topology.triangles().size());
-  if (bytes > *target.triangle_bytes_left) return true;
-  *target.triangle_bytes_left -= bytes;
-  return false;
-}
-
-void add_shape(const MeshInput& input, Tessellation& topology, const NormalMotion& motion,
-               const MeshTarget& target, Shape shape, TranslatedMesh& result, PrimLog& log) {
-  const std::uint32_t most = target.settings.max_segments;
-  const bool grids = becomes_patches(topology, shape, target);
-  if (grids) topology.draw_as_grids();
-  Mesh& mesh = result.mesh;
-  mesh.normals = normals_of(input, topology, motion, shape, most, log);
-  mesh.displaced_by = float(shape.displaced_by);
-  mesh.shape = std::move(shape.mesh);
-  PrimLog optional = log.of_optional_part();
-  mesh.display_color = flattened(input.display_color, topology, "primvars:displayColor", optional, most);
-  mesh.display_opacity =
-      flattened(input.display_opacity, topology, "primvars:displayOpacity", optional, most);
-  mesh.material = material_of(input, target, optional);
-  add_face_materials(input, topology, target.material_count, mesh, optional);
-  if (target.keep_faces) mesh.triangle_faces = topology.faces();
-  if (topology.refinement()) mesh.cage_faces = std::uint32_t(topology.polygons().face_count);
-  if (grids) result.grids = as_grids(std::exchange(mesh, {}), *topology.grids());
 }
 
 void set_time_remap(const MeshInput& input, const TimeRemap& time_remap, TranslatedMesh& result) {
@@ -240,49 +109,6 @@ Tessellation tessellated(const MeshMotion& motion, const MovingArray& points, co
   return tessellated(motion.input, motion.polygons, points, edges, controls, *target.refinements, log);
 }
 
-struct DisplacedShape {
-  Shape shape;
-  PointFit fit;
-};
-
-bool check_displaced(const TriangleMesh& mesh, PrimLog& log) {
-  const auto in_range = [](const Vec3f& p) {
-    const Vec3f size = abs(p);
-    return size.x <= kMaxCoordinate && size.y <= kMaxCoordinate && size.z <= kMaxCoordinate;
-  };
-  const auto bad = std::ranges::find_if_not(mesh.positions, in_range);
-  if (bad == mesh.positions.end()) return true;
-  log.warn("material:binding",
-           message("displaced to (", bad->x, ", ", bad->y, ", ", bad->z,
-                   "); expected coordinates of at most 2^60 in size; drawn without displacement"));
-  return false;
-}
-
-// Of `points`, in the space that is wanted; nothing where there is no displacement, or none that can be
-// drawn.
-std::optional<DisplacedShape> displaced_shape(const MeshMotion& motion, const MovingArray& points,
-                                              const Tessellation& faces, const ScreenMeasure& measure,
-                                              const FitSettings& settings, PrimLog& log) {
-  if (!motion.displacements.any()) return std::nullopt;
-  PointDistances distances = point_distances(motion.input, faces, motion.displacements, log);
-  const double largest = distances.largest();
-  if (largest == 0.0) return std::nullopt;
-  if (!faces.refinement()) {
-    log.warn_in_common(
-        "subdivisionScheme",
-        "displacement moves the vertices of polygons alone; a subdivided mesh shows all of it");
-  }
-  const DisplacedSurface surface(points, faces, std::move(distances));
-  const std::uint64_t most = kMostRefinedPoints / std::max<std::size_t>(1, surface.size());
-  DisplacedShape result{{}, fit_displaced(surface, measure, settings, most)};
-  result.shape = empty_shape(result.fit.track, faces, motion.input.path);
-  result.shape.mesh.vertex_count = std::uint32_t(surface.size());
-  result.shape.mesh.positions = displaced_controls(surface, result.fit.track);
-  result.shape.displaced_by = largest;
-  if (!check_displaced(result.shape.mesh, log)) return std::nullopt;
-  return result;
-}
-
 // What is placed by the transform's own track.
 void set_moving(const MeshInput& input, const InstanceChain& chain, const TransformFitter& fitter,
                 const TransformFitter::Verdict& verdict, TranslatedMesh& result) {
@@ -339,7 +165,8 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
   }
   Tessellation topology = tessellated(motion, moving, *target.measure, 1, target, log);
   if (topology.triangles().empty()) return std::nullopt;
-  auto displaced = displaced_shape(motion, still, topology, *target.measure, target.settings, log);
+  auto displaced =
+      displaced_shape(input, displacements, still, topology, *target.measure, target.settings, log);
   Shape shape = displaced ? std::move(displaced->shape) : shape_of(still, {unmoved, 1}, topology, input.path);
   add_shape(input, topology, {still.transform, unmoved, points.frame_only}, target, std::move(shape), result,
             log);
@@ -389,7 +216,7 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
   }
   Tessellation topology = tessellated(motion, moving, measure, fit.track.form().controls(), target, log);
   if (topology.triangles().empty()) return std::nullopt;  // a boundary rule may leave no face a surface
-  auto displaced = displaced_shape(motion, moving, topology, measure, target.settings, log);
+  auto displaced = displaced_shape(input, displacements, moving, topology, measure, target.settings, log);
   if (displaced) fit = std::move(displaced->fit);
   const TrackForm form = fit.track.form();
   report_fit({form.segments, fit.error}, target.settings, kPoints, "the motion", log);

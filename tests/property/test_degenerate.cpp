@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tests/property/support.h"
+#include "tests/support/soak.h"
 
 using namespace msbvh;
 using namespace msbvh::procedural;
@@ -232,7 +233,8 @@ TEST_CASE("the budget of spatial splits holds, whatever it is") {
 }
 
 TEST_SUITE("slow") {
-  TEST_CASE("a million triangles in one place, at every key count, by every builder") {
+  TEST_CASE("soak: a million triangles in one place, at every key count, by every builder") {
+    const auto count = static_cast<int>(test::soak_count(100'000, 1'000'000));
     for (const char* name : {"identical", "in one place, vertices apart", "nested"}) {
       for (const Shape& shape : kShapes) {
         if (std::string(shape.name) != name) continue;
@@ -240,7 +242,7 @@ TEST_SUITE("slow") {
           for (const BuilderName& builder : kBuilders) {
             if (segments > 8 && (builder.builder == Builder::kTimeSplit || shape.make != kShapes[2].make))
               continue;
-            check_bounded(shape, 1'000'000, segments, settings_for(builder.builder));
+            check_bounded(shape, count, segments, settings_for(builder.builder));
           }
         }
       }

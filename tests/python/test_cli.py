@@ -149,8 +149,13 @@ def test_plan(msbvh: Run, scene: Path) -> None:
     plain = msbvh("plan", scene)
     assert plain.returncode == 0, plain.stderr
     assert "/world/square" in plain.stdout
-    plan = json.loads(msbvh("plan", scene, "--json").stdout)["plan"]
-    assert any(entry["prim"] == "/world/square" for entry in plan)
+    found = json.loads(msbvh("plan", scene, "--json").stdout)
+    assert any(entry["prim"] == "/world/square" for entry in found["plan"])
+    off = {row["effect"] for row in found["effects"] if not row["on"]}
+    assert off.isdisjoint(entry["effect"] for entry in found["plan"])
+    assert all(effect in next(line for line in plain.stdout.splitlines() if line.startswith("off ")) for effect in off)
+    shares = sum(row["geometry_share"] for row in found["effects"])
+    assert shares + found["base_bytes"] / found["geometry_bytes"] == pytest.approx(1.0)
 
 
 def test_plan_of_a_still_frame_has_no_motion(msbvh: Run, scene: Path) -> None:

@@ -44,7 +44,7 @@ def page(machine: dict[str, Any], *rows: dict[str, Any]) -> str:
 @pytest.fixture(autouse=True)
 def no_plot(monkeypatch: pytest.MonkeyPatch) -> None:
     """The checkout's own picture stays as it is."""
-    monkeypatch.setattr(make_performance, "plot", lambda ours, peer: False)
+    monkeypatch.setattr(make_performance, "plot", lambda ours, path: False)
 
 
 ROWS = (

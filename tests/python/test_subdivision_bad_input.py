@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from msbvh import _core
 from msbvh.scene.reader import ReadSettings, read_frame
-from pxr import Gf, UsdGeom, UsdLux, Vt
+from pxr import Gf, Sdf, UsdGeom, UsdLux, Vt
 from recording import Shot, messages
+from sound_neighbour import retype
 from subdivision_stages import BLUE, FACES, GREEN, RED, WHITE, colour, cube, picture, sheet
 
 
@@ -108,6 +109,51 @@ def test_bad_input_is_one_warning_and_the_rest_is_drawn(
     assert found.startswith(f"/Cube.{said}")
     size = result.scene.statistics()["triangles"]
     assert size == count if count else size > 1000
+
+
+@pytest.mark.parametrize("name", ["creaseIndices", "creaseLengths", "creaseSharpnesses", "cornerIndices"])
+def test_features_of_another_type_are_one_message(name: str) -> None:
+    shot = Shot((0.0, 0.0))
+    mesh = cube(shot)
+    creases(mesh, [(0, 1)], 3.0)
+    mesh.CreateCornerIndicesAttr([1])
+    mesh.CreateCornerSharpnessesAttr([2.0])
+    retype(mesh.GetPrim(), name, Sdf.ValueTypeNames.String, "sharp")
+    result = read_frame(shot.stage, 10.0, ReadSettings())
+    (said,) = messages(result, "warning")
+    assert said.startswith(f"/Cube.{name}: found string, expected ")
+    assert result.scene.statistics()["triangles"] > 1000
+
+
+@pytest.mark.parametrize(
+    ("lengths", "said"),
+    [
+        ([-2], "creaseLengths: crease 0 has -2 vertices; expected 2 or more; it is left out"),
+        ([2**31 - 1, 2**31 - 1, 4], "creaseLengths: the lengths add up to 4294967298; expected 2"),
+    ],
+)
+def test_lengths_of_creases_that_are_none(lengths: list[int], said: str) -> None:
+    shot = Shot((0.0, 0.0))
+    mesh = cube(shot)
+    creases(mesh, [(0, 1)], 3.0)
+    mesh.GetCreaseLengthsAttr().Set(lengths)
+    (found,) = messages(read_frame(shot.stage, 10.0, ReadSettings()), "warning")
+    assert found.startswith(f"/Cube.{said}")
+
+
+def test_infinitely_sharp_is_as_sharp_as_10() -> None:
+    found = []
+    for sharpness in (float("inf"), 10.0):
+        shot = Shot((0.0, 0.0))
+        mesh = cube(shot)
+        creases(mesh, [(0, 1), (1, 3)], sharpness)
+        mesh.CreateCornerIndicesAttr([5])
+        mesh.CreateCornerSharpnessesAttr([sharpness])
+        result = read_frame(shot.stage, 10.0, ReadSettings())
+        assert messages(result, "warning") == []
+        ((_, _, points),) = result.scene.poses(0.5)
+        found.append(points)
+    assert np.array_equal(*found)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include "core/plan/effect_bytes.h"
 #include "core/plan/effect_plan.h"
 #include "core/scene/opacity.h"
 
@@ -154,11 +155,51 @@ TEST_CASE("a closed lens asks for nothing; one that moves says so") {
 }
 
 TEST_CASE("indirect light is asked for by a setting") {
-  const EffectPlan plan = plan_effects(still_scene(), {.max_bounces = 2});
+  Scene scene = still_scene();
+  scene.lights = {light("/camera", LightKind::kCamera)};
+  const EffectPlan plan = plan_effects(scene, {.max_bounces = 2});
   REQUIRE(plan.why.size() == 1);
   CHECK(plan.why[0].effect == Effect::kIndirectLight);
   CHECK(plan.why[0].prim.empty());
   CHECK(plan.why[0].why == "up to 2 bounces");
+}
+
+TEST_CASE("where nothing shines, bounces fold away; a surface that glows shines") {
+  Scene scene = still_scene();
+  scene.lights = {light("/black", LightKind::kRect), light("/dark", LightKind::kDome)};
+  for (Light& black : scene.lights) black.radiance = {};
+  CHECK(plan_effects(scene, {.max_bounces = 2}).set == EffectSet{});
+  const auto bounces = [&] {
+    return plan_effects(scene, {.max_bounces = 2}).set.has(Effect::kIndirectLight);
+  };
+  SUBCASE("by a colour") {
+    scene.materials.resize(1);
+    CHECK(plan_effects(scene, {.max_bounces = 2}).set == EffectSet{});
+    scene.materials[0].emissive_color = {0, 0, 1};
+    CHECK(bounces());
+  }
+  SUBCASE("by a primvar") {
+    scene.materials.resize(1);
+    scene.materials[0].emissive_from_display_color = true;
+    CHECK(bounces());
+  }
+  SUBCASE("a light") {
+    scene.lights.push_back(light("/camera", LightKind::kCamera));
+    CHECK(bounces());
+  }
+}
+
+TEST_CASE("a light that is black throughout asks for nothing; one that is lit at one key asks") {
+  Scene scene = still_scene();
+  scene.lights = {light("/blinks", LightKind::kSphere)};
+  scene.lights[0].segments = 1;
+  scene.lights[0].world_from_light.resize(2);
+  scene.lights[0].moving_values.resize(2);
+  for (LightValues& values : scene.lights[0].moving_values) values.radiance = {};
+  CHECK(plan_effects(scene, {.max_bounces = 0}).set == EffectSet{});
+  scene.lights[0].moving_values[1].radiance = {1, 1, 1};
+  CHECK(plan_effects(scene, {.max_bounces = 0}).set ==
+        EffectSet{}.with(Effect::kMovingLights).with(Effect::kAreaLights));
 }
 
 TEST_CASE("reasons stand in the order of the effects, once each") {
@@ -166,6 +207,7 @@ TEST_CASE("reasons stand in the order of the effects, once each") {
   scene.meshes.push_back(triangle("/moving", 2));
   scene.prototypes = {{"/prototype", {mesh_id(1)}}};
   scene.instances = {{"/a", 0, 1, std::vector<Affine3f>(2), {}}, {"/b", 0, 4, std::vector<Affine3f>(5), {}}};
+  scene.lights = {light("/camera", LightKind::kCamera)};
   const EffectPlan plan = plan_effects(scene, {.max_bounces = 1});
   REQUIRE(plan.why.size() == 4);
   CHECK(plan.why[0].effect == Effect::kDeformingKeys);
@@ -233,9 +275,72 @@ TEST_CASE("opacity follows UsdPreviewSurface") {
 }
 
 TEST_CASE("every effect has a name") {
-  for (std::uint32_t bit = 0; bit < 10; ++bit) {
-    CHECK(std::string(effect_name(static_cast<Effect>(1u << bit))) != "unknown effect");
+  for (std::uint32_t bit = 0; bit < kEffectCount; ++bit) {
+    CHECK(std::string(effect_name(effect_at(bit))) != "unknown effect");
   }
+  CHECK(std::string(effect_name(effect_at(kEffectCount))) == "unknown effect");
+}
+
+TEST_CASE("all reasons: each prim that asks, once an effect, in the scene's order; the first is the plan's") {
+  Scene scene = still_scene();
+  scene.meshes.push_back(triangle("/b", 2));
+  scene.meshes.push_back(triangle("/a", 4));
+  scene.meshes[1].display_opacity.values = {0.5f};
+  scene.meshes[2].display_opacity.values = {0.25f};
+  scene.world = {mesh_id(0), mesh_id(1), mesh_id(2)};
+  scene.lights = {light("/camera", LightKind::kCamera)};
+  const PlanSettings settings{.max_bounces = 1};
+  const std::vector<Reason> all = all_reasons(scene, settings);
+  REQUIRE(all.size() == 5);
+  const char* const prims[] = {"/b", "/a", "/b", "/a", ""};
+  for (std::size_t i = 0; i < all.size(); ++i) CHECK(all[i].prim == prims[i]);
+  CHECK(all[1].why == "4 segments");
+  CHECK(all[3].effect == Effect::kOpacity);
+  const EffectPlan plan = plan_effects(scene, settings);
+  REQUIRE(plan.why.size() == 3);
+  CHECK(plan.why[1].why == all[2].why);
+}
+
+TEST_CASE("a prim with several instance sets that ask counts once") {
+  Scene scene = still_scene();
+  scene.prototypes = {{"/prototype", {mesh_id(0)}}};
+  scene.instances = {{"/a", 0, 0, std::vector<Affine3f>(2), {}}, {"/a", 0, 0, std::vector<Affine3f>(3), {}}};
+  CHECK(all_reasons(scene, {.max_bounces = 0}).size() == 1);
+}
+
+TEST_CASE("bytes of effects: a still triangle is all base") {
+  const EffectBytes bytes = effect_bytes(still_scene());
+  CHECK(bytes.base == 3 * sizeof(Vec3f) + sizeof(Triangle));
+  CHECK(bytes.total() == bytes.base);
+}
+
+TEST_CASE("bytes of effects: keys after the first deform, controls between keys are the polynomial's") {
+  Scene scene = still_scene();
+  scene.meshes = {triangle("/moving", 4)};
+  scene.meshes[0].shape.degree = 3;
+  const EffectBytes bytes = effect_bytes(scene);
+  const std::uint64_t key = 3 * sizeof(Vec3f);
+  CHECK(bytes.base == key + sizeof(Triangle));
+  CHECK(bytes[Effect::kDeformingKeys] == 4 * key);
+  CHECK(bytes[Effect::kPolynomialMotion] == 8 * key);
+  CHECK(bytes.total() == scene.meshes[0].shape.position_count() * sizeof(Vec3f) + sizeof(Triangle));
+}
+
+TEST_CASE("bytes of effects: what brings a shape has its first key") {
+  Scene scene = still_scene();
+  scene.meshes[0].cage_faces = 1;
+  scene.points.resize(1);
+  scene.points[0].shape.point_count = 5;
+  scene.points[0].shape.segments = 2;
+  scene.prototypes = {{"/prototype", {mesh_id(0)}}};
+  scene.instances = {{"/a", 0, 1, std::vector<Affine3f>(6), {}}};
+  const EffectBytes bytes = effect_bytes(scene);
+  CHECK(bytes.base == 0);
+  CHECK(bytes[Effect::kSubdivision] == 3 * sizeof(Vec3f) + sizeof(Triangle));
+  CHECK(bytes[Effect::kPoints] == 5 * sizeof(RoundVertex));
+  CHECK(bytes[Effect::kDeformingKeys] == 10 * sizeof(RoundVertex));
+  CHECK(bytes[Effect::kInstances] == 3 * sizeof(Affine3f));
+  CHECK(bytes[Effect::kMovingInstances] == 3 * sizeof(Affine3f));
 }
 
 }  // namespace

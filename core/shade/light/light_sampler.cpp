@@ -31,11 +31,6 @@ float irradiance(const Light& light, const LightValues& values, float distance_s
   return radiance * kPi;
 }
 
-bool shines(const Light& light) {
-  const auto bright = [](const LightValues& values) { return !(values.radiance == Vec3f{}); };
-  return light.moving_values.empty() ? bright(light) : std::ranges::any_of(light.moving_values, bright);
-}
-
 float most_irradiance(const Light& light, float distance_squared) {
   if (light.moving_values.empty()) return irradiance(light, light, distance_squared);
   float most = 0.0f;

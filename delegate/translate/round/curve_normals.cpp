@@ -14,6 +14,24 @@ namespace {
 constexpr const char* kAttribute = "normals";
 constexpr const char* kInstead = "; drawn turned to each ray";
 
+// Directions: at least one that has a length, and none so long that products of it overflow.
+bool check_directions(const ArraySamples& samples, PrimLog& log) {
+  bool any = false;
+  for (const ArraySample& sample : samples.samples) {
+    for (const Vec3f& n : sample.values) {
+      const Vec3f size = abs(n);
+      const float largest = std::max({size.x, size.y, size.z});
+      any |= largest > 0.0f;
+      if (largest <= kMaxCoordinate) continue;
+      log.warn(kAttribute, message("value ", &n - sample.values.data(), " is (", n.x, ", ", n.y, ", ", n.z,
+                                   "); expected numbers of at most 2^60 in size", kInstead));
+      return false;
+    }
+  }
+  if (!any) log.warn(kAttribute, message("found 0 in all values; expected directions", kInstead));
+  return any;
+}
+
 }  // namespace
 
 std::optional<CurveNormals> CurveNormals::make(const MeshInput& input, const CurveBasis& curves,
@@ -24,7 +42,7 @@ std::optional<CurveNormals> CurveNormals::make(const MeshInput& input, const Cur
   if (!check_times(times_of(samples).times01, kAttribute, log)) return std::nullopt;
   const std::size_t base = base_sample(times_of(samples), input.time_remap.frame01);
   if (frame_only) samples.samples = {samples.samples[base]};
-  if (!check_array(samples, kAttribute, log)) return std::nullopt;
+  if (!check_array(samples, kAttribute, log) || !check_directions(samples, log)) return std::nullopt;
 
   const std::string& token = input.normals_interpolation;
   const std::pair<Interpolation, std::size_t> expected =

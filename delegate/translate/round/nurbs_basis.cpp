@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -32,13 +33,20 @@ bool check_size(std::size_t found, std::size_t expected, const char* attribute, 
 bool check_sizes(const CurveTopology& topology, PrimLog& log) {
   const std::size_t curves = topology.vertex_counts.size();
   if (!check_size(topology.orders.size(), curves, "order", ", one a curve", log)) return false;
-  const auto bad = std::ranges::find_if(topology.orders, [](int order) { return order < 0; });
-  if (bad != topology.orders.end())
-    return log.reject("order", message("found ", *bad, "; expected 2 to ", SplineAxis::kMostOrder));
+  const auto outside = [&](int least, int most) {
+    return std::ranges::find_if(topology.orders, [=](int order) { return order < least || order > most; });
+  };
+  const auto end = topology.orders.end();
+  // One beyond what is read leaves out its curve, if the knots say where the next one's begin.
+  auto bad = outside(0, std::numeric_limits<int>::max());
   const auto sum = [](std::span<const int> values) {
     return std::accumulate(values.begin(), values.end(), std::size_t(0));
   };
-  const std::size_t points = sum(topology.vertex_counts), knots = points + sum(topology.orders);
+  const std::size_t points = sum(topology.vertex_counts);
+  const std::size_t knots = bad == end ? points + sum(topology.orders) : 0;
+  if (bad == end && topology.knots.size() != knots) bad = outside(2, SplineAxis::kMostOrder);
+  if (bad != end)
+    return log.reject("order", message("found ", *bad, "; expected 2 to ", SplineAxis::kMostOrder));
   if (!check_size(topology.knots.size(), knots, "knots", ", vertices and order of each curve", log))
     return false;
   if (!topology.ranges.empty() &&
@@ -130,7 +138,8 @@ std::string attribute_of(const std::string& suffix) {
 
 bool add_nurbs(const CurveTopology& topology, LeftOut& left_out, CurveBasis& out, PrimLog& log) {
   if (!check_sizes(topology, log)) return false;
-  std::size_t first = 0, first_knot = 0;
+  std::size_t first = 0, first_knot = 0, mended = 0;
+  Diagnostic first_mended;
   for (std::uint32_t curve = 0; curve < out.curves; ++curve) {
     const int count = topology.vertex_counts[curve], order = topology.orders[curve];
     const std::size_t knots = std::size_t(count) + std::size_t(order);
@@ -139,7 +148,7 @@ bool add_nurbs(const CurveTopology& topology, LeftOut& left_out, CurveBasis& out
     std::vector<Diagnostic> said;
     PrimLog own(said, log.path());
     if (const std::optional<SplineAxis> axis = SplineAxis::make(input, own)) {
-      for (const Diagnostic& each : said) log.warn(attribute_of(each.attribute), each.message);
+      if (!said.empty() && mended++ == 0) first_mended = said.front();
       const std::span<const double> weights =
           topology.weights.empty() ? topology.weights : topology.weights.subspan(first, std::size_t(count));
       NurbsCurve(curve, std::uint32_t(first), *axis, weights, out).add(std::uint32_t(out.authored_varying));
@@ -149,6 +158,10 @@ bool add_nurbs(const CurveTopology& topology, LeftOut& left_out, CurveBasis& out
     }
     first += std::size_t(count);
     first_knot += knots;
+  }
+  if (mended > 0) {
+    const std::string others = mended > 1 ? message(" (and ", mended - 1, " more curves)") : "";
+    log.warn(attribute_of(first_mended.attribute), first_mended.message + others);
   }
   return true;
 }

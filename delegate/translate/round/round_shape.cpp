@@ -157,7 +157,14 @@ void RoundShape::expand(const std::string& interpolation, const std::vector<T>& 
 template <typename T>
 Primvar<T> RoundShape::expanded(const PrimvarInput<T>& input, const std::string& attribute,
                                 std::uint32_t max_segments, PrimLog& log) const {
-  if (input.values.empty() || !check_values(input, expected(input.interpolation), attribute, log)) return {};
+  if (input.values.empty()) return {};
+  const std::size_t expected_count = expected(input.interpolation);
+  if (expected_count == 0) {
+    log.reject(attribute, message("found the interpolation \"", input.interpolation,
+                                  "\"; expected constant, uniform, varying, vertex or faceVarying"));
+    return {};
+  }
+  if (!check_values(input, expected_count, attribute, log)) return {};
   const PrimvarTrack<T> track = fit_primvar(input, max_segments, attribute, log);
   const std::size_t count = input.values.size();
   Primvar<T> result{Interpolation::kVertex, track.segments, {}};
@@ -206,7 +213,7 @@ bool RoundShape::read_widths(const MeshInput& input, std::uint32_t max_segments,
   return true;
 }
 
-// A curve or point with a width that is none is not drawn: it has no width at all.
+// A curve or point with a bad width, such as NaN or a negative one, is not drawn: all its widths become 0.
 void RoundShape::drop_bad_widths(PrimLog& log) {
   const std::size_t count = vertex_count();
   const auto owner = [&](std::size_t v) { return curves_ ? curves_->vertex_curves[v] : std::uint32_t(v); };
@@ -220,9 +227,10 @@ void RoundShape::drop_bad_widths(PrimLog& log) {
     ++dropped_count;
   }
   if (!first) return;
-  log.warn("widths", message(dropped_count, " of ", dropped.size(), curves_ ? " curves" : " points",
-                             " are not drawn: ", curves_ ? "curve " : "point ", first_owner,
-                             " has the width ", *first, "; expected finite ones that are not negative"));
+  log.warn("widths",
+           message(dropped_count, " of ", dropped.size(), curves_ ? " curves" : " points",
+                   " are not drawn: ", curves_ ? "curve " : "point ", first_owner, " has the width ", *first,
+                   "; expected ones of at most 2^60 that are not negative"));
   for (std::size_t i = 0; i < widths_.values.size(); ++i) {
     if (dropped[owner(i % count)]) widths_.values[i] = 0.0f;
   }

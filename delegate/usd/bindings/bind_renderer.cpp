@@ -107,7 +107,10 @@ nb::tuple to_arrays(Image image) {
   return nb::make_tuple(pixels, aovs);
 }
 
-nb::tuple render_with_aovs(Renderer& renderer, const nb::object& progress) {
+// What `work` returns, without the GIL, with a progress function that calls `progress` and cancels where that
+// or a signal's handler raises, which is then raised here.
+template <typename Work>
+auto without_gil(const nb::object& progress, const Work& work) {
   std::exception_ptr raised;
   const ProgressFunction report = [&](double done) {
     nb::gil_scoped_acquire acquire;
@@ -116,15 +119,44 @@ nb::tuple render_with_aovs(Renderer& renderer, const nb::object& progress) {
     });
     return !raised;
   };
-  std::optional<Image> image;
+  std::optional<decltype(work(report))> result;
   try {
     nb::gil_scoped_release release;
-    image = renderer.render(report);
+    result = work(report);
   } catch (const Cancelled&) {
     if (!raised) throw;
   }
   if (raised) std::rethrow_exception(raised);
-  return to_arrays(std::move(*image));
+  return std::move(*result);
+}
+
+nb::tuple render_with_aovs(Renderer& renderer, const nb::object& progress) {
+  return to_arrays(
+      without_gil(progress, [&](const ProgressFunction& report) { return renderer.render(report); }));
+}
+
+nb::dict probe(const Renderer& renderer, std::size_t rays, std::uint64_t seed, const nb::object& progress) {
+  ProbeSettings settings;
+  settings.rays = rays;
+  settings.seed = seed;
+  const ProbeReport report =
+      without_gil(progress, [&](const ProgressFunction& tell) { return renderer.probe(settings, tell); });
+  nb::list rows;
+  for (const ProbeResult& result : report.results) {
+    nb::dict row;
+    row["probe"] = result.probe;
+    row["instruction_set"] = instruction_set_name(result.set);
+    row["rays"] = result.rays;
+    row["judged"] = result.judged;
+    row["wrong"] = result.wrong;
+    row["first"] = result.first;
+    rows.append(row);
+  }
+  nb::dict found;
+  found["meshes"] = report.meshes;
+  found["closed_meshes"] = report.closed_meshes;
+  found["probes"] = rows;
+  return found;
 }
 
 nb::object render(Renderer& renderer, const nb::object& progress) {
@@ -257,6 +289,7 @@ void bind_renderer(nb::module_& m) {
   renderer.def("render", &render, nb::arg("progress") = nb::none())
       .def("render_with_aovs", &render_with_aovs, nb::arg("progress") = nb::none())
       .def("verify", &Renderer::verify, nb::call_guard<nb::gil_scoped_release>())
+      .def("probe", &probe, nb::kw_only(), nb::arg("rays"), nb::arg("seed"), nb::arg("progress") = nb::none())
       .def_prop_ro("plan", &plan)
       .def_prop_ro("statistics", &statistics);
 }

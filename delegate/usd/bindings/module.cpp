@@ -25,6 +25,7 @@ NB_MODULE(_core, m) {
   msbvh::python::bind_materials(m);
   msbvh::python::bind_translator(m);
   msbvh::python::bind_skinning(m);
+  msbvh::python::bind_plan(m);
   msbvh::python::bind_renderer(m);
   msbvh::python::bind_bench(m);
   msbvh::python::bind_crash_line(m);

@@ -87,6 +87,10 @@ from ._core_shape import shapes_from_units as shapes_from_units
 from ._core_shape import sides_for as sides_for
 from ._core_shape import unit_form as unit_form
 from ._core_statistics import AccelStatistics as AccelStatistics
+from ._core_statistics import FoundEffect as FoundEffect
+from ._core_statistics import FoundEffects as FoundEffects
+from ._core_statistics import ProbeReport as ProbeReport
+from ._core_statistics import ProbeRow as ProbeRow
 from ._core_statistics import RenderStatistics as RenderStatistics
 from ._core_statistics import SceneStatistics as SceneStatistics
 
@@ -298,6 +302,12 @@ class RenderSettings(TypedDict, total=False):
 def aov_names() -> tuple[str, ...]:
     """Of what a pixel can tell beside its colour: core/film/aov.h says what each means."""
 
+def effects(scene: Scene, *, max_bounces: int = ..., aovs: str = "") -> FoundEffects:
+    """All that a scene calls for, without building trees, and without the GIL. ``aovs``: their names, as text.
+
+    Raises Error for a scene that is wrong.
+    """
+
 class Renderer:
     def __init__(self, scene: Scene, **settings: Unpack[RenderSettings]) -> None:
         """Validates, plans and builds, without the GIL; a signal's exception stops it.
@@ -321,6 +331,11 @@ class Renderer:
         """Proves the invariants of every tree that was built; raises Error naming the node that breaks one.
 
         Without the GIL. For tests: takes seconds on large scenes.
+        """
+    def probe(self, *, rays: int, seed: int, progress: Callable[[float], object] | None = None) -> ProbeReport:
+        """Traces rays that are likely to find a defect, by every instruction set of this machine: `rays` of each probe.
+
+        Without the GIL; ``progress`` as of render().
         """
     @property
     def plan(self) -> list[tuple[str, str, str]]:

@@ -58,3 +58,31 @@ class RenderStatistics(TypedDict):
     trees: int
     accel: AccelStatistics
     """Sums over all trees; depth and max_segments are the largest of any."""
+
+class ProbeRow(TypedDict):
+    probe: str
+    instruction_set: str
+    rays: int
+    """Traced one by one, interleaved and in packets."""
+    judged: int
+    """By the oracle."""
+    wrong: int
+    first: str
+    """Of the wrong ones: the ray, and what is wrong; empty for none."""
+
+class ProbeReport(TypedDict):
+    meshes: int
+    closed_meshes: int
+    probes: list[ProbeRow]
+
+class FoundEffect(TypedDict):
+    effect: str
+    asked_by: list[tuple[str, str]]
+    """(prim, why), in the scene's order, each prim once; the prim is empty where a setting asks. Empty: off."""
+    geometry_bytes: int
+
+class FoundEffects(TypedDict):
+    base_bytes: int
+    """Of geometry that no effect brings."""
+    effects: list[FoundEffect]
+    """Every effect, on or off, in the order of core/plan/effect_plan.h."""

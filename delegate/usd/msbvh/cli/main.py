@@ -6,13 +6,12 @@ import json
 import os
 import sys
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
-from pxr import Usd
 
 from .. import _core
 from ..base import signals
@@ -20,7 +19,7 @@ from ..base.atomic import OutputError, check_folder, check_writable, write_whole
 from ..base.errors import Diagnostics, SceneError
 from ..base.exit_codes import DEFECT, DEGRADED, DONE, USAGE, WRONG, table_text
 from ..base.progress import Progress
-from ..base.reporter import Reporter, one_line
+from ..base.reporter import Reporter
 from ..bench.frames import FrameSettings
 from ..bench.frames import run as run_frames
 from ..bench.frames_table import table as frames_table
@@ -30,7 +29,7 @@ from ..bench.rays_table import table as bench_table
 from ..conform.record import read_record
 from ..conform.shutter import check_suite, shutter_text, with_shutter
 from ..conform.suite import Rule, conform, find_suite, other_renderer, own_renderer, read_rules, table
-from ..farm.frames import FrameError, check_single_outputs, frame_jobs, parse_frame_specs
+from ..farm.frames import check_single_outputs, frame_jobs
 from ..look.color import ColorCorrection, ColorError
 from ..motion.samples import SampleLog
 from ..motion_report.report import motion_report
@@ -41,17 +40,16 @@ from ..render.record import (
     FrameJob,
     RecordSettings,
     RenderSettings,
-    plan_entries,
-    reading_progress,
     record,
     report,
     software,
 )
-from ..scene.reader import ReadResult, ReadSettings, read_frame
-from ..stage.opening import open_stage, tf_messages
-from ..stage.stage_metadata import start_time
+from ..stage.opening import tf_messages
 from .bench_options import BENCH, FRAMES, frame_options
+from .frame_options import check_text, parse, read_one_frame, read_settings
 from .options import CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
+from .plan_command import plan_command
+from .verify_command import verify_command
 
 RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "aovs", "builder", "nodes", "refit")
 """Options that are fields of RenderSettings."""
@@ -123,12 +121,12 @@ def record_command(
     complete or not at all. An OUT that is a symbolic link is written through: the file that it points to is replaced.
     """
     _check_renderer(renderer)
-    _check_text(scene, options)
+    check_text(scene, options)
     if options["aovs"] and not any(Path(output).suffix.lower() == ".exr" for output in outputs):
         raise click.UsageError("--aov: only .exr files hold AOVs, and no OUT is one")
     jobs = _record_jobs(outputs, frames, options["default_time"])
     settings = RecordSettings(
-        read=_read_settings(options),
+        read=read_settings(options),
         render=RenderSettings(**{name: options[name] for name in RENDER_NAMES}),
         image=ImageSettings(_color_correction(options), options["show_domes"], options["exr_float"]),
         mask=options["mask"],
@@ -138,24 +136,6 @@ def record_command(
     _note_threads([options["threads"]], reporter)
     record(scene, jobs, settings, reporter)
     return DEGRADED if strict and reporter.degraded else DONE
-
-
-@commands.command("plan")
-@with_options(SCENE, ONE_FRAME)
-def plan_command(scene: str, frame: str | None, as_json: bool, **options: Any) -> int:
-    """Print the effects that SCENE calls for, and the prims that are the reason."""
-    reporter = Reporter()
-    _, _, result = _read_one_frame("plan", scene, frame, options, reporter)
-    report(result.diagnostics, reporter)
-    renderer = _core.Renderer(result.scene, width=result.camera.width, height=result.camera.height)
-    plan = plan_entries(renderer)
-    if as_json:
-        said = {"warnings": reporter.warnings, "errors": reporter.errors}
-        print(json.dumps({"scene": scene, "plan": plan, **said}, indent=2))
-    else:
-        for entry in plan:
-            print(f"{entry['effect']:20} {entry['prim']}{': ' if entry['prim'] else ''}{entry['why']}")
-    return DONE
 
 
 @commands.command("motion")
@@ -172,7 +152,7 @@ def motion_command(
     a track misses --motion-tolerance.
     """
     reporter, log = Reporter(), SampleLog()
-    stage, time, result = _read_one_frame("motion", scene, frame, options, reporter, log)
+    stage, time, result = read_one_frame("motion", scene, frame, options, reporter, log)
     with tf_messages(Diagnostics()):  # They have been said while the frame was read.
         found = motion_report(stage, time, result, log, options["motion_tolerance"], prim)
     if prim is None:
@@ -264,39 +244,8 @@ def _wrong_row(row: dict[str, Any]) -> bool:
     return bool(row["mismatches"] or row["mode_mismatches"] or row["misses"])
 
 
-def _read_one_frame(
-    command: str,
-    scene: str,
-    frame: str | None,
-    options: dict[str, Any],
-    reporter: Reporter,
-    log: SampleLog | None = None,
-) -> tuple[Usd.Stage, float | None, ReadResult]:
-    """The stage, the frame and what was read of it; the start time where none is given. What the reader has to
-    say is left to the caller."""
-    _check_text(scene, options)
-    frames = _parse(lambda: parse_frame_specs(frame))[0] if frame else []
-    if len(frames) > 1 or (frames and options["default_time"]):
-        raise click.UsageError(
-            f"{command} looks at one frame: --frame takes one time code, and not beside --defaultTime"
-        )
-    settings = _read_settings(options)
-    diagnostics = Diagnostics()
-    stage = open_stage(scene, diagnostics, options["mask"])
-    report(diagnostics, reporter)
-    start = None if options["default_time"] else start_time(stage)
-    time = frames[0] if frames else start
-    with reading_progress(time) as progress:
-        result = read_frame(stage, time, settings, progress=progress, found=log)
-    return stage, time, result
-
-
-def _parse(parser: Callable[[], Any]) -> Any:
-    """What `parser` returns; its FrameError is the user's slip."""
-    try:
-        return parser()
-    except FrameError as error:
-        raise click.UsageError(one_line(str(error))) from None
+commands.add_command(plan_command)
+commands.add_command(verify_command)
 
 
 def _record_jobs(
@@ -307,33 +256,9 @@ def _record_jobs(
     if frames is not None and default_time:
         raise click.UsageError("--frames and --defaultTime exclude each other")
     if frames is not None:
-        return _parse(lambda: frame_jobs(outputs, frames))
-    _parse(lambda: check_single_outputs(outputs))
+        return parse(lambda: frame_jobs(outputs, frames))
+    parse(lambda: check_single_outputs(outputs))
     return [(None, outputs)] if default_time else outputs
-
-
-def _read_settings(options: dict[str, Any]) -> ReadSettings:
-    if options["shutter"] is not None and options["default_time"]:
-        raise click.UsageError("--shutter and --defaultTime exclude each other: nothing moves at the default time")
-    width, height = options["resolution"] or (options["image_width"], None)
-    return ReadSettings(
-        camera=options["camera"],
-        width=width,
-        height=height,
-        conform=options["conform"],
-        purposes=options["purposes"],
-        shutter=options["shutter"],
-        motion_tolerance=options["motion_tolerance"],
-        interpolation=options["interpolation"],
-        segments=options["segments"] or 0,
-        max_instances=options["max_instances"],
-        disable_camera_light=options["disable_camera_light"],
-        complexity=options["complexity"],
-        edge_length=options["edge_length"],
-        displacement=options["displacement"],
-        curves=options["curves"],
-        keep_faces="elementId" in options.get("aovs", ()),
-    )
 
 
 def _color_correction(options: dict[str, Any]) -> ColorCorrection:
@@ -351,16 +276,6 @@ def _color_correction(options: dict[str, Any]) -> ColorCorrection:
 def _check_renderer(name: str | None) -> None:
     if name is not None and name not in RENDERER_NAMES:
         raise click.UsageError(f"--renderer: found '{name}', but only msbvh renders here; leave the option out")
-
-
-def _check_text(scene: str, options: dict[str, Any]) -> None:
-    """Output files may have any name, but USD takes text."""
-    for text in (scene, options["camera"] or "", *options["mask"]):
-        try:
-            text.encode()
-        except UnicodeEncodeError:
-            shown = text.encode("utf-8", "backslashreplace").decode()
-            raise click.UsageError(f"found '{shown}', expected a name in UTF-8") from None
 
 
 def _note_threads(counts: Sequence[int], reporter: Reporter) -> None:

@@ -64,8 +64,7 @@ SHUTTER = click.option(
     " itself: only prims that move take memory for their motion.",
 )
 
-SCENE: Sequence[Decorator] = (
-    click.argument("scene", type=click.Path(path_type=str)),
+READING: Sequence[Decorator] = (
     click.option(
         "--camera",
         "-cam",
@@ -216,6 +215,9 @@ SCENE: Sequence[Decorator] = (
     ),
 )
 """What is read from the stage; shared by all commands."""
+
+SCENE: Sequence[Decorator] = (click.argument("scene", type=click.Path(path_type=str)), *READING)
+"""The same with the stage itself."""
 
 ONE_FRAME: Sequence[Decorator] = (
     click.option("--frame", "-f", metavar="TIMECODE", help="Time code to look at. Default: the stage's start time."),

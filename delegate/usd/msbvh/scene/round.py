@@ -151,4 +151,7 @@ def _read_widths(prim: Usd.Prim, context: FrameContext, authored: frozenset[str]
         return None
     attribute = prim.GetAttribute("widths")
     plain = cast(UsdGeom.Primvar, _PlainWidths(prim))
-    return sample_primvar(FoundPrimvar(prim, plain, None, attribute, False), context)
+    found_widths = sample_primvar(FoundPrimvar(prim, plain, None, attribute, False), context)
+    if found_widths is None and attribute.HasAuthoredValue():  # of another type, which has been said
+        return "constant", np.array([DEFAULT_WIDTH], np.float32), None
+    return found_widths

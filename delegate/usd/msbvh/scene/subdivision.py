@@ -17,13 +17,18 @@ _RULES = (
     ("triangle_rule", "triangleSubdivisionRule"),
 )
 """The translator's names and USD's."""
-_FEATURES: tuple[tuple[str, str, Kind, type], ...] = (
-    ("crease_lengths", "creaseLengths", INTS, np.int32),
-    ("crease_indices", "creaseIndices", INTS, np.int32),
-    ("crease_sharpnesses", "creaseSharpnesses", FLOATS, np.float32),
-    ("corner_indices", "cornerIndices", INTS, np.int32),
-    ("corner_sharpnesses", "cornerSharpnesses", FLOATS, np.float32),
+_FEATURES: tuple[tuple[tuple[str, str, Kind, type], ...], ...] = (
+    (
+        ("crease_lengths", "creaseLengths", INTS, np.int32),
+        ("crease_indices", "creaseIndices", INTS, np.int32),
+        ("crease_sharpnesses", "creaseSharpnesses", FLOATS, np.float32),
+    ),
+    (
+        ("corner_indices", "cornerIndices", INTS, np.int32),
+        ("corner_sharpnesses", "cornerSharpnesses", FLOATS, np.float32),
+    ),
 )
+"""What says something together: creases, corners."""
 
 
 def add_subdivision(target: MeshInput, mesh: UsdGeom.Mesh, context: FrameContext, authored: frozenset[str]) -> bool:
@@ -40,10 +45,24 @@ def add_subdivision(target: MeshInput, mesh: UsdGeom.Mesh, context: FrameContext
             rule = value(_at_frame(prim, name, context), context.code, TOKEN)
             if rule:
                 setattr(target, keyword, str(rule))
-    for keyword, name, kind, dtype in _FEATURES:
-        if name in authored:
-            setattr(target, keyword, array(value(_at_frame(prim, name, context), context.code, kind), dtype))
+    for features in _FEATURES:
+        _add_features(target, prim, [feature for feature in features if feature[1] in authored], context)
     return True
+
+
+def _add_features(
+    target: MeshInput, prim: Usd.Prim, features: list[tuple[str, str, Kind, type]], context: FrameContext
+) -> None:
+    """None where one has a value of another type, which has been said: the others say nothing without it."""
+    read = []
+    for keyword, name, kind, dtype in features:
+        attribute = _at_frame(prim, name, context)
+        found = value(attribute, context.code, kind)
+        if found is None and attribute.HasAuthoredValue():
+            return
+        read.append((keyword, array(found, dtype)))
+    for keyword, values in read:
+        setattr(target, keyword, values)
 
 
 def _at_frame(prim: Usd.Prim, name: str, context: FrameContext) -> Usd.Attribute:

@@ -1,0 +1,1 @@
+"""What `msbvh plan` says of a scene's effects."""

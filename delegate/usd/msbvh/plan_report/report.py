@@ -1,0 +1,77 @@
+"""Each effect, on or off, who asks for it, and the geometry that it holds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from .. import _core
+
+
+@dataclass(frozen=True)
+class EffectRow:
+    """One effect of a scene."""
+
+    effect: str
+    on: bool
+    prims: list[str]
+    """The first MOST_PRIMS that ask for it, in the scene's order; none where a setting does."""
+    prim_count: int
+    """Of all that ask."""
+    why: str
+    """Of the first; empty where the effect is off."""
+    geometry_bytes: int
+    """Of positions, indices and transforms: core/plan/effect_bytes.h says which are an effect's. Counted before
+    trees are built. What nothing shows is held as well, so an effect that is off may hold some."""
+    geometry_share: float
+    """Of all the scene's geometry, in [0, 1]; these and the base's add up to 1."""
+
+
+@dataclass(frozen=True)
+class PlanReport:
+    """All effects of a scene, in the order of core/plan/effect_plan.h."""
+
+    effects: list[EffectRow]
+    base_bytes: int
+    """Of geometry that no effect brings: still triangles."""
+    geometry_bytes: int
+    """Of the base and all effects."""
+
+
+MOST_PRIMS = 3
+
+
+def plan_report(scene: _core.Scene) -> PlanReport:
+    """Raises _core.Error for a scene that is wrong."""
+    found = _core.effects(scene)
+    total = found["base_bytes"] + sum(row["geometry_bytes"] for row in found["effects"])
+    rows = [_row(row, total) for row in found["effects"]]
+    return PlanReport(rows, found["base_bytes"], total)
+
+
+def _row(found: _core.FoundEffect, total: int) -> EffectRow:
+    asked_by = found["asked_by"]
+    prims = [prim for prim, _ in asked_by if prim]
+    return EffectRow(
+        effect=found["effect"],
+        on=bool(asked_by),
+        prims=prims[:MOST_PRIMS],
+        prim_count=len(prims),
+        why=asked_by[0][1] if asked_by else "",
+        geometry_bytes=found["geometry_bytes"],
+        geometry_share=found["geometry_bytes"] / total if total else 0.0,
+    )
+
+
+def plain(report: PlanReport) -> dict[str, Any]:
+    """For JSON."""
+    return {**vars(report), "effects": [vars(row) for row in report.effects]}
+
+
+def first_reasons(report: PlanReport) -> list[dict[str, str]]:
+    """Effects that are on, with the first who asks: as `plan` in --stats."""
+    return [
+        {"effect": row.effect, "prim": row.prims[0] if row.prims else "", "why": row.why}
+        for row in report.effects
+        if row.on
+    ]

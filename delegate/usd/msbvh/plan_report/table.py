@@ -1,0 +1,24 @@
+"""`msbvh plan` for people."""
+
+from __future__ import annotations
+
+from .report import EffectRow, PlanReport
+
+
+def plan_text(report: PlanReport) -> str:
+    """A line for each effect that is on, with those who ask for it; then the effects that are off, and the geometry."""
+    lines = [_line(row) for row in report.effects if row.on]
+    off = [row.effect for row in report.effects if not row.on]
+    if off:
+        lines.append(f"{'off':20} {', '.join(off)}")
+    base = report.base_bytes / report.geometry_bytes if report.geometry_bytes else 0.0
+    lines.append(f"{'geometry':20} {report.geometry_bytes:,} bytes, {base:.1%} of them of no effect")
+    return "\n".join(lines)
+
+
+def _line(row: EffectRow) -> str:
+    first = f"{row.prims[0]}: {row.why}" if row.prims else row.why
+    more = row.prim_count - len(row.prims)
+    also = ", ".join([*row.prims[1:], *([f"{more:,} more"] if more else [])])
+    held = f" [{row.geometry_share:.1%} of the geometry]" if row.geometry_bytes else ""
+    return f"{row.effect:20} {first}{f'; also {also}' if also else ''}{held}"
