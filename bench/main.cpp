@@ -2,9 +2,9 @@
 //
 //   msbvh_bench SCENE [TRIANGLES [SEGMENTS [DEGREE [KIND [REPETITIONS [BUILDER [PEER.so FOLDER]]]]]]]
 //
-// KIND: primary, shadow, random or all. BUILDER: its name, with "/compact" for compact nodes, or with "/both"
-// for full and compact ones side by side. FOLDER: of the peer's own libraries (embreex.libs). One thread.
-// Without arguments it prints the scene classes.
+// KIND: primary, shadow, random or all. BUILDER: its name, with "/compact" for the compact layout, or with
+// "/both" for both side by side. FOLDER: of the peer's own libraries (embreex.libs). One thread. Without
+// arguments it prints the scene classes.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -18,16 +18,16 @@
 namespace {
 
 using namespace msbvh::bench;
-using msbvh::kNodePrecisions;
-using msbvh::NodePrecision;
-using msbvh::NodePrecisionName;
+using msbvh::kTreeLayouts;
+using msbvh::TreeLayout;
+using msbvh::TreeLayoutName;
 
-std::vector<NodePrecision> precisions_of(const std::string& name) {
-  if (name == "both") return {NodePrecision::kFull, NodePrecision::kCompact};
-  for (const NodePrecisionName& known : kNodePrecisions) {
-    if (name == known.name) return {known.precision};
+std::vector<TreeLayout> layouts_of(const std::string& name) {
+  if (name == "both") return {TreeLayout::kFull, TreeLayout::kCompact};
+  for (const TreeLayoutName& known : kTreeLayouts) {
+    if (name == known.name) return {known.layout};
   }
-  throw msbvh::Error("nodes: found \"" + name + "\"; expected full, compact or both");
+  throw msbvh::Error("layout: found \"" + name + "\"; expected full, compact or both");
 }
 
 void run(int argc, char** argv) {
@@ -49,7 +49,7 @@ void run(int argc, char** argv) {
   const std::string builder = argc > 7 ? argv[7] : "msbvh";
   const std::size_t slash = builder.find('/');
   settings.builders = {builder.substr(0, slash)};
-  if (slash != std::string::npos) settings.nodes = precisions_of(builder.substr(slash + 1));
+  if (slash != std::string::npos) settings.layouts = layouts_of(builder.substr(slash + 1));
   std::optional<PeerLibrary> peer;
   if (argc > 9) settings.peer = &peer.emplace(argv[8], argv[9]);
   for (const std::string& row : run_scene(scene, settings)) std::puts(row.c_str());

@@ -53,7 +53,7 @@ struct Primitives {
   std::span<const std::shared_ptr<const GridMesh>> rest_grids = {};  // the same of grids: still, or null
   TimeSlice slice = {};         // the part of the shutter that the tree is for; "centre" means that part's
   bool whole_spans = false;     // curves are not cut to pieces: the builder takes no partial primitives
-  bool indexed_leaves = false;  // those of triangles that move, whatever their keys
+  bool indexed_leaves = false;  // all of triangles: BuildSettings::layout
   bool swept = false;           // boxes are those of the whole shutter, still (Builder::kSwept)
 };
 

@@ -52,27 +52,26 @@ inline constexpr RefitName kRefits[] = {
 // 8 bring a tenth more rays a second for twice the bytes (docs/design/build.md).
 inline constexpr std::uint32_t kIncoherentSlices = 4;
 
-// In how many bits nodes hold the planes of their boxes.
-enum class NodePrecision : std::uint8_t {
-  kFull,    // 32
-  kCompact  // 16, rounded outwards, and leaves of moving triangles read the meshes' own tracks
-            // (docs/design/compact.md): fewer bytes and fewer rays a second
+// How a tree holds its boxes and its triangles (docs/design/compact.md has what it costs). Hits are the same.
+enum class TreeLayout : std::uint8_t {
+  kFull,    // planes in 32 bits; leaves have copies of their vertices where these have up to 9 keys
+  kCompact  // planes in 16 bits, rounded outwards; leaves read the meshes' own tracks
 };
 
-struct NodePrecisionName {
-  NodePrecision precision;
+struct TreeLayoutName {
+  TreeLayout layout;
   const char* name;
 };
-inline constexpr NodePrecisionName kNodePrecisions[] = {{NodePrecision::kFull, "full"},
-                                                        {NodePrecision::kCompact, "compact"}};
-constexpr const char* name_of(NodePrecision precision) {
-  return kNodePrecisions[static_cast<std::size_t>(precision)].name;
+inline constexpr TreeLayoutName kTreeLayouts[] = {{TreeLayout::kFull, "full"},
+                                                  {TreeLayout::kCompact, "compact"}};
+constexpr const char* name_of(TreeLayout layout) {
+  return kTreeLayouts[static_cast<std::size_t>(layout)].name;
 }
 
 struct BuildSettings {
   Builder builder = Builder::kMsbvh;
-  // A tree's instances must show trees of the same.
-  NodePrecision nodes = NodePrecision::kFull;
+  // Of all trees of a scene: instances must show trees of the same.
+  TreeLayout layout = TreeLayout::kFull;
   // References that spatial splits may add, as a share of the triangles. More: fewer tests a ray on long thin
   // triangles, more bytes and a longer build. Spent only where the two conditions below hold.
   float spatial_split_budget = 1.0f;

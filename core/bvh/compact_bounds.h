@@ -1,4 +1,4 @@
-// The boxes of a node's children in 16 bits a plane: BuildSettings::nodes. docs/design/compact.md.
+// The boxes of a node's children in 16 bits a plane: BuildSettings::layout. docs/design/compact.md.
 //
 // A plane is origin + q * 2^exponent of its axis, q an integer of 16 bits. q * 2^exponent is exact, so that
 // the sum has one rounding, with a fused multiply-add and without: every decoder finds the same float. Planes

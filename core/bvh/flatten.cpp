@@ -59,7 +59,7 @@ class Flattener {
       : primitives_(primitives),
         topology_(topology),
         settings_(settings),
-        compact_(settings.nodes == NodePrecision::kCompact),
+        compact_(settings.layout == TreeLayout::kCompact),
         out_(out),
         plans_(topology.node_count) {}
 

@@ -18,8 +18,8 @@
 // of a grid, alone in its leaf and on a cache line, is described in core/bvh/grid_block.h. That of up to 8
 // pieces of curves or points of one set is a header and their ids; vertices are read in the set's own tracks.
 //
-// In a tree with compact nodes (NodePrecision::kCompact) a node's boxes take 96 B a control
-// (core/bvh/compact_bounds.h), and blocks of triangles that move are indexed.
+// In a compact tree (TreeLayout::kCompact) a node's boxes take 96 B a control
+// (core/bvh/compact_bounds.h), and all blocks of triangles are indexed.
 //
 // A ray reads two controls of a node (degree + 1 of a Bezier track), whatever their number. Every node and
 // block has as many controls as it needs, no more.

@@ -72,8 +72,9 @@ BlockKind kind_of(const Primitives& primitives, const Reference& r, const TrackF
 }  // namespace
 
 BlockKind triangle_block_kind(const Primitives& primitives, const TrackForm& form) {
-  const bool shared = form.moving() && (!primitives.slice.whole() || primitives.indexed_leaves);
-  return level_of(form.segments) <= kMaxGatheredLevel && !shared ? BlockKind::kGathered : BlockKind::kIndexed;
+  const bool shared = form.moving() && !primitives.slice.whole();
+  const bool indexed = primitives.indexed_leaves || shared || level_of(form.segments) > kMaxGatheredLevel;
+  return indexed ? BlockKind::kIndexed : BlockKind::kGathered;
 }
 
 void sort_leaf(const Primitives& primitives, std::span<Reference> leaf) {

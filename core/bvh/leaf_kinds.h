@@ -7,8 +7,8 @@
 
 namespace msbvh {
 
-// The last is no leaf: kernels are compiled for trees with compact nodes as well (NodePrecision).
-enum class LeafKind : std::uint8_t { kTriangles, kInstances, kGrids, kCurves, kPoints, kCompactNodes };
+// The last is no leaf: kernels are compiled for compact trees as well (TreeLayout).
+enum class LeafKind : std::uint8_t { kTriangles, kInstances, kGrids, kCurves, kPoints, kCompactTree };
 
 // A set of them, which may be a template's argument.
 struct LeafKinds {

@@ -97,7 +97,7 @@ std::uint64_t build_time_split(Bvh& bvh, const InstanceParts& instances, std::ui
                                 .parts = instances.parts,
                                 .slice = {i, slices},
                                 .whole_spans = bvh.builder != Builder::kMsbvh,
-                                .indexed_leaves = bvh.nodes == NodePrecision::kCompact};
+                                .indexed_leaves = bvh.layout == TreeLayout::kCompact};
     Topology topology = build_topology(primitives, settings);
     flatten(primitives, topology, settings, trees[i]);
     references += topology.reference_count;

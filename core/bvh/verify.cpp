@@ -71,7 +71,7 @@ class Verifier {
     if (ref.offset() + node_bytes(node.form(), node.compact) > bvh_.arena.size())
       fail(ref, "reaches beyond the arena");
     if (ref.offset() % AlignedBuffer::kAlignment != 0) fail(ref, "does not start on a cache line");
-    if (node.compact != (bvh_.nodes == NodePrecision::kCompact)) fail(ref, "is not of its tree's precision");
+    if (node.compact != (bvh_.layout == TreeLayout::kCompact)) fail(ref, "is not of its tree's layout");
     if (node.child_count < 2 || node.child_count > kWidth)
       fail(ref, "has " + std::to_string(node.child_count) + " children");
     for (std::uint32_t i = 0; i < kWidth; ++i) {

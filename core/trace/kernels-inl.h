@@ -31,19 +31,20 @@ constexpr void fill(Kernels& kernels) {
   kernels.occluded_counted[kSet] = occluded<kMovement, kKinds, true>;
 }
 
-// Of trees with compact nodes: with triangles alone, or with anything; no steps of their own in still
-// subtrees.
+// Of compact trees: with triangles alone, or with anything; these take no steps of their own in
+// still subtrees.
 template <Movement kMovement, std::size_t kSet>
 constexpr void fill_compact(Kernels& kernels, std::size_t set) {
-  constexpr LeafKinds kKinds = kKernelKinds[kSet].with(LeafKind::kCompactNodes);
+  constexpr LeafKinds kKinds = kKernelKinds[kSet].with(LeafKind::kCompactTree);
   kernels.intersect[set] = intersect<kMovement, kKinds, false>;
   kernels.occluded[set] = occluded<kMovement, kKinds, false>;
   kernels.intersect_counted[set] = intersect<kMovement, kKinds, true>;
   kernels.occluded_counted[set] = occluded<kMovement, kKinds, true>;
-  for (int mixed = 0; mixed < 2; ++mixed) {
-    kernels.intersect_many[set][mixed] = intersect_many<kMovement, kKinds, false>;
-    kernels.occluded_many[set][mixed] = occluded_many<kMovement, kKinds, false>;
-  }
+  constexpr bool kMixed = kSet == 0 && kMovement != Movement::kStill;
+  kernels.intersect_many[set][0] = intersect_many<kMovement, kKinds, false>;
+  kernels.intersect_many[set][1] = intersect_many<kMovement, kKinds, kMixed>;
+  kernels.occluded_many[set][0] = occluded_many<kMovement, kKinds, false>;
+  kernels.occluded_many[set][1] = occluded_many<kMovement, kKinds, kMixed>;
 }
 template <Movement kMovement>
 constexpr Kernels compact_kernels_of() {

@@ -30,7 +30,9 @@ struct Kernels {
 const Kernels* still_kernels(InstructionSet set);
 const Kernels* linear_kernels(InstructionSet set);
 const Kernels* polynomial_kernels(InstructionSet set);
-// Of trees with compact nodes (NodePrecision).
-const Kernels* compact_kernels(InstructionSet set, Movement movement);
+// Of compact trees (TreeLayout).
+const Kernels* compact_still_kernels(InstructionSet set);
+const Kernels* compact_linear_kernels(InstructionSet set);
+const Kernels* compact_polynomial_kernels(InstructionSet set);
 
 }  // namespace msbvh

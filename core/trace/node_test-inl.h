@@ -14,7 +14,9 @@
 #endif
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <hwy/highway.h>
 
 #include "core/bvh/bvh.h"
@@ -93,8 +95,18 @@ struct CompactPlanes {
   HWY_INLINE hn::Vec<D> load(D d, const std::uint16_t* at, std::size_t axis) const {
     const hn::Rebind<std::int32_t, D> di;
     const auto q = hn::PromoteTo(di, hn::LoadU(hn::Rebind<std::uint16_t, D>(), at));
-    return hn::MulAdd(hn::ConvertTo(d, q), hn::Set(d, node.frame.scale(static_cast<int>(axis))),
-                      hn::Set(d, node.frame.origin[axis]));
+    return hn::MulAdd(hn::ConvertTo(d, q), scale(d, axis), hn::Set(d, node.frame.origin[axis]));
+  }
+  // As NodeFrame::scale(): the exponents are read together, and each is shifted to its place in a float.
+  template <class D>
+  HWY_INLINE hn::Vec<D> scale(D d, std::size_t axis) const {
+    const hn::Rebind<std::int32_t, D> di;
+    std::int32_t exponents;
+    static_assert(sizeof(NodeFrame) == offsetof(NodeFrame, exponent) + sizeof(exponents));
+    std::memcpy(&exponents, reinterpret_cast<const std::byte*>(&node.frame) + offsetof(NodeFrame, exponent),
+                sizeof(exponents));
+    const auto shifted = hn::ShiftLeftSame(hn::Set(di, exponents), static_cast<int>(23 - 8 * axis));
+    return hn::BitCast(d, hn::And(shifted, hn::Set(di, 0x7f800000)));
   }
   // Absent children's boxes are not such that no ray hits them.
   template <class M>

@@ -112,7 +112,7 @@ class Packet {
  private:
   static constexpr std::int64_t kOwnNode = 8, kSharedNode = 28, kAlone = 14;
   static constexpr bool kMoving = kMovement != Movement::kStill;
-  static constexpr bool kCompact = kKinds.has(LeafKind::kCompactNodes);
+  static constexpr bool kCompact = kKinds.has(LeafKind::kCompactTree);
   // Rays that go on alone.
   static constexpr int kFew = 2;
 
@@ -367,7 +367,7 @@ class Packet {
       if (block.kind >= BlockKind::kCurves)
         return test_round<kTree, kAnyHit>(*bvh_, block, setup.ray[i], kNoInstance, queries_[i]);
     }
-    test_triangles<kTree, kAnyHit>(*bvh_, block, setup.ray[i], kNoInstance, queries_[i]);
+    test_triangles<kTree, kAnyHit, kCompact>(*bvh_, block, setup.ray[i], kNoInstance, queries_[i]);
   }
 
   const Bvh* bvh_;

@@ -30,6 +30,7 @@ template <Movement kMovement, LeafKinds kKinds, bool kMixed, bool kAnyHit>
 class Stream {
   static constexpr bool kInstanced = kKinds.has(LeafKind::kInstances), kGrids = kKinds.has(LeafKind::kGrids);
   static constexpr bool kRound = kKinds.has(LeafKind::kCurves) || kKinds.has(LeafKind::kPoints);
+  static constexpr bool kCompact = kKinds.has(LeafKind::kCompactTree);
 
  public:
   using Setup = RaySetup<kMovement>;
@@ -130,7 +131,7 @@ class Stream {
   template <Movement kTree>
   HWY_INLINE static ChildKeys test_spot(const Slot& slot, std::uint32_t& hits) {
     const Spot& spot = slot.spot;
-    if constexpr (kKinds.has(LeafKind::kCompactNodes))
+    if constexpr (kCompact)
       return test_children<kTree>(spot.compact_bounds(), spot.node(), slot.at.form, *slot.in, slot.query.tfar,
                                   hits);
     else
@@ -197,7 +198,7 @@ class Stream {
       if (kRound && block->kind >= BlockKind::kCurves) {
         visit_round<kTree>(slot, *block);
       } else {
-        test_triangles<kTree, kAnyHit>(*slot.bvh, *block, *slot.in, slot.instance, slot.query);
+        test_triangles<kTree, kAnyHit, kCompact>(*slot.bvh, *block, *slot.in, slot.instance, slot.query);
       }
       if (kAnyHit && slot.query.found) return false;
       if (block->last) break;

@@ -43,7 +43,7 @@ class Traversal {
 
  private:
   static constexpr bool kMoving = kMovement != Movement::kStill;
-  static constexpr bool kCompact = kKinds.has(LeafKind::kCompactNodes);
+  static constexpr bool kCompact = kKinds.has(LeafKind::kCompactTree);
 
   // Goes to the nearest child that is hit and leaves the others in a frame; where any hit will do, to the
   // first one. False: none is hit.
@@ -102,7 +102,7 @@ class Traversal {
           ++counts_->blocks;
           counts_->triangles += block->count;
         }
-        test_triangles<kMovement, kAnyHit>(bvh_, *block, setup_, instance_, query_);
+        test_triangles<kMovement, kAnyHit, kCompact>(bvh_, *block, setup_, instance_, query_);
       }
       if ((kAnyHit && query_.found) || block->last) return;
     }

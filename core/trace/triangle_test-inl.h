@@ -66,8 +66,16 @@ struct Sheared {
   V x, y, z;
 };
 
+// How a tree's triangle blocks hold their vertices (BlockKind), as far as kernels are compiled for it. Still
+// kernels know no indices, but those of compact trees, which have no other blocks.
+enum class BlockForms { kGathered, kEither, kIndexed };
+template <Movement kMovement, bool kCompact>
+inline constexpr BlockForms kBlockForms = kCompact                        ? BlockForms::kIndexed
+                                          : kMovement == Movement::kStill ? BlockForms::kGathered
+                                                                          : BlockForms::kEither;
+
 // A block's vertices at the ray's time.
-template <Movement kMovement>
+template <Movement kMovement, BlockForms kForms>
 class BlockVertices {
  public:
   HWY_INLINE BlockVertices(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& ray)
@@ -80,7 +88,8 @@ class BlockVertices {
 
   // Those from `first` on, as many as fit a vector.
   HWY_INLINE Sheared<VPool> sheared(std::uint32_t first) const {
-    if (kMoving && block_.kind == BlockKind::kIndexed) {
+    if (kForms == BlockForms::kIndexed ||
+        (kForms == BlockForms::kEither && block_.kind == BlockKind::kIndexed)) {
       HWY_ALIGN float columns[3][kPoolLanes];
       load_indexed(first, columns);
       return shear([&](std::int32_t axis) { return hn::Load(DPool(), columns[axis]); });
@@ -162,8 +171,8 @@ class BlockVertices {
 class VertexPool {
  public:
 #if HWY_TARGET == HWY_SSE4  // through memory
-  template <Movement kMovement>
-  HWY_INLINE VertexPool(const BlockVertices<kMovement>& vertices, std::uint32_t count) {
+  template <class Vertices>
+  HWY_INLINE VertexPool(const Vertices& vertices, std::uint32_t count) {
     const D8 d;
     for (std::uint32_t first = 0; first < count; first += kLanes8) {
       const Sheared<V8> s = vertices.sheared(first);
@@ -185,8 +194,8 @@ class VertexPool {
   HWY_ALIGN float y_[kBlockVertices];
   HWY_ALIGN float z_[kBlockVertices];
 #elif HWY_TARGET == HWY_AVX2  // from one or two registers
-  template <Movement kMovement>
-  HWY_INLINE VertexPool(const BlockVertices<kMovement>& vertices, std::uint32_t count)
+  template <class Vertices>
+  HWY_INLINE VertexPool(const Vertices& vertices, std::uint32_t count)
       : many_(count > kPoolLanes),
         low_(vertices.sheared(0)),
         high_(many_ ? vertices.sheared(kPoolLanes) : low_) {}
@@ -208,9 +217,8 @@ class VertexPool {
   const bool many_;
   const Sheared<V8> low_, high_;
 #else                         // from one register
-  template <Movement kMovement>
-  HWY_INLINE VertexPool(const BlockVertices<kMovement>& vertices, std::uint32_t)
-      : vertices_(vertices.sheared(0)) {}
+  template <class Vertices>
+  HWY_INLINE VertexPool(const Vertices& vertices, std::uint32_t) : vertices_(vertices.sheared(0)) {}
 
   HWY_INLINE Sheared<V8> pick(const std::uint8_t* corners) const {
     const DPool d;
@@ -267,10 +275,11 @@ HWY_INLINE std::uint32_t test_triangles(const VertexPool& pool, const BlockHeade
   return test_corners(a, b, c, tnear, tfar, first, out);
 }
 
-template <Movement kMovement>
+template <Movement kMovement, bool kCompact>
 HWY_INLINE void test_block(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& ray,
                            float tfar, BlockHit& out) {
-  const VertexPool pool(BlockVertices<kMovement>(bvh, block, ray), block.vertex_count);
+  const VertexPool pool(BlockVertices<kMovement, kBlockForms<kMovement, kCompact>>(bvh, block, ray),
+                        block.vertex_count);
   out.lanes = test_triangles(pool, block, 0, ray.tnear, tfar, out);
   if (kLanes8 < kBlockWidth && block.count > kLanes8)
     out.lanes |= test_triangles(pool, block, kLanes8, ray.tnear, tfar, out);

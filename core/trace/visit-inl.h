@@ -108,11 +108,11 @@ HWY_INLINE void take(const Hit& candidate, Query& query) {
   query.tfar = candidate.t;
 }
 
-template <Movement kMovement, bool kAnyHit>
+template <Movement kMovement, bool kAnyHit, bool kCompact>
 HWY_INLINE void test_triangles(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& setup,
                                std::uint32_t instance, Query& query) {
   BlockHit hit;
-  test_block<kMovement>(bvh, block, setup, query.tfar, hit);
+  test_block<kMovement, kCompact>(bvh, block, setup, query.tfar, hit);
   if (kAnyHit) {
     query.found |= hit.lanes != 0;
     return;

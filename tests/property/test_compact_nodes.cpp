@@ -13,7 +13,7 @@ namespace {
 
 BuildSettings compact(std::uint32_t slices = 0) {
   BuildSettings settings;
-  settings.nodes = NodePrecision::kCompact;
+  settings.layout = TreeLayout::kCompact;
   settings.time_slices = slices;
   return settings;
 }

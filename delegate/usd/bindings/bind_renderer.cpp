@@ -34,13 +34,13 @@ Builder builder_from(const std::string& name) {
   throw nb::value_error(("builder: found \"" + name + "\"; expected " + known).c_str());
 }
 
-NodePrecision nodes_from(const std::string& name) {
+TreeLayout layout_from(const std::string& name) {
   std::string known;
-  for (const NodePrecisionName& nodes : kNodePrecisions) {
-    if (name == nodes.name) return nodes.precision;
-    known += (known.empty() ? "" : " or ") + std::string(nodes.name);
+  for (const TreeLayoutName& layout : kTreeLayouts) {
+    if (name == layout.name) return layout.layout;
+    known += (known.empty() ? "" : " or ") + std::string(layout.name);
   }
-  throw nb::value_error(("nodes: found \"" + name + "\"; expected " + known).c_str());
+  throw nb::value_error(("layout: found \"" + name + "\"; expected " + known).c_str());
 }
 
 Refit refit_from(const std::string& name) {
@@ -236,7 +236,7 @@ std::vector<Aov> aovs_from(const std::vector<std::string>& names) {
 
 void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width, std::uint32_t height,
                   std::uint32_t spp, std::uint32_t seed, std::uint32_t max_bounces, std::uint32_t threads,
-                  bool show_domes, const std::string& builder, const std::string& nodes,
+                  bool show_domes, const std::string& builder, const std::string& layout,
                   const std::string& refit, bool keep_topology, const std::vector<std::string>& aovs) {
   RenderSettings settings{.width = width,
                           .height = height,
@@ -247,7 +247,7 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
                           .show_domes = show_domes,
                           .build = {}};
   settings.build.builder = builder_from(builder);
-  settings.build.nodes = nodes_from(nodes);
+  settings.build.layout = layout_from(layout);
   settings.build.refit = refit_from(refit);
   settings.build.keep_topology = keep_topology;
   settings.aovs = aovs_from(aovs);
@@ -276,7 +276,7 @@ void bind_renderer(nb::module_& m) {
                  nb::arg("spp") = defaults.spp, nb::arg("seed") = defaults.seed,
                  nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
                  nb::arg("show_domes") = defaults.show_domes, nb::arg("builder") = "msbvh",
-                 nb::arg("nodes") = "full", nb::arg("refit") = "auto",
+                 nb::arg("layout") = "full", nb::arg("refit") = "auto",
                  nb::arg("keep_topology") = defaults.build.keep_topology,
                  nb::arg("aovs") = std::vector<std::string>());
   };

@@ -51,7 +51,7 @@ from .options import CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
 from .plan_command import plan_command
 from .verify_command import verify_command
 
-RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "aovs", "builder", "nodes", "refit")
+RENDER_NAMES = ("spp", "seed", "max_bounces", "threads", "show_domes", "aovs", "builder", "layout", "refit")
 """Options that are fields of RenderSettings."""
 RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")
 

@@ -315,7 +315,7 @@ RENDER: Sequence[Decorator] = (
         " (slow rays). timesplit: one tree per motion segment (memory and build time grow with them).",
     ),
     click.option(
-        "--nodes",
+        "--layout",
         type=click.Choice(("full", "compact")),
         default="full",
         show_default=True,
