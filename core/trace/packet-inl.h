@@ -278,7 +278,7 @@ class Packet {
     ++top_;
   }
   HWY_INLINE void fetch(Place at, RayMask rays) const {
-    prefetch<kMovement>(spot_of<kMovement>(*bvh_, at, setup.ray[std::countr_zero(rays)]));
+    prefetch<kMovement, kCompact>(spot_of<kMovement>(*bvh_, at, setup.ray[std::countr_zero(rays)]));
   }
 
   // Of rays that are in other segments than the first of them.

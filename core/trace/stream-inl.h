@@ -102,7 +102,7 @@ class Stream {
 
   HWY_INLINE void enqueue(Slot* slot) {
     slot->spot = spot_of<kMovement>(*slot->bvh, slot->at, *slot->in);
-    prefetch<kMovement>(slot->spot);
+    prefetch<kMovement, kCompact>(slot->spot);
     const std::size_t still = (kStillObjects ? slot->queues : 0) | (kMixed && slot->at.still ? kStill : 0);
     const std::size_t queue = still + slot->at.ref.is_leaf();
     queues_[queue][queued_[queue]++] = slot;

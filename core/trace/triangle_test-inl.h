@@ -133,30 +133,59 @@ class BlockVertices {
 #endif
   }
 
-  // A vertex's three coordinates at once, then rows to columns, four vertices by four.
+  // As whole vectors: what is read back in another width waits for the stores.
   HWY_INLINE void load_indexed(std::uint32_t first, float (&columns)[3][kPoolLanes]) const {
-    const D4 d;
-    const TriangleMesh& mesh = *bvh_.meshes[block_.owner];
     const std::uint32_t* indices = block_.vertex_indices() + first;
-    const std::uint32_t count = std::min(block_.row_floats() - first, kPoolLanes);
-    for (std::uint32_t i = 0; i < count; i += 4) {
-      const V4 a = position(mesh, indices[i]), b = position(mesh, indices[i + 1]),
-               c = position(mesh, indices[i + 2]), e = position(mesh, indices[i + 3]);
-      const V4 xy_ab = hn::InterleaveLower(d, a, b), zw_ab = hn::InterleaveUpper(d, a, b);
-      const V4 xy_ce = hn::InterleaveLower(d, c, e), zw_ce = hn::InterleaveUpper(d, c, e);
-      hn::Store(hn::ConcatLowerLower(d, xy_ce, xy_ab), d, columns[0] + i);
-      hn::Store(hn::ConcatUpperUpper(d, xy_ce, xy_ab), d, columns[1] + i);
-      hn::Store(hn::ConcatLowerLower(d, zw_ce, zw_ab), d, columns[2] + i);
-    }
+    const std::uint32_t count = block_.row_floats() - first;
+    V8 low[3];
+    transpose(indices, count, low);
+#if HWY_TARGET == HWY_AVX3
+    V8 high[3] = {low[0], low[1], low[2]};
+    if (count > kLanes8) transpose(indices + kLanes8, count - kLanes8, high);
+    for (int axis = 0; axis < 3; ++axis)
+      hn::Store(hn::Combine(DPool(), high[axis], low[axis]), DPool(), columns[axis]);
+#else
+    for (int axis = 0; axis < 3; ++axis) hn::Store(low[axis], D8(), columns[axis]);
+#endif
   }
-  HWY_INLINE V4 position(const TriangleMesh& mesh, std::uint32_t vertex) const {
-    const D4 d;
-    const Vec3f* p = mesh.control_positions(at_.key * degree_) + vertex;
-    // The guard element makes the last one safe.
+  // A vertex's three coordinates at once, then rows to columns, of four vertices in each block of a vector.
+  // `count`: how many indices there are, 4 at least; what is beyond repeats the first ones.
+  HWY_INLINE void transpose(const std::uint32_t* indices, std::uint32_t count, V8 (&columns)[3]) const {
+    const D8 d;
+    const hn::Repartition<double, D8> pairs;
+    const Track track = track_of(*bvh_.meshes[block_.owner]);
+    const std::uint32_t* upper = indices + (count > 4 ? 4 : 0);
+    const auto vertex = [&](std::uint32_t i) { return positions(track, indices[i], upper[i]); };
+    const V8 a = vertex(0), b = vertex(1), c = vertex(2), e = vertex(3);
+    const auto xy_ab = hn::BitCast(pairs, hn::InterleaveLower(d, a, b));
+    const auto xy_ce = hn::BitCast(pairs, hn::InterleaveLower(d, c, e));
+    const auto zw_ab = hn::BitCast(pairs, hn::InterleaveUpper(d, a, b));
+    const auto zw_ce = hn::BitCast(pairs, hn::InterleaveUpper(d, c, e));
+    columns[0] = hn::BitCast(d, hn::InterleaveLower(pairs, xy_ab, xy_ce));
+    columns[1] = hn::BitCast(d, hn::InterleaveUpper(pairs, xy_ab, xy_ce));
+    columns[2] = hn::BitCast(d, hn::InterleaveLower(pairs, zw_ab, zw_ce));
+  }
+
+  // The controls in force, of all of a mesh's vertices.
+  struct Track {
+    const Vec3f* first;
+    std::size_t stride;  // 0 of what does not move: as of a node, node_test-inl.h
+  };
+  HWY_INLINE Track track_of(const TriangleMesh& mesh) const {
+    return {mesh.control_positions(at_.key * degree_), moves_ ? std::size_t(mesh.vertex_count) : 0};
+  }
+  // Of one vertex in each block of 4 lanes; the guard element makes the last one safe.
+  HWY_INLINE V8 positions(const Track& track, std::uint32_t lower,
+                          [[maybe_unused]] std::uint32_t upper) const {
     const auto control = [&](std::uint32_t c) {
-      return hn::LoadU(d, &p[std::size_t(c) * mesh.vertex_count].x);
+      const Vec3f* p = track.first + c * track.stride;
+#if HWY_TARGET == HWY_SSE4
+      return hn::LoadU(D8(), &p[lower].x);
+#else
+      return hn::Combine(D8(), hn::LoadU(D4(), &p[upper].x), hn::LoadU(D4(), &p[lower].x));
+#endif
     };
-    return moves_ ? simd_bezier(control, degree_, Weights<D4>(d, at_.w)) : control(0);
+    return kMoving ? simd_bezier(control, degree_, Weights<D8>(D8(), at_.w)) : control(0);
   }
 
   const BlockHeader& block_;

@@ -79,10 +79,16 @@ HWY_INLINE Spot spot_of(const Bvh& bvh, Place at, const RaySetup<kMovement>& set
   }
   return {start, control};
 }
-template <Movement kMovement>
+// A node's boxes at the controls that a ray reads. Compact ones may begin in the middle of a line.
+template <Movement kMovement, bool kCompact>
+inline constexpr std::size_t kLinesAhead = kCompact ? (kMovement == Movement::kStill    ? 2
+                                                       : kMovement == Movement::kLinear ? 4
+                                                                                        : 6)
+                                                    : (kMovement == Movement::kStill ? 3 : 6);
+template <Movement kMovement, bool kCompact>
 HWY_INLINE void prefetch(Spot spot) {
   __builtin_prefetch(spot.start);
-  constexpr std::size_t kLines = kMovement == Movement::kStill ? 3 : 6;
+  constexpr std::size_t kLines = kLinesAhead<kMovement, kCompact>;
   for (std::size_t line = 0; line < kLines; ++line) __builtin_prefetch(spot.control + 64 * line);
 }
 
