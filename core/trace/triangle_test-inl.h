@@ -88,8 +88,12 @@ class BlockVertices {
 
   // Those from `first` on, as many as fit a vector.
   HWY_INLINE Sheared<VPool> sheared(std::uint32_t first) const {
-    if (kForms == BlockForms::kIndexed ||
-        (kForms == BlockForms::kEither && block_.kind == BlockKind::kIndexed)) {
+    if constexpr (kForms == BlockForms::kIndexed) {
+      HWY_ALIGN float columns[3][kPoolLanes];
+      load_columns(first, columns);
+      return shear([&](std::int32_t axis) { return hn::Load(DPool(), columns[axis]); });
+    }
+    if (kForms == BlockForms::kEither && block_.kind == BlockKind::kIndexed) {
       HWY_ALIGN float columns[3][kPoolLanes];
       load_indexed(first, columns);
       return shear([&](std::int32_t axis) { return hn::Load(DPool(), columns[axis]); });
@@ -133,8 +137,36 @@ class BlockVertices {
 #endif
   }
 
-  // As whole vectors: what is read back in another width waits for the stores.
+  // A vertex's three coordinates at once, then rows to columns, four vertices by four.
   HWY_INLINE void load_indexed(std::uint32_t first, float (&columns)[3][kPoolLanes]) const {
+    const D4 d;
+    const TriangleMesh& mesh = *bvh_.meshes[block_.owner];
+    const std::uint32_t* indices = block_.vertex_indices() + first;
+    const std::uint32_t count = std::min(block_.row_floats() - first, kPoolLanes);
+    for (std::uint32_t i = 0; i < count; i += 4) {
+      const V4 a = position(mesh, indices[i]), b = position(mesh, indices[i + 1]),
+               c = position(mesh, indices[i + 2]), e = position(mesh, indices[i + 3]);
+      const V4 xy_ab = hn::InterleaveLower(d, a, b), zw_ab = hn::InterleaveUpper(d, a, b);
+      const V4 xy_ce = hn::InterleaveLower(d, c, e), zw_ce = hn::InterleaveUpper(d, c, e);
+      hn::Store(hn::ConcatLowerLower(d, xy_ce, xy_ab), d, columns[0] + i);
+      hn::Store(hn::ConcatUpperUpper(d, xy_ce, xy_ab), d, columns[1] + i);
+      hn::Store(hn::ConcatLowerLower(d, zw_ce, zw_ab), d, columns[2] + i);
+    }
+  }
+  HWY_INLINE V4 position(const TriangleMesh& mesh, std::uint32_t vertex) const {
+    const D4 d;
+    const Vec3f* p = mesh.control_positions(at_.key * degree_) + vertex;
+    // The guard element makes the last one safe.
+    const auto control = [&](std::uint32_t c) {
+      return hn::LoadU(d, &p[std::size_t(c) * mesh.vertex_count].x);
+    };
+    return moves_ ? simd_bezier(control, degree_, Weights<D4>(d, at_.w)) : control(0);
+  }
+
+  // The same for kernels that know no other blocks, with fewer instructions; beside gathered ones it would
+  // take the registers that those need. Stored as whole vectors: what is read back wider waits for the
+  // stores.
+  HWY_INLINE void load_columns(std::uint32_t first, float (&columns)[3][kPoolLanes]) const {
     const std::uint32_t* indices = block_.vertex_indices() + first;
     const std::uint32_t count = block_.row_floats() - first;
     V8 low[3];
