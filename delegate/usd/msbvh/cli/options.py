@@ -319,8 +319,9 @@ RENDER: Sequence[Decorator] = (
         type=click.Choice(("full", "compact")),
         default="full",
         show_default=True,
-        help="Boxes of the acceleration structure. compact: 16 bits a plane instead of 32, and leaves of moving meshes"
-        " that read the meshes' own points: less memory, slower rays. The picture is the same.",
+        help="How trees are kept in memory. compact: boxes in 16 bits a plane, leaves that read the meshes' own points. By"
+        " measurement 0.15 to 0.5 of the bytes where things move, 0.6 to 0.7 where they stand still, for about a fifth"
+        " fewer rays a second, and many fewer of incoherent rays among thin strands. The picture is the same.",
     ),
     click.option(
         "--refit",
