@@ -2,19 +2,33 @@
 //
 //   msbvh_bench SCENE [TRIANGLES [SEGMENTS [DEGREE [KIND [REPETITIONS [BUILDER [PEER.so FOLDER]]]]]]]
 //
-// KIND: primary, shadow, random or all. FOLDER: of the peer's own libraries (embreex.libs). One thread.
-// Without arguments it prints the scene classes.
+// KIND: primary, shadow, random or all. BUILDER: its name, with "/compact" for the compact layout, or with
+// "/both" for both side by side. FOLDER: of the peer's own libraries (embreex.libs). One thread. Without
+// arguments it prints the scene classes.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "bench/run_scene.h"
+#include "core/base/error.h"
 
 namespace {
 
 using namespace msbvh::bench;
+using msbvh::kTreeLayouts;
+using msbvh::TreeLayout;
+using msbvh::TreeLayoutName;
+
+std::vector<TreeLayout> layouts_of(const std::string& name) {
+  if (name == "both") return {TreeLayout::kFull, TreeLayout::kCompact};
+  for (const TreeLayoutName& known : kTreeLayouts) {
+    if (name == known.name) return {known.layout};
+  }
+  throw msbvh::Error("layout: found \"" + name + "\"; expected full, compact or both");
+}
 
 void run(int argc, char** argv) {
   const auto number = [&](int i, std::uint32_t fallback) {
@@ -32,7 +46,10 @@ void run(int argc, char** argv) {
   if (argc > 5 && std::string(argv[5]) != "all") {
     std::erase_if(settings.kinds, [&](RayKind k) { return std::string(argv[5]) != ray_kind_name(k); });
   }
-  settings.builders = {argc > 7 ? argv[7] : "msbvh"};
+  const std::string builder = argc > 7 ? argv[7] : "msbvh";
+  const std::size_t slash = builder.find('/');
+  settings.builders = {builder.substr(0, slash)};
+  if (slash != std::string::npos) settings.layouts = layouts_of(builder.substr(slash + 1));
   std::optional<PeerLibrary> peer;
   if (argc > 9) settings.peer = &peer.emplace(argv[8], argv[9]);
   for (const std::string& row : run_scene(scene, settings)) std::puts(row.c_str());

@@ -73,7 +73,8 @@ class SceneRun {
  public:
   SceneRun(const BenchScene& scene, const RunSettings& settings) : scene_(scene), settings_(settings) {
     for (const BuilderName& builder : chosen_builders(settings.builders)) {
-      ours_.push_back(std::make_shared<OurSide>(scene.scene, builder));
+      for (const TreeLayout layout : settings.layouts)
+        ours_.push_back(std::make_shared<OurSide>(scene.scene, builder, layout));
     }
     if (settings.peer) {
       fill_peer_input(*scene.scene, kPeerTolerance * length(Vec3d(bounds_of(*scene.scene).extent())), input_);
@@ -225,6 +226,7 @@ class SceneRun {
     row.add("degree", most_degree());
     row.add("rays", ray_kind_name(set.kind));
     row.add("builder", ours_[i]->builder.name);
+    row.add("layout", name_of(ours_[i]->layout));
     row.add("threads", threads);
     row.add("threads_used", used);
     row.add("ray_count", set.rays.size());

@@ -10,12 +10,14 @@
 #include "bench/peer_library.h"
 #include "bench/ray_sets.h"
 #include "bench/scene_classes.h"
+#include "core/build/settings.h"
 
 namespace msbvh::bench {
 
 struct RunSettings {
   std::string name;                   // of the scene, in the rows
   std::vector<std::string> builders;  // names from core/build/settings.h; empty: all but those for comparison
+  std::vector<TreeLayout> layouts{TreeLayout::kFull};  // each with each builder
   std::vector<unsigned> threads{1, 0};
   std::vector<RayKind> kinds{std::begin(kRayKinds), std::end(kRayKinds)};
   std::size_t rays = 1u << 17;  // of each kind

@@ -16,6 +16,7 @@ static_assert(kRaysPerTask % kPeerPacket == 0);
 void OurSide::build(unsigned) {
   BuildSettings settings;
   settings.builder = builder.builder;
+  settings.layout = layout;
   trees_ = std::make_unique<Trees>(scene_, settings);
   tracer_.emplace(trees_->world());
 }

@@ -34,8 +34,8 @@ class OurSide : public Side {
  public:
   enum Mode : std::size_t { kSingle, kMany };
 
-  OurSide(std::shared_ptr<const Scene> scene, const BuilderName& builder)
-      : builder(builder), scene_(std::move(scene)) {}
+  OurSide(std::shared_ptr<const Scene> scene, const BuilderName& builder, TreeLayout layout)
+      : builder(builder), layout(layout), scene_(std::move(scene)) {}
   void build(unsigned) override;
   void drop() override {
     tracer_.reset();
@@ -48,6 +48,7 @@ class OurSide : public Side {
   const Trees& trees() const { return *trees_; }
 
   const BuilderName builder;
+  const TreeLayout layout;
 
  private:
   void trace_single(RayKind kind, std::span<const Ray> rays, float* t) const;

@@ -51,9 +51,10 @@ struct Primitives {
   // without fragments. Without any, fragments are cut from the meshes' own centre.
   std::span<const RestPose> rest = {};
   std::span<const std::shared_ptr<const GridMesh>> rest_grids = {};  // the same of grids: still, or null
-  TimeSlice slice = {};      // the part of the shutter that the tree is for; "centre" means that part's
-  bool whole_spans = false;  // curves are not cut to pieces: the builder takes no partial primitives
-  bool swept = false;        // boxes are those of the whole shutter, still (Builder::kSwept)
+  TimeSlice slice = {};         // the part of the shutter that the tree is for; "centre" means that part's
+  bool whole_spans = false;     // curves are not cut to pieces: the builder takes no partial primitives
+  bool indexed_leaves = false;  // all of triangles: BuildSettings::layout
+  bool swept = false;           // boxes are those of the whole shutter, still (Builder::kSwept)
 };
 
 // A reference stands for a whole primitive or, after spatial splits, for a fragment of a triangle or patch.

@@ -1,6 +1,7 @@
 // What a caller may choose about the build. Every field says what it costs.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 
@@ -51,8 +52,26 @@ inline constexpr RefitName kRefits[] = {
 // 8 bring a tenth more rays a second for twice the bytes (docs/design/build.md).
 inline constexpr std::uint32_t kIncoherentSlices = 4;
 
+// How a tree holds its boxes and its triangles (docs/design/compact.md has what it costs). Hits are the same.
+enum class TreeLayout : std::uint8_t {
+  kFull,    // planes in 32 bits; leaves have copies of their vertices where these have up to 9 keys
+  kCompact  // planes in 16 bits, rounded outwards; leaves read the meshes' own tracks
+};
+
+struct TreeLayoutName {
+  TreeLayout layout;
+  const char* name;
+};
+inline constexpr TreeLayoutName kTreeLayouts[] = {{TreeLayout::kFull, "full"},
+                                                  {TreeLayout::kCompact, "compact"}};
+constexpr const char* name_of(TreeLayout layout) {
+  return kTreeLayouts[static_cast<std::size_t>(layout)].name;
+}
+
 struct BuildSettings {
   Builder builder = Builder::kMsbvh;
+  // Of all trees of a scene: instances must show trees of the same.
+  TreeLayout layout = TreeLayout::kFull;
   // References that spatial splits may add, as a share of the triangles. More: fewer tests a ray on long thin
   // triangles, more bytes and a longer build. Spent only where the two conditions below hold.
   float spatial_split_budget = 1.0f;

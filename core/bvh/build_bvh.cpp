@@ -48,6 +48,12 @@ Bvh opened(BvhInput input, const BuildSettings& settings) {
   bvh.time_remaps = std::move(input.time_remaps);
   bvh.time_remap = std::move(input.time_remap);
   bvh.builder = settings.builder;
+  bvh.layout = settings.layout;
+  for (std::size_t i = 0; i < bvh.instances.size(); ++i) {
+    if (bvh.instances[i].object->layout == bvh.layout) continue;
+    throw Error("accelerator: instance " + std::to_string(i) +
+                " shows a tree of another layout; expected the same in every tree");
+  }
   return bvh;
 }
 
@@ -59,6 +65,7 @@ Primitives primitives_of(const Bvh& bvh, const InstanceParts& instances) {
           .points = bvh.points,
           .parts = instances.parts,
           .whole_spans = bvh.builder != Builder::kMsbvh,
+          .indexed_leaves = bvh.layout == TreeLayout::kCompact,
           .swept = bvh.builder == Builder::kSwept};
 }
 

@@ -53,6 +53,7 @@ class Bvh {
   std::vector<TimeRemap> time_remaps;  // of instances
   TimeRemap time_remap;                // of this tree as an object that is instanced
   Builder builder = Builder::kMsbvh;
+  TreeLayout layout = TreeLayout::kFull;
 
   AlignedBuffer arena;
   ChildRef root = ChildRef::leaf(0);

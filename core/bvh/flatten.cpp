@@ -59,6 +59,7 @@ class Flattener {
       : primitives_(primitives),
         topology_(topology),
         settings_(settings),
+        compact_(settings.layout == TreeLayout::kCompact),
         out_(out),
         plans_(topology.node_count) {}
 
@@ -150,6 +151,10 @@ class Flattener {
       grow_track(slots.slot(i), form, tracks[i].controls, tracks[i].form);
     slots.measure();
     if (settings_.fewest_keys) slots = in_fewest_segments(std::move(slots));
+    if (compact_) {  // what lies above bounds the boxes that rays will see
+      round_outwards(slots.controls);
+      slots.measure();
+    }
     keep(node, children, slots, tally);
     tally.depth = std::max(tally.depth, depth);
     BoxTrack all = union_of(slots, finest(tally));
@@ -171,13 +176,13 @@ class Flattener {
   // vertices stand elsewhere: it is told as still.
   FormCode child_code_of(std::uint32_t node) const {
     const Plan& p = plans_[node];
-    return is_leaf(node) ? p.first_block : code_of(p.form).of_node();
+    return is_leaf(node) ? p.first_block : code_of(p.form).of_node(compact_);
   }
 
   void keep(std::uint32_t node, const WideChildren& children, const SlotTracks& slots, Tally& tally) {
     Plan& p = plans_[node];
     p.form = slots.form;
-    p.bytes = node_bytes(p.form);
+    p.bytes = node_bytes(p.form, compact_);
     std::size_t leaves = 0;
     for (std::uint32_t i = 0; i < children.count; ++i) {
       const bool leaf = is_leaf(children.node[i]);
@@ -188,7 +193,7 @@ class Flattener {
     p.bytes += rounded_up(leaves, AlignedBuffer::kAlignment);
     tally.segments = std::max(tally.segments, p.form.segments);
     ++tally.nodes;
-    tally.node_bytes += node_bytes(p.form);
+    tally.node_bytes += node_bytes(p.form, compact_);
   }
 
   bool is_patch(std::uint32_t node) const {
@@ -236,10 +241,11 @@ class Flattener {
     NodeHeader& header = *new (out_.arena.data() + offset) NodeHeader{};
     header.form_code = code_of(p.form);
     header.child_count = static_cast<std::uint8_t>(children.count);
-    write_bounds(p, children.count, header.bounds());
+    header.compact = compact_;
+    compact_ ? write_compact(p, children.count, header) : write_bounds(p, children.count, header.bounds());
     p.slots = {};
     std::size_t offsets[kWidth];
-    place(children, offset + node_bytes(p.form), offsets);
+    place(children, offset + node_bytes(p.form, compact_), offsets);
     for (std::uint32_t i = 0; i < children.count; ++i) {
       header.child[i] = ref_of(children.node[i], offsets[i]);
       header.child_form[i] = child_code_of(children.node[i]);
@@ -249,6 +255,17 @@ class Flattener {
                         [&](std::size_t begin, std::size_t end) {
                           for (std::size_t i = begin; i < end; ++i) emit(children.node[i], offsets[i]);
                         });
+  }
+
+  static void write_compact(const Plan& plan, std::uint32_t count, NodeHeader& header) {
+    header.frame = frame_around(plan.slots);
+    const std::uint32_t controls = plan.form.controls();
+    for (std::uint32_t c = 0; c < controls; ++c) {
+      CompactBounds& out = *new (header.compact_bounds() + c) CompactBounds;
+      for (std::uint32_t i = 0; i < count; ++i)
+        out.set_box(header.frame, i, plan.slots[std::size_t(i) * controls + c]);
+      for (std::uint32_t i = count; i < kWidth; ++i) out.set_absent(i);
+    }
   }
 
   static void write_bounds(const Plan& plan, std::uint32_t count, NodeBounds* out) {
@@ -310,6 +327,7 @@ class Flattener {
   const Primitives& primitives_;
   Topology& topology_;
   const BuildSettings& settings_;
+  const bool compact_;
   Bvh& out_;
   std::vector<Plan> plans_;  // by binary node; filled for leaves and for those that become wide nodes
 };

@@ -18,6 +18,9 @@
 // of a grid, alone in its leaf and on a cache line, is described in core/bvh/grid_block.h. That of up to 8
 // pieces of curves or points of one set is a header and their ids; vertices are read in the set's own tracks.
 //
+// In a compact tree (TreeLayout::kCompact) a node's boxes take 96 B a control
+// (core/bvh/compact_bounds.h), and all blocks of triangles are indexed.
+//
 // A ray reads two controls of a node (degree + 1 of a Bezier track), whatever their number. Every node and
 // block has as many controls as it needs, no more.
 #pragma once
@@ -26,6 +29,7 @@
 #include <cstdint>
 
 #include "core/base/box.h"
+#include "core/bvh/compact_bounds.h"
 #include "core/geometry/geometry_id.h"
 #include "core/motion/track.h"
 
@@ -79,7 +83,9 @@ struct FormCode {
   constexpr FormCode with_vertices(std::uint32_t vertices) const {
     return {static_cast<std::uint8_t>(bits | (vertices - 1) / 4 << 6)};
   }
-  constexpr FormCode of_node() const { return with_vertices(kBlockVertices); }
+  constexpr FormCode of_node(bool compact = false) const {
+    return with_vertices(compact ? kBlockVertices / 2 : kBlockVertices);
+  }
   constexpr std::uint32_t level() const { return bits & 15u; }
   constexpr std::uint32_t degree() const { return bits >> 4 & 3u; }
   constexpr std::size_t control_bytes() const { return 4 * ((bits >> 6) + 1u) * 3 * sizeof(float); }
@@ -117,11 +123,18 @@ struct alignas(64) NodeHeader {
   std::uint8_t child_count;
   // A bit for each child below which there are triangles alone and none moves: rays need no time there.
   std::uint8_t still_children;
+  bool compact;     // as every node of the tree
+  NodeFrame frame;  // of compact boxes
 
   TrackForm form() const { return form_code.form(); }
 
   const NodeBounds* bounds() const { return reinterpret_cast<const NodeBounds*>(this + 1); }
   NodeBounds* bounds() { return reinterpret_cast<NodeBounds*>(this + 1); }
+  const CompactBounds* compact_bounds() const { return reinterpret_cast<const CompactBounds*>(this + 1); }
+  CompactBounds* compact_bounds() { return reinterpret_cast<CompactBounds*>(this + 1); }
+  Box3f box(std::uint32_t control, std::uint32_t child_slot) const {
+    return compact ? compact_bounds()[control].box(frame, child_slot) : bounds()[control].box(child_slot);
+  }
 };
 
 // Curves and points are the last.
@@ -173,6 +186,7 @@ struct alignas(16) BlockHeader {
 };
 
 static_assert(FormCode{0}.of_node().control_bytes() == sizeof(NodeBounds));
+static_assert(FormCode{0}.of_node(true).control_bytes() == sizeof(CompactBounds));
 static_assert(sizeof(NodeHeader) == 64 && sizeof(NodeBounds) == 192 && sizeof(BlockHeader) == 16);
 
 // Whole vectors are read where rows are shorter: so many bytes after the last block belong to the arena.
@@ -182,8 +196,10 @@ inline constexpr std::size_t kArenaGuard = 64;
 // twice the bytes (docs/design/build.md).
 inline constexpr std::uint32_t kMaxGatheredLevel = 4;
 
-constexpr std::size_t node_bytes(const TrackForm& form) {
-  return sizeof(NodeHeader) + form.controls() * sizeof(NodeBounds);
+// A whole number of cache lines.
+constexpr std::size_t node_bytes(const TrackForm& form, bool compact) {
+  const std::size_t boxes = form.controls() * (compact ? sizeof(CompactBounds) : sizeof(NodeBounds));
+  return sizeof(NodeHeader) + (boxes + 63) / 64 * 64;
 }
 constexpr std::size_t round_block_bytes(std::uint32_t count) {
   return sizeof(BlockHeader) +

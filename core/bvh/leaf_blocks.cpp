@@ -73,7 +73,8 @@ BlockKind kind_of(const Primitives& primitives, const Reference& r, const TrackF
 
 BlockKind triangle_block_kind(const Primitives& primitives, const TrackForm& form) {
   const bool shared = form.moving() && !primitives.slice.whole();
-  return level_of(form.segments) <= kMaxGatheredLevel && !shared ? BlockKind::kGathered : BlockKind::kIndexed;
+  const bool indexed = primitives.indexed_leaves || shared || level_of(form.segments) > kMaxGatheredLevel;
+  return indexed ? BlockKind::kIndexed : BlockKind::kGathered;
 }
 
 void sort_leaf(const Primitives& primitives, std::span<Reference> leaf) {

@@ -7,7 +7,8 @@
 
 namespace msbvh {
 
-enum class LeafKind : std::uint8_t { kTriangles, kInstances, kGrids, kCurves, kPoints };
+// The last is no leaf: kernels are compiled for compact trees as well (TreeLayout).
+enum class LeafKind : std::uint8_t { kTriangles, kInstances, kGrids, kCurves, kPoints, kCompactTree };
 
 // A set of them, which may be a template's argument.
 struct LeafKinds {
@@ -24,6 +25,11 @@ struct LeafKinds {
     LeafKinds rest = *this;
     rest.bits &= std::uint8_t(~bit(kind));
     return rest;
+  }
+  constexpr LeafKinds with(LeafKind kind) const {
+    LeafKinds more = *this;
+    more.add(kind);
+    return more;
   }
   constexpr bool has(LeafKind kind) const { return (bits & bit(kind)) != 0; }
   constexpr bool contains(LeafKinds others) const { return (bits & others.bits) == others.bits; }

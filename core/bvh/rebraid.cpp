@@ -89,7 +89,7 @@ class Growth {
     Box3f all;
     float sum = 0.0f;
     for (std::uint32_t i = 0; i < node.child_count; ++i) {
-      const Box3f box = at_centre([&](std::uint32_t c) { return node.bounds()[c].box(i); }, node.form());
+      const Box3f box = at_centre([&](std::uint32_t c) { return node.box(c, i); }, node.form());
       all.grow(box);
       sum += area(box);
     }
@@ -207,7 +207,7 @@ class Braider {
 }  // namespace
 
 SlotTrack::SlotTrack(const NodeHeader& node, std::uint32_t slot) : form(node.form()) {
-  for (std::uint32_t c = 0; c < form.controls(); ++c) controls.push_back(node.bounds()[c].box(slot));
+  for (std::uint32_t c = 0; c < form.controls(); ++c) controls.push_back(node.box(c, slot));
 }
 
 InstanceBounds bound_slot(const Bvh& bvh, const Instance& instance, const SlotTrack& slot) {

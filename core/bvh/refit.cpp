@@ -96,17 +96,18 @@ bool same_instances(const Bvh& a, const Bvh& b) {
 }  // namespace
 
 bool is_unchanged(const Bvh& previous, const Bvh& next, Builder builder) {
-  return previous.builder == builder && previous.time_remap == next.time_remap &&
-         previous.time_remaps == next.time_remaps && same_instances(previous, next) &&
-         all_meshes(previous, next, same_mesh) && all_grids(previous, next, same_grids) &&
-         all_sets(previous.curves, next.curves, same_curves) &&
+  return previous.builder == builder && previous.layout == next.layout &&
+         previous.time_remap == next.time_remap && previous.time_remaps == next.time_remaps &&
+         same_instances(previous, next) && all_meshes(previous, next, same_mesh) &&
+         all_grids(previous, next, same_grids) && all_sets(previous.curves, next.curves, same_curves) &&
          all_sets(previous.points, next.points, same_round<PointSet>);
 }
 
 bool can_refit(const Bvh& previous, const KeptTopology& topology, const Bvh& next, Builder builder) {
   const auto same = [](const Instance& x, const Instance& y) { return same_object(*x.object, *y.object); };
   const bool braided = !std::ranges::all_of(topology.parts, &InstancePart::is_whole);
-  return previous.builder == builder && previous.instances.size() == next.instances.size() &&
+  return previous.builder == builder && previous.layout == next.layout &&
+         previous.instances.size() == next.instances.size() &&
          (!braided || std::ranges::equal(previous.instances, next.instances, same)) &&
          all_meshes(previous, next, same_triangles) && all_grids(previous, next, same_patches) &&
          all_sets(previous.curves, next.curves, same_spans) &&

@@ -96,7 +96,8 @@ std::uint64_t build_time_split(Bvh& bvh, const InstanceParts& instances, std::ui
                                 .points = bvh.points,
                                 .parts = instances.parts,
                                 .slice = {i, slices},
-                                .whole_spans = bvh.builder != Builder::kMsbvh};
+                                .whole_spans = bvh.builder != Builder::kMsbvh,
+                                .indexed_leaves = bvh.layout == TreeLayout::kCompact};
     Topology topology = build_topology(primitives, settings);
     flatten(primitives, topology, settings, trees[i]);
     references += topology.reference_count;

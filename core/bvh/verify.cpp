@@ -68,14 +68,16 @@ class Verifier {
     if (ref.is_leaf()) return visit_leaf(ref, slot);
     bool all_still = true;
     const NodeHeader& node = bvh_.node(ref);
-    if (ref.offset() + node_bytes(node.form()) > bvh_.arena.size()) fail(ref, "reaches beyond the arena");
+    if (ref.offset() + node_bytes(node.form(), node.compact) > bvh_.arena.size())
+      fail(ref, "reaches beyond the arena");
     if (ref.offset() % AlignedBuffer::kAlignment != 0) fail(ref, "does not start on a cache line");
+    if (node.compact != (bvh_.layout == TreeLayout::kCompact)) fail(ref, "is not of its tree's layout");
     if (node.child_count < 2 || node.child_count > kWidth)
       fail(ref, "has " + std::to_string(node.child_count) + " children");
     for (std::uint32_t i = 0; i < kWidth; ++i) {
       const Slot child = slot_of(node, i);
       if (i >= node.child_count) {
-        check_absent(ref, child);
+        if (!node.compact) check_absent(ref, child);
         continue;
       }
       check_contains(ref, slot, child);
@@ -93,7 +95,7 @@ class Verifier {
   // What a parent tells of a child: how many keys it has and how long its controls are; of a leaf, its first
   // block.
   FormCode code_told_of(ChildRef child) const {
-    if (!child.is_leaf()) return bvh_.node(child).form_code.of_node();
+    if (!child.is_leaf()) return bvh_.node(child).form_code.of_node(bvh_.node(child).compact);
     const BlockHeader& first = bvh_.block(child);
     if (first.kind != BlockKind::kGathered) return FormCode::of({});
     return first.form_code.with_vertices(first.vertex_count);
@@ -102,7 +104,7 @@ class Verifier {
   Slot slot_of(const NodeHeader& node, std::uint32_t i) const {
     Slot slot{node.form(), {}, node.form_code.level() == kSliceLevel ? slice_ : TimeSlice{}};
     for (std::uint32_t c = 0; c < slot.form.controls(); ++c) {
-      slot.controls.push_back(node.bounds()[c].box(i));
+      slot.controls.push_back(node.box(c, i));
     }
     return slot;
   }

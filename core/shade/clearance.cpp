@@ -71,7 +71,7 @@ class BoxWalk {
       }
     }
     const NodeHeader& node = bvh_.node(at);
-    const std::uint32_t met = boxes_met(node.form_code, node.bounds());
+    const std::uint32_t met = children_met(node);
     for (std::uint32_t child = 0; child < node.child_count; ++child) {
       if (met >> child & 1u) run(node.child[child], visit);
     }
@@ -88,9 +88,22 @@ class BoxWalk {
     return {0, locate(time_, segments_of_level(bvh_.slice_level)).w};
   }
 
+  std::uint32_t children_met(const NodeHeader& node) const {
+    if (!node.compact) return boxes_met(node.form_code, node.bounds());
+    const FormCode form = node.form_code;
+    const std::uint32_t key = segment_of(form).key * form.degree();
+    NodeBounds decoded[kMaxDegree + 1];
+    for (std::uint32_t c = 0; c < (form.level() != 0 ? form.degree() + 1 : 1); ++c) {
+      for (std::uint32_t i = 0; i < kWidth; ++i) decoded[c].set_box(i, node.box(key + c, i));
+    }
+    return boxes_met_in(form, decoded);
+  }
   std::uint32_t boxes_met(FormCode form, const NodeBounds* bounds) const {
+    return boxes_met_in(form, bounds + segment_of(form).key * form.degree());
+  }
+  // `first`: the control in force.
+  std::uint32_t boxes_met_in(FormCode form, const NodeBounds* first) const {
     const SegmentTime at = segment_of(form);
-    const NodeBounds* first = bounds + at.key * form.degree();
     const bool moves = form.level() != 0;
     const auto value = [&](auto side) {
       return moves ? bezier([&](std::uint32_t c) { return side(first[c]); }, form.degree(), at.w)

@@ -31,6 +31,29 @@ constexpr void fill(Kernels& kernels) {
   kernels.occluded_counted[kSet] = occluded<kMovement, kKinds, true>;
 }
 
+// Of compact trees: with triangles alone, or with anything; these take no steps of their own in
+// still subtrees.
+template <Movement kMovement, std::size_t kSet>
+constexpr void fill_compact(Kernels& kernels, std::size_t set) {
+  constexpr LeafKinds kKinds = kKernelKinds[kSet].with(LeafKind::kCompactTree);
+  kernels.intersect[set] = intersect<kMovement, kKinds, false>;
+  kernels.occluded[set] = occluded<kMovement, kKinds, false>;
+  kernels.intersect_counted[set] = intersect<kMovement, kKinds, true>;
+  kernels.occluded_counted[set] = occluded<kMovement, kKinds, true>;
+  constexpr bool kMixed = kSet == 0 && kMovement != Movement::kStill;
+  kernels.intersect_many[set][0] = intersect_many<kMovement, kKinds, false>;
+  kernels.intersect_many[set][1] = intersect_many<kMovement, kKinds, kMixed>;
+  kernels.occluded_many[set][0] = occluded_many<kMovement, kKinds, false>;
+  kernels.occluded_many[set][1] = occluded_many<kMovement, kKinds, kMixed>;
+}
+template <Movement kMovement>
+constexpr Kernels compact_kernels_of() {
+  Kernels kernels{};
+  fill_compact<kMovement, 0>(kernels, 0);
+  for (std::size_t set = 1; set < kKernelSets; ++set) fill_compact<kMovement, kKernelSets - 1>(kernels, set);
+  return kernels;
+}
+
 template <Movement kMovement>
 constexpr Kernels kernels_of() {
   Kernels kernels{};

@@ -30,5 +30,9 @@ struct Kernels {
 const Kernels* still_kernels(InstructionSet set);
 const Kernels* linear_kernels(InstructionSet set);
 const Kernels* polynomial_kernels(InstructionSet set);
+// Of compact trees (TreeLayout).
+const Kernels* compact_still_kernels(InstructionSet set);
+const Kernels* compact_linear_kernels(InstructionSet set);
+const Kernels* compact_polynomial_kernels(InstructionSet set);
 
 }  // namespace msbvh

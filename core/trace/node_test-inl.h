@@ -14,7 +14,9 @@
 #endif
 
 #include <bit>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <hwy/highway.h>
 
 #include "core/bvh/bvh.h"
@@ -73,6 +75,60 @@ class ChildKeys {
   }
 };
 
+// How a node's planes are read, from the first control in force on: floats, or 16 bits in the node's frame.
+HWY_INLINE const float* first_of(const float* planes) { return planes; }
+template <class D>
+HWY_INLINE hn::Vec<D> load_planes(D d, const float*, const float* at, std::size_t) {
+  return hn::Load(d, at);
+}
+template <class M>
+HWY_INLINE M present(const float*, M hit, std::size_t) {
+  return hit;
+}
+
+// As NodeFrame::plane(): the product is exact, fused or not.
+struct CompactPlanes {
+  const std::uint16_t* first;
+  const NodeHeader& node;
+
+  template <class D>
+  HWY_INLINE hn::Vec<D> load(D d, const std::uint16_t* at, std::size_t axis) const {
+    const hn::Rebind<std::int32_t, D> di;
+    const auto q = hn::PromoteTo(di, hn::LoadU(hn::Rebind<std::uint16_t, D>(), at));
+    return hn::MulAdd(hn::ConvertTo(d, q), scale(d, axis), hn::Set(d, node.frame.origin[axis]));
+  }
+  // As NodeFrame::scale(): the exponents are read together, and each is shifted to its place in a float.
+  template <class D>
+  HWY_INLINE hn::Vec<D> scale(D d, std::size_t axis) const {
+    const hn::Rebind<std::int32_t, D> di;
+    std::int32_t exponents;
+    static_assert(sizeof(NodeFrame) == offsetof(NodeFrame, exponent) + sizeof(exponents));
+    std::memcpy(&exponents, reinterpret_cast<const std::byte*>(&node.frame) + offsetof(NodeFrame, exponent),
+                sizeof(exponents));
+    const auto shifted = hn::ShiftLeftSame(hn::Set(di, exponents), static_cast<int>(23 - 8 * axis));
+    return hn::BitCast(d, hn::And(shifted, hn::Set(di, 0x7f800000)));
+  }
+  // Absent children's boxes are not such that no ray hits them.
+  template <class M>
+  HWY_INLINE M present(M hit, std::size_t lane) const {
+    const hn::CappedTag<float, kWidth> d;
+    const hn::RebindToSigned<decltype(d)> di;
+    const auto there = hn::Lt(hn::Iota(di, static_cast<std::int32_t>(lane)),
+                              hn::Set(di, static_cast<std::int32_t>(node.child_count)));
+    return hn::And(hit, hn::RebindMask(d, there));
+  }
+};
+HWY_INLINE const std::uint16_t* first_of(CompactPlanes planes) { return planes.first; }
+template <class D>
+HWY_INLINE hn::Vec<D> load_planes(D d, CompactPlanes planes, const std::uint16_t* at, std::size_t axis) {
+  return planes.load(d, at, axis);
+}
+template <class M>
+HWY_INLINE M present(CompactPlanes planes, M hit, std::size_t lane) {
+  return planes.present(hit, lane);
+}
+static_assert(sizeof(NodeBounds) / sizeof(float) == sizeof(CompactBounds) / sizeof(std::uint16_t));
+
 // What a ray meets of the 8 boxes: the distances where it enters and where it leaves them.
 //
 // A direction of 0 makes the reciprocal infinite and 0 * inf a NaN when the origin lies exactly on a plane.
@@ -86,14 +142,15 @@ class Slabs {
   static constexpr bool kMoving = kMovement != Movement::kStill;
 
  public:
-  HWY_INLINE Slabs(const float* first, std::size_t stride, std::uint32_t degree, float w,
+  template <class Planes>
+  HWY_INLINE Slabs(Planes planes, std::size_t stride, std::uint32_t degree, float w,
                    const RaySetup<kMovement>& ray, float tfar) {
     const hn::FixedTag<float, 2 * kWidth> d;
     const Weights<decltype(d)> weights(d, w);
     auto farthest = hn::IfThenElse(hn::FirstN(d, kWidth), hn::Set(d, ray.tnear), hn::Set(d, -tfar));
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float* p = first + 2 * kWidth * axis;
-      const auto control = [&](std::uint32_t c) { return hn::Load(d, p + c * stride); };
+      const auto* p = first_of(planes) + 2 * kWidth * axis;
+      const auto control = [&](std::uint32_t c) { return load_planes(d, planes, p + c * stride, axis); };
       const auto x = kMoving ? simd_bezier(control, degree, weights) : control(0);
       const auto t = hn::Mul(hn::Sub(x, hn::Set(d, ray.org[axis])), hn::Load(d, ray.signed_reciprocal[axis]));
       const auto swap = hn::LoadMaskBits(d, reinterpret_cast<const std::uint8_t*>(&ray.backwards[axis]));
@@ -116,14 +173,17 @@ class Slabs {
   static constexpr bool kMoving = kMovement != Movement::kStill;
 
  public:
-  HWY_INLINE Slabs(const float* first, std::size_t stride, std::uint32_t degree, float w,
+  template <class Planes>
+  HWY_INLINE Slabs(Planes planes, std::size_t stride, std::uint32_t degree, float w,
                    const RaySetup<kMovement>& ray, float tfar) {
     const D d;
     const Weights<D> weights(d, w);
     for (std::size_t i = 0; i < ChildKeys::kVectors; ++i) {
       const auto slab = [&](std::uint32_t plane, int axis) {
-        const float* p = first + plane + i * ChildKeys::kLanes;
-        const auto control = [&](std::uint32_t c) { return hn::Load(d, p + c * stride); };
+        const auto* p = first_of(planes) + plane + i * ChildKeys::kLanes;
+        const auto control = [&](std::uint32_t c) {
+          return load_planes(d, planes, p + c * stride, static_cast<std::size_t>(axis));
+        };
         const auto x = kMoving ? simd_bezier(control, degree, weights) : control(0);
         return hn::Mul(hn::Sub(x, hn::Set(d, ray.org[axis])), hn::Set(d, ray.reciprocal[axis]));
       };
@@ -146,22 +206,22 @@ class Slabs {
 };
 #endif
 
-// The keys of 8 boxes; `hits` gets a bit for each that is hit in [tnear, tfar]. `first` is the first control
-// in force at the ray's time, w the time's weight there.
-template <Movement kMovement>
-HWY_INLINE ChildKeys test_boxes(const NodeBounds* first, bool moves, std::uint32_t degree, float w,
-                                const RaySetup<kMovement>& ray, float tfar, std::uint32_t& hits) {
+// The keys of 8 boxes; `hits` gets a bit for each that is hit in [tnear, tfar]. `planes` begin at the first
+// control in force at the ray's time, w is the time's weight there.
+template <Movement kMovement, class Planes>
+HWY_INLINE ChildKeys test_planes(Planes planes, bool moves, std::uint32_t degree, float w,
+                                 const RaySetup<kMovement>& ray, float tfar, std::uint32_t& hits) {
   const hn::CappedTag<float, kWidth> d;
   const ChildKeys::D di;
   // Among moving boxes a still one is one whose next control is itself, with weight 0: (1 - 0) x + 0 x is x,
   // and no branch has to guess which is which.
   const std::size_t stride = std::size_t(moves) * (sizeof(NodeBounds) / sizeof(float));
-  const Slabs<kMovement> slabs(reinterpret_cast<const float*>(first), stride, degree, w, ray, tfar);
+  const Slabs<kMovement> slabs(planes, stride, degree, w, ray, tfar);
   ChildKeys keys;
   hits = 0;
   for (std::size_t i = 0; i < ChildKeys::kVectors; ++i) {
     const std::size_t lane = i * ChildKeys::kLanes;
-    const auto hit = slabs.hit(i);
+    const auto hit = present(planes, slabs.hit(i), lane);
     const auto key = hn::Or(hn::AndNot(hn::Set(di, kSlotMask), hn::BitCast(di, slabs.enter(i))),
                             hn::Iota(di, static_cast<ChildKey>(lane)));
     keys.vector[i] = hn::IfThenElse(hn::RebindMask(di, hit), key, hn::Set(di, kNoChild));
@@ -170,6 +230,12 @@ HWY_INLINE ChildKeys test_boxes(const NodeBounds* first, bool moves, std::uint32
     hits |= static_cast<std::uint32_t>(bits[0]) << lane;
   }
   return keys;
+}
+
+template <Movement kMovement>
+HWY_INLINE ChildKeys test_boxes(const NodeBounds* first, bool moves, std::uint32_t degree, float w,
+                                const RaySetup<kMovement>& ray, float tfar, std::uint32_t& hits) {
+  return test_planes<kMovement>(reinterpret_cast<const float*>(first), moves, degree, w, ray, tfar, hits);
 }
 
 // Of a node's children; `bounds` as in force at the ray's time.
@@ -181,11 +247,22 @@ HWY_INLINE ChildKeys test_children(const NodeBounds* bounds, FormCode form, cons
   return test_boxes<kMovement>(bounds, level != 0, degree, ray.at_level[level].w, ray, tfar, hits);
 }
 template <Movement kMovement>
+HWY_INLINE ChildKeys test_children(const CompactBounds* bounds, const NodeHeader& node, FormCode form,
+                                   const RaySetup<kMovement>& ray, float tfar, std::uint32_t& hits) {
+  const std::uint32_t level = kMovement != Movement::kStill ? form.level() : 0;
+  const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
+  const CompactPlanes planes{reinterpret_cast<const std::uint16_t*>(bounds), node};
+  return test_planes<kMovement>(planes, level != 0, degree, ray.at_level[level].w, ray, tfar, hits);
+}
+template <Movement kMovement, bool kCompact>
 HWY_INLINE ChildKeys test_node(const NodeHeader& node, FormCode form, const RaySetup<kMovement>& ray,
                                float tfar, std::uint32_t& hits) {
   const std::uint32_t key = kMovement != Movement::kStill ? ray.at_level[form.level()].key : 0;
   const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
-  return test_children<kMovement>(node.bounds() + key * degree, form, ray, tfar, hits);
+  if constexpr (kCompact)
+    return test_children<kMovement>(node.compact_bounds() + key * degree, node, form, ray, tfar, hits);
+  else
+    return test_children<kMovement>(node.bounds() + key * degree, form, ray, tfar, hits);
 }
 
 }  // namespace msbvh::HWY_NAMESPACE

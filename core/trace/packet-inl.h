@@ -112,6 +112,7 @@ class Packet {
  private:
   static constexpr std::int64_t kOwnNode = 8, kSharedNode = 28, kAlone = 14;
   static constexpr bool kMoving = kMovement != Movement::kStill;
+  static constexpr bool kCompact = kKinds.has(LeafKind::kCompactTree);
   // Rays that go on alone.
   static constexpr int kFew = 2;
 
@@ -150,6 +151,22 @@ class Packet {
     return setup.ray[std::countr_zero(rays)].at_level[level].key;
   }
 
+  // Controls `first` to `first + more`; once for all rays.
+  HWY_INLINE static void decode(const NodeHeader& node, std::uint32_t first, std::uint32_t more,
+                                NodeBounds* out) {
+    const hn::CappedTag<float, kWidth> d;
+    const CompactPlanes planes{reinterpret_cast<const std::uint16_t*>(node.compact_bounds() + first), node};
+    constexpr std::size_t kAxis = 2 * kWidth, kControl = 3 * kAxis;
+    auto* to = reinterpret_cast<float*>(out);
+    for (std::size_t c = 0; c <= more; ++c) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        for (std::size_t i = c * kControl + axis * kAxis; i < c * kControl + (axis + 1) * kAxis;
+             i += hn::MaxLanes(d))
+          hn::Store(planes.load(d, planes.first + i, axis), d, to + i);
+      }
+    }
+  }
+
   // `kMore`: beside those that have been tested already.
   template <bool kMoves, bool kMore>
   HWY_INLINE std::uint32_t test_together(const NodeHeader& node, FormCode form, std::uint32_t key,
@@ -157,7 +174,9 @@ class Packet {
     const DR d;
     const std::uint32_t degree = kMovement == Movement::kPolynomial ? form.degree() : 1;
     const auto segments = static_cast<float>(kMoves ? segments_of_level(form.level()) : 0);
-    const NodeBounds& bounds = node.bounds()[key * degree];
+    NodeBounds decoded[kCompact ? kMaxDegree + 1 : 1];
+    if constexpr (kCompact) decode(node, key * degree, kMoves ? degree : 0, decoded);
+    const NodeBounds& bounds = kCompact ? decoded[0] : node.bounds()[key * degree];
     std::uint32_t met = setup.beam.template meets<kMoves, kMovement == Movement::kPolynomial>(
                             &bounds, degree, kMoves ? segments_of_level(form.level()) : 0, key, farthest_) &
                         ((1u << node.child_count) - 1u);
@@ -208,7 +227,7 @@ class Packet {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(rays));
       alignas(64) ChildKey keys[kWidth];
       std::uint32_t hits;
-      test_node<kMovement>(node, form, setup.ray[i], setup.tfar[i], hits).store(keys);
+      test_node<kMovement, kCompact>(node, form, setup.ray[i], setup.tfar[i], hits).store(keys);
       children |= hits;
       for (; hits != 0; hits &= hits - 1) {
         const auto c = static_cast<std::uint32_t>(std::countr_zero(hits));
@@ -259,7 +278,7 @@ class Packet {
     ++top_;
   }
   HWY_INLINE void fetch(Place at, RayMask rays) const {
-    prefetch<kMovement>(spot_of<kMovement>(*bvh_, at, setup.ray[std::countr_zero(rays)]));
+    prefetch<kMovement, kCompact>(spot_of<kMovement>(*bvh_, at, setup.ray[std::countr_zero(rays)]));
   }
 
   // Of rays that are in other segments than the first of them.
@@ -348,7 +367,7 @@ class Packet {
       if (block.kind >= BlockKind::kCurves)
         return test_round<kTree, kAnyHit>(*bvh_, block, setup.ray[i], kNoInstance, queries_[i]);
     }
-    test_triangles<kTree, kAnyHit>(*bvh_, block, setup.ray[i], kNoInstance, queries_[i]);
+    test_triangles<kTree, kAnyHit, kCompact>(*bvh_, block, setup.ray[i], kNoInstance, queries_[i]);
   }
 
   const Bvh* bvh_;

@@ -30,6 +30,7 @@ template <Movement kMovement, LeafKinds kKinds, bool kMixed, bool kAnyHit>
 class Stream {
   static constexpr bool kInstanced = kKinds.has(LeafKind::kInstances), kGrids = kKinds.has(LeafKind::kGrids);
   static constexpr bool kRound = kKinds.has(LeafKind::kCurves) || kKinds.has(LeafKind::kPoints);
+  static constexpr bool kCompact = kKinds.has(LeafKind::kCompactTree);
 
  public:
   using Setup = RaySetup<kMovement>;
@@ -101,7 +102,7 @@ class Stream {
 
   HWY_INLINE void enqueue(Slot* slot) {
     slot->spot = spot_of<kMovement>(*slot->bvh, slot->at, *slot->in);
-    prefetch<kMovement>(slot->spot);
+    prefetch<kMovement, kCompact>(slot->spot);
     const std::size_t still = (kStillObjects ? slot->queues : 0) | (kMixed && slot->at.still ? kStill : 0);
     const std::size_t queue = still + slot->at.ref.is_leaf();
     queues_[queue][queued_[queue]++] = slot;
@@ -128,10 +129,18 @@ class Stream {
   }
 
   template <Movement kTree>
+  HWY_INLINE static ChildKeys test_spot(const Slot& slot, std::uint32_t& hits) {
+    const Spot& spot = slot.spot;
+    if constexpr (kCompact)
+      return test_children<kTree>(spot.compact_bounds(), spot.node(), slot.at.form, *slot.in, slot.query.tfar,
+                                  hits);
+    else
+      return test_children<kTree>(spot.bounds(), slot.at.form, *slot.in, slot.query.tfar, hits);
+  }
+  template <Movement kTree>
   HWY_INLINE static void step_node(Slot& slot) {
     std::uint32_t hits;
-    const ChildKeys keys =
-        test_children<kTree>(slot.spot.bounds(), slot.at.form, *slot.in, slot.query.tfar, hits);
+    const ChildKeys keys = test_spot<kTree>(slot, hits);
     if (!kAnyHit) keys.store(slot.top->keys);
     slot.top->node = &slot.spot.node();
     slot.top->left = kAnyHit ? hits : static_cast<std::uint32_t>(std::popcount(hits));
@@ -189,7 +198,7 @@ class Stream {
       if (kRound && block->kind >= BlockKind::kCurves) {
         visit_round<kTree>(slot, *block);
       } else {
-        test_triangles<kTree, kAnyHit>(*slot.bvh, *block, *slot.in, slot.instance, slot.query);
+        test_triangles<kTree, kAnyHit, kCompact>(*slot.bvh, *block, *slot.in, slot.instance, slot.query);
       }
       if (kAnyHit && slot.query.found) return false;
       if (block->last) break;

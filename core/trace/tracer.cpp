@@ -28,15 +28,16 @@ bool runs_here(InstructionSet set) {
 }
 
 // Null where this machine, or this build, does not have the instruction set.
-const Kernels* kernels_for(InstructionSet set, Movement movement) {
+const Kernels* kernels_for(InstructionSet set, Movement movement, TreeLayout layout) {
   if (!runs_here(set)) return nullptr;
+  const bool compact = layout == TreeLayout::kCompact;
   switch (movement) {
     case Movement::kStill:
-      return still_kernels(set);
+      return compact ? compact_still_kernels(set) : still_kernels(set);
     case Movement::kLinear:
-      return linear_kernels(set);
+      return compact ? compact_linear_kernels(set) : linear_kernels(set);
     case Movement::kPolynomial:
-      return polynomial_kernels(set);
+      return compact ? compact_polynomial_kernels(set) : polynomial_kernels(set);
   }
   return nullptr;
 }
@@ -60,7 +61,7 @@ void log_any(const Bvh& bvh, const Ray* rays, std::size_t count, bool* occluded,
 std::vector<InstructionSet> supported_instruction_sets() {
   std::vector<InstructionSet> sets;
   for (const InstructionSet set : {InstructionSet::kSse4, InstructionSet::kAvx2, InstructionSet::kAvx3}) {
-    if (kernels_for(set, Movement::kStill)) sets.push_back(set);
+    if (kernels_for(set, Movement::kStill, TreeLayout::kFull)) sets.push_back(set);
   }
   if (sets.empty()) throw Error("this processor: no supported instruction set; expected at least SSE4.2");
   return sets;
@@ -89,7 +90,7 @@ void TraceCounts::add(const TraceVisit& visit) {
 Tracer::Tracer(const Bvh& bvh) : Tracer(bvh, best_instruction_set()) {}
 
 Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
-  const Kernels* kernels = kernels_for(set, bvh.movement);
+  const Kernels* kernels = kernels_for(set, bvh.movement, bvh.layout);
   if (!kernels) {
     throw Error(std::string("instruction set ") + instruction_set_name(set) +
                 ": found no kernels that this processor can run in this build");

@@ -44,6 +44,7 @@ class Traversal {
 
  private:
   static constexpr bool kMoving = kMovement != Movement::kStill;
+  static constexpr bool kCompact = kKinds.has(LeafKind::kCompactTree);
 
   // Goes to the nearest child that is hit and leaves the others in a frame; where any hit will do, to the
   // first one. False: none is hit.
@@ -51,7 +52,7 @@ class Traversal {
     const NodeHeader& node = bvh_.node(at.ref);
     if constexpr (kCount) counts_->add({.instance = instance_, .at = at.ref, .nodes = 1});
     std::uint32_t hits;
-    const ChildKeys keys = test_node<kMovement>(node, at.form, setup_, query_.tfar, hits);
+    const ChildKeys keys = test_node<kMovement, kCompact>(node, at.form, setup_, query_.tfar, hits);
     if (hits == 0) return false;
     const std::uint32_t others = hits & (hits - 1);
     if (kAnyHit || others == 0) {
@@ -99,7 +100,7 @@ class Traversal {
         visit_round(*block);
       } else {
         if constexpr (kCount) count(*block, 0, 1, block->count);
-        test_triangles<kMovement, kAnyHit>(bvh_, *block, setup_, instance_, query_);
+        test_triangles<kMovement, kAnyHit, kCompact>(bvh_, *block, setup_, instance_, query_);
       }
       if ((kAnyHit && query_.found) || block->last) return;
     }

@@ -66,8 +66,16 @@ struct Sheared {
   V x, y, z;
 };
 
+// How a tree's triangle blocks hold their vertices (BlockKind), as far as kernels are compiled for it. Still
+// kernels know no indices, but those of compact trees, which have no other blocks.
+enum class BlockForms { kGathered, kEither, kIndexed };
+template <Movement kMovement, bool kCompact>
+inline constexpr BlockForms kBlockForms = kCompact                        ? BlockForms::kIndexed
+                                          : kMovement == Movement::kStill ? BlockForms::kGathered
+                                                                          : BlockForms::kEither;
+
 // A block's vertices at the ray's time.
-template <Movement kMovement>
+template <Movement kMovement, BlockForms kForms>
 class BlockVertices {
  public:
   HWY_INLINE BlockVertices(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& ray)
@@ -80,7 +88,12 @@ class BlockVertices {
 
   // Those from `first` on, as many as fit a vector.
   HWY_INLINE Sheared<VPool> sheared(std::uint32_t first) const {
-    if (kMoving && block_.kind == BlockKind::kIndexed) {
+    if constexpr (kForms == BlockForms::kIndexed) {
+      HWY_ALIGN float columns[3][kPoolLanes];
+      load_columns(first, columns);
+      return shear([&](std::int32_t axis) { return hn::Load(DPool(), columns[axis]); });
+    }
+    if (kForms == BlockForms::kEither && block_.kind == BlockKind::kIndexed) {
       HWY_ALIGN float columns[3][kPoolLanes];
       load_indexed(first, columns);
       return shear([&](std::int32_t axis) { return hn::Load(DPool(), columns[axis]); });
@@ -150,6 +163,63 @@ class BlockVertices {
     return moves_ ? simd_bezier(control, degree_, Weights<D4>(d, at_.w)) : control(0);
   }
 
+  // The same for kernels that know no other blocks, with fewer instructions; beside gathered ones it would
+  // take the registers that those need. Stored as whole vectors: what is read back wider waits for the
+  // stores.
+  HWY_INLINE void load_columns(std::uint32_t first, float (&columns)[3][kPoolLanes]) const {
+    const std::uint32_t* indices = block_.vertex_indices() + first;
+    const std::uint32_t count = block_.row_floats() - first;
+    V8 low[3];
+    transpose(indices, count, low);
+#if HWY_TARGET == HWY_AVX3
+    V8 high[3] = {low[0], low[1], low[2]};
+    if (count > kLanes8) transpose(indices + kLanes8, count - kLanes8, high);
+    for (int axis = 0; axis < 3; ++axis)
+      hn::Store(hn::Combine(DPool(), high[axis], low[axis]), DPool(), columns[axis]);
+#else
+    for (int axis = 0; axis < 3; ++axis) hn::Store(low[axis], D8(), columns[axis]);
+#endif
+  }
+  // A vertex's three coordinates at once, then rows to columns, of four vertices in each block of a vector.
+  // `count`: how many indices there are, 4 at least; what is beyond repeats the first ones.
+  HWY_INLINE void transpose(const std::uint32_t* indices, std::uint32_t count, V8 (&columns)[3]) const {
+    const D8 d;
+    const hn::Repartition<double, D8> pairs;
+    const Track track = track_of(*bvh_.meshes[block_.owner]);
+    const std::uint32_t* upper = indices + (count > 4 ? 4 : 0);
+    const auto vertex = [&](std::uint32_t i) { return positions(track, indices[i], upper[i]); };
+    const V8 a = vertex(0), b = vertex(1), c = vertex(2), e = vertex(3);
+    const auto xy_ab = hn::BitCast(pairs, hn::InterleaveLower(d, a, b));
+    const auto xy_ce = hn::BitCast(pairs, hn::InterleaveLower(d, c, e));
+    const auto zw_ab = hn::BitCast(pairs, hn::InterleaveUpper(d, a, b));
+    const auto zw_ce = hn::BitCast(pairs, hn::InterleaveUpper(d, c, e));
+    columns[0] = hn::BitCast(d, hn::InterleaveLower(pairs, xy_ab, xy_ce));
+    columns[1] = hn::BitCast(d, hn::InterleaveUpper(pairs, xy_ab, xy_ce));
+    columns[2] = hn::BitCast(d, hn::InterleaveLower(pairs, zw_ab, zw_ce));
+  }
+
+  // The controls in force, of all of a mesh's vertices.
+  struct Track {
+    const Vec3f* first;
+    std::size_t stride;  // 0 of what does not move: as of a node, node_test-inl.h
+  };
+  HWY_INLINE Track track_of(const TriangleMesh& mesh) const {
+    return {mesh.control_positions(at_.key * degree_), moves_ ? std::size_t(mesh.vertex_count) : 0};
+  }
+  // Of one vertex in each block of 4 lanes; the guard element makes the last one safe.
+  HWY_INLINE V8 positions(const Track& track, std::uint32_t lower,
+                          [[maybe_unused]] std::uint32_t upper) const {
+    const auto control = [&](std::uint32_t c) {
+      const Vec3f* p = track.first + c * track.stride;
+#if HWY_TARGET == HWY_SSE4
+      return hn::LoadU(D8(), &p[lower].x);
+#else
+      return hn::Combine(D8(), hn::LoadU(D4(), &p[upper].x), hn::LoadU(D4(), &p[lower].x));
+#endif
+    };
+    return kMoving ? simd_bezier(control, degree_, Weights<D8>(D8(), at_.w)) : control(0);
+  }
+
   const BlockHeader& block_;
   const RaySetup<kMovement>& ray_;
   const SegmentTime at_;
@@ -162,8 +232,8 @@ class BlockVertices {
 class VertexPool {
  public:
 #if HWY_TARGET == HWY_SSE4  // through memory
-  template <Movement kMovement>
-  HWY_INLINE VertexPool(const BlockVertices<kMovement>& vertices, std::uint32_t count) {
+  template <class Vertices>
+  HWY_INLINE VertexPool(const Vertices& vertices, std::uint32_t count) {
     const D8 d;
     for (std::uint32_t first = 0; first < count; first += kLanes8) {
       const Sheared<V8> s = vertices.sheared(first);
@@ -185,8 +255,8 @@ class VertexPool {
   HWY_ALIGN float y_[kBlockVertices];
   HWY_ALIGN float z_[kBlockVertices];
 #elif HWY_TARGET == HWY_AVX2  // from one or two registers
-  template <Movement kMovement>
-  HWY_INLINE VertexPool(const BlockVertices<kMovement>& vertices, std::uint32_t count)
+  template <class Vertices>
+  HWY_INLINE VertexPool(const Vertices& vertices, std::uint32_t count)
       : many_(count > kPoolLanes),
         low_(vertices.sheared(0)),
         high_(many_ ? vertices.sheared(kPoolLanes) : low_) {}
@@ -208,9 +278,8 @@ class VertexPool {
   const bool many_;
   const Sheared<V8> low_, high_;
 #else                         // from one register
-  template <Movement kMovement>
-  HWY_INLINE VertexPool(const BlockVertices<kMovement>& vertices, std::uint32_t)
-      : vertices_(vertices.sheared(0)) {}
+  template <class Vertices>
+  HWY_INLINE VertexPool(const Vertices& vertices, std::uint32_t) : vertices_(vertices.sheared(0)) {}
 
   HWY_INLINE Sheared<V8> pick(const std::uint8_t* corners) const {
     const DPool d;
@@ -267,10 +336,11 @@ HWY_INLINE std::uint32_t test_triangles(const VertexPool& pool, const BlockHeade
   return test_corners(a, b, c, tnear, tfar, first, out);
 }
 
-template <Movement kMovement>
+template <Movement kMovement, bool kCompact>
 HWY_INLINE void test_block(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& ray,
                            float tfar, BlockHit& out) {
-  const VertexPool pool(BlockVertices<kMovement>(bvh, block, ray), block.vertex_count);
+  const VertexPool pool(BlockVertices<kMovement, kBlockForms<kMovement, kCompact>>(bvh, block, ray),
+                        block.vertex_count);
   out.lanes = test_triangles(pool, block, 0, ray.tnear, tfar, out);
   if (kLanes8 < kBlockWidth && block.count > kLanes8)
     out.lanes |= test_triangles(pool, block, kLanes8, ray.tnear, tfar, out);

@@ -66,6 +66,7 @@ struct Spot {
   const NodeHeader& node() const { return *reinterpret_cast<const NodeHeader*>(start); }
   const BlockHeader& block() const { return *reinterpret_cast<const BlockHeader*>(start); }
   const NodeBounds* bounds() const { return reinterpret_cast<const NodeBounds*>(control); }
+  const CompactBounds* compact_bounds() const { return reinterpret_cast<const CompactBounds*>(control); }
 };
 template <Movement kMovement>
 HWY_INLINE Spot spot_of(const Bvh& bvh, Place at, const RaySetup<kMovement>& setup) {
@@ -78,10 +79,16 @@ HWY_INLINE Spot spot_of(const Bvh& bvh, Place at, const RaySetup<kMovement>& set
   }
   return {start, control};
 }
-template <Movement kMovement>
+// A node's boxes at the controls that a ray reads. Compact ones may begin in the middle of a line.
+template <Movement kMovement, bool kCompact>
+inline constexpr std::size_t kLinesAhead = kCompact ? (kMovement == Movement::kStill    ? 2
+                                                       : kMovement == Movement::kLinear ? 4
+                                                                                        : 6)
+                                                    : (kMovement == Movement::kStill ? 3 : 6);
+template <Movement kMovement, bool kCompact>
 HWY_INLINE void prefetch(Spot spot) {
   __builtin_prefetch(spot.start);
-  constexpr std::size_t kLines = kMovement == Movement::kStill ? 3 : 6;
+  constexpr std::size_t kLines = kLinesAhead<kMovement, kCompact>;
   for (std::size_t line = 0; line < kLines; ++line) __builtin_prefetch(spot.control + 64 * line);
 }
 
@@ -107,11 +114,11 @@ HWY_INLINE void take(const Hit& candidate, Query& query) {
   query.tfar = candidate.t;
 }
 
-template <Movement kMovement, bool kAnyHit>
+template <Movement kMovement, bool kAnyHit, bool kCompact>
 HWY_INLINE void test_triangles(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& setup,
                                std::uint32_t instance, Query& query) {
   BlockHit hit;
-  test_block<kMovement>(bvh, block, setup, query.tfar, hit);
+  test_block<kMovement, kCompact>(bvh, block, setup, query.tfar, hit);
   if (kAnyHit) {
     query.found |= hit.lanes != 0;
     return;

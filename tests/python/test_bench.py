@@ -18,7 +18,7 @@ from pxr import Gf, Usd, UsdGeom
 
 TINY = ("--quick", "--triangles", 600, "--repetitions", 2)
 
-TEXT = {"scene", "rays", "builder"}
+TEXT = {"scene", "rays", "builder", "layout"}
 WHOLE = {"triangles", "keys", "threads", "mismatches", "degree", "oracle_rays"}
 FIGURES = {"mrays", "bytes_per_tri", "build_s", "nodes_per_ray", "tests_per_ray", "sah", "duplication"}
 PEER = {"peer_mrays", "ratio", "peer_bytes_per_tri", "peer_build_s", "peer_misses", "peer_mismatches"}

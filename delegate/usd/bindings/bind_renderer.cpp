@@ -43,6 +43,15 @@ Sampling sampling_from(const std::string& name) {
   throw nb::value_error(("sampler: found \"" + name + "\"; expected " + known).c_str());
 }
 
+TreeLayout layout_from(const std::string& name) {
+  std::string known;
+  for (const TreeLayoutName& layout : kTreeLayouts) {
+    if (name == layout.name) return layout.layout;
+    known += (known.empty() ? "" : " or ") + std::string(layout.name);
+  }
+  throw nb::value_error(("layout: found \"" + name + "\"; expected " + known).c_str());
+}
+
 Refit refit_from(const std::string& name) {
   std::string known;
   for (const RefitName& refit : kRefits) {
@@ -287,8 +296,9 @@ std::vector<Aov> aovs_from(const std::vector<std::string>& names) {
 
 void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width, std::uint32_t height,
                   std::uint32_t spp, std::uint32_t seed, std::uint32_t max_bounces, std::uint32_t threads,
-                  bool show_domes, const std::string& builder, const std::string& refit, bool keep_topology,
-                  const std::vector<std::string>& aovs, const std::string& sampler, float split_budget) {
+                  bool show_domes, const std::string& builder, const std::string& layout,
+                  const std::string& refit, bool keep_topology, const std::vector<std::string>& aovs,
+                  const std::string& sampler, float split_budget) {
   RenderSettings settings{.width = width,
                           .height = height,
                           .spp = spp,
@@ -299,6 +309,7 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
                           .show_domes = show_domes,
                           .build = {}};
   settings.build.builder = builder_from(builder);
+  settings.build.layout = layout_from(layout);
   settings.build.refit = refit_from(refit);
   settings.build.keep_topology = keep_topology;
   settings.build.spatial_split_budget = split_budget;
@@ -328,15 +339,16 @@ void bind_renderer(nb::module_& m) {
                  nb::arg("spp") = defaults.spp, nb::arg("seed") = defaults.seed,
                  nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
                  nb::arg("show_domes") = defaults.show_domes, nb::arg("builder") = "msbvh",
-                 nb::arg("refit") = "auto", nb::arg("keep_topology") = defaults.build.keep_topology,
+                 nb::arg("layout") = "full", nb::arg("refit") = "auto",
+                 nb::arg("keep_topology") = defaults.build.keep_topology,
                  nb::arg("aovs") = std::vector<std::string>(), nb::arg("sampler") = "sobol",
                  nb::arg("split_budget") = defaults.build.spatial_split_budget);
   };
   nb::class_<Renderer> renderer(m, "Renderer");
   def_with_settings(renderer, "__init__",
                     &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t,
-                          std::uint32_t, bool, const std::string&, const std::string&, bool,
-                          const std::vector<std::string>&, const std::string&, float>);
+                          std::uint32_t, bool, const std::string&, const std::string&, const std::string&,
+                          bool, const std::vector<std::string>&, const std::string&, float>);
   def_with_settings(renderer, "commit", &commit_scene);
   renderer.def("render", &render, nb::arg("progress") = nb::none())
       .def("render_with_aovs", &render_with_aovs, nb::arg("progress") = nb::none())

@@ -303,6 +303,7 @@ class RenderSettings(TypedDict, total=False):
     """0: all."""
     show_domes: bool
     builder: Literal["msbvh", "mbvh", "swept", "timesplit"]
+    layout: Literal["full", "compact"]
     refit: Literal["auto", "always", "never"]
     keep_topology: bool
     """So that the next commit() can refit."""

@@ -16,6 +16,10 @@ def _builders(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:
     return {"": steps_of("builder", ("msbvh", "mbvh") if few else tuple(_core.builders()))}
 
 
+def _layouts(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:
+    return {"": steps_of("layout", ("full", "compact"))}
+
+
 def _budgets(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:
     return {"": steps_of("split-budget", (0.0, 1.0) if few else (0.0, 0.25, 0.5, 1.0, 2.0, 4.0))}
 
@@ -34,6 +38,16 @@ TREE_KNOBS = (
         " timesplit a tree for each motion segment.",
         error="none",
         steps=_builders,
+        joint=False,
+    ),
+    Knob(
+        name="Node precision",
+        option="layout",
+        unit="",
+        says="How trees are kept: full has boxes of 32 bits and leaves with vertices of their own, compact boxes of 16 bits and"
+        " leaves that read the meshes' points.",
+        error="none",
+        steps=_layouts,
         joint=False,
     ),
     Knob(

@@ -61,6 +61,7 @@ RENDER_NAMES = (
     "show_domes",
     "aovs",
     "builder",
+    "layout",
     "refit",
     "sampler",
     "split_budget",

@@ -339,6 +339,15 @@ RENDER: Sequence[Decorator] = (
         " at random, for comparisons; noisier at the same cost.",
     ),
     click.option(
+        "--layout",
+        type=click.Choice(("full", "compact")),
+        default="full",
+        show_default=True,
+        help="How trees are kept in memory. compact: boxes in 16 bits a plane, leaves that read the meshes' own points. By"
+        " measurement 0.15 to 0.5 of the bytes where things move, 0.6 to 0.7 where they stand still, for about a fifth"
+        " fewer rays a second, and many fewer of incoherent rays among thin strands. The picture is the same.",
+    ),
+    click.option(
         "--refit",
         type=click.Choice(("auto", "always", "never")),
         default="auto",

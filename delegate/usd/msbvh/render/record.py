@@ -43,6 +43,8 @@ class RenderSettings:
     show_domes: bool = False
     """Whether dome lights are seen behind the scene (usdrecord's --enableDomeLightVisibility)."""
     builder: str = "msbvh"
+    layout: str = "full"
+    """Of the trees, full or compact: core/build/settings.h."""
     aovs: tuple[str, ...] = ()
     """What is written beside colour, of _core.aov_names()."""
     refit: str = "auto"
