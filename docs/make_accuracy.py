@@ -37,17 +37,17 @@ Made by `make accuracy`, which runs `msbvh accuracy {options}` on each scene: ms
 {instruction_set}. Each point was rendered {runs} times, by another seed each time, in processes of their own and in rounds;
 times are medians, with the lowest and the highest in brackets.
 
-![Seconds a frame against the error of the picture, on six scenes](images/accuracy.png)
+![Seconds a frame against the error of the picture, scene by scene](images/accuracy.png)
 
 **How to read it.** A knob is turned while all others are held at the base settings. *Frame* is from opening the stage to the
 file, without the start of the process. *Alone* is what that knob's kind of error does to the picture by itself, beside a
 picture with the same noise and the finest motion, shape or path depth: relative MSE, and mean HDR-FLIP, of which 0.01 is what
-an attentive eye may find. Below 0: nothing of it can be seen through the noise that it has moved. *Whole* is the relative MSE
+an attentive eye may find. Below 0: hidden by noise. *Whole* is the relative MSE
 beside a reference with {reference} times the samples, the finest of everything and other seeds. *px* is the largest error of
 any prim's motion. A report of a scene of your own has all this, pictures and every prim in it: `msbvh accuracy SCENE --out DIR`.
 """
 
-READING = """## What all six say
+READING = """## What they have in common
 
 {sentences}
 """
@@ -69,9 +69,14 @@ def main() -> None:
         path.parent.name: json.loads(path.read_text(encoding="utf-8"))
         for path in sorted(folder.glob("*/accuracy.json"))
     }
+    commits = {str(report["machine"]["commit"]) for report in reports.values()}
+    if len(commits) > 1 or (arguments.reports is None and commits != {commit}):
+        sys.exit(
+            f"make_accuracy: error: {folder}: found reports of {', '.join(sorted(commits))}, expected all of {commit}"
+        )
     if not reports:
         sys.exit(f"make_accuracy: error: {folder}: found no */accuracy.json, expected reports of `msbvh accuracy`")
-    (ROOT / "docs" / "accuracy.md").write_text("\n".join(page(reports, commit)) + "\n", encoding="utf-8")
+    (ROOT / "docs" / "accuracy.md").write_text("\n".join(page(reports, commits.pop())) + "\n", encoding="utf-8")
     plot(reports, ROOT / IMAGE)
 
 
@@ -117,16 +122,11 @@ def in_common(reports: Mapping[str, Report]) -> Iterator[str]:
         ]
         if not pairs:
             continue
-        worse = [
-            other["motion_px"] / max(one["motion_px"], 1e-9)
-            for one, other in pairs
-            if other["motion_px"] > one["motion_px"]
-        ]
+        worse = [other["motion_px"] for one, other in pairs if other["motion_px"] > one["motion_px"]] or [0.0]
         times = sorted(median(other) / median(one) for one, other in pairs)
-        errors = sorted(other["motion_px"] for _, other in pairs)
         yield (
-            f"*{name}* errs more than ours in {len(worse)} of {len(pairs)} scenes, by {errors[0]:.2g} to {errors[-1]:.2g} px, and"
-            f" takes {times[0]:.2f} to {times[-1]:.2f} times as long a frame."
+            f"*{name}* errs more than ours in {len(worse)} of {len(pairs)} scenes, where it is off by {min(worse):.2g} to"
+            f" {max(worse):.2g} px, and takes {times[0]:.2f} to {times[-1]:.2f} times as long a frame."
         )
     yield from (
         f"{text} ({len(names)} of {many}: {', '.join(names)})." for text, names in useless(reports).items() if names
@@ -146,7 +146,7 @@ def useless(reports: Mapping[str, Report]) -> dict[str, list[str]]:
             if len(points) < 2:
                 continue
             times = [median(point) for point in points]
-            if axis["error"] == "none":
+            if axis["error"] in ("none", "look"):
                 quiet = max(times) / min(times) <= max(1.05, report["machine"]["noise"])
                 text = f"{axis['name']}: no position is faster than the clock can tell"
             else:
@@ -238,11 +238,8 @@ def plot(reports: Mapping[str, Report], path: Path) -> None:
     for panel in panels.ravel()[len(reports) :]:
         panel.set_visible(False)
     for panel, (name, report) in zip(panels.ravel(), reports.items(), strict=False):
-        shown = {
-            key: point
-            for key, point in report["points"].items()
-            if not point["failed"] and (point["relative_mse"] or 0) > 0
-        }
+        every = {key: report["points"][key] for key in report["comparable"]}
+        shown = {key: point for key, point in every.items() if not point["failed"] and (point["relative_mse"] or 0) > 0}
         panel.loglog(
             [median(p) for p in shown.values()], [p["relative_mse"] for p in shown.values()], ".", color="0.75"
         )

@@ -68,7 +68,7 @@ def _measured(folder: Path) -> dict[str, Any]:
         "command": f"msbvh accuracy {SCENE} --frame 6 --out report",
         "machine": {
             "processor": "AMD EPYC 7763 64-Core Processor",
-            "processors": 2,
+            "cores": 2,
             "instruction_set": "AVX2",
             "load_before": 0.1,
             "load_after": 1.2,

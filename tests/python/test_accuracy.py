@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -20,12 +22,16 @@ from conftest import Run
 from msbvh.accuracy import launch
 from msbvh.accuracy.all_knobs import ALL
 from msbvh.accuracy.facts import SceneFacts
+from msbvh.accuracy.findings import findings
+from msbvh.accuracy.front import guesses, promising
 from msbvh.accuracy.kinds import DECIDED_BY, FINEST, rid_of
-from msbvh.accuracy.options import Options
+from msbvh.accuracy.knobs import Step
+from msbvh.accuracy.options import DEFAULTS, Options
 from msbvh.accuracy.picture_errors import noise_flip, own_noise, paired_error, picture_error
 from msbvh.accuracy.points import Point, front_of
 from msbvh.accuracy.scenes import SCENES
 from msbvh.accuracy.store import Figures, Store, fingerprint
+from msbvh.accuracy.sweep import Axis
 from msbvh.cli.main import commands
 from msbvh.output.flip import flip_map
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
@@ -145,6 +151,15 @@ def test_flip_is_that_of_its_authors() -> None:
         assert mean > 0.0
 
 
+def test_one_pixel_without_bounds_decides_over_itself_alone() -> None:
+    picture = np.full((32, 32, 3), 0.4)
+    noisy = picture + 0.1 * np.random.default_rng(5).normal(size=picture.shape)
+    plain = float(flip_map(picture, noisy).mean())
+    picture[3, 4], noisy[20, 20] = np.inf, np.nan
+    assert float(flip_map(picture, noisy).mean()) == pytest.approx(plain, abs=0.15)
+    assert float(flip_map(picture, noisy)[3, 4]) > 0.5
+
+
 # Options, knobs, kinds
 
 
@@ -192,7 +207,97 @@ def test_a_kind_of_error_goes_with_the_options_that_decide_it() -> None:
     assert all(set(FINEST[kind].plain()) <= set(names) for kind, names in DECIDED_BY.items())
 
 
+def test_what_is_not_spelt_out_is_what_record_does() -> None:
+    parameters = {parameter.name: parameter for parameter in commands.commands["record"].params}
+    assert {name: parameters[name.replace("-", "_")].default for name in DEFAULTS} == dict(DEFAULTS)
+
+
+def test_commands_survive_a_shell_and_a_fraction_of_a_frame() -> None:
+    shot = launch.Shot("my shot (1).usda", 100000.5, (), 1)
+    command = Point(Options(), [], "x").plain(Options(), shot)["command"]
+    assert shlex.split(command) == ["msbvh", "record", "my shot (1).usda", "frame.exr", "--frames", "100000.5"]
+    several = shot.command(Options.of({"frames": 4}), "a.exr_b/picture.exr")
+    assert several[2:5] == ["a.exr_b/picture.####.######.exr", "--frames", "100000.5:100003.5"]
+
+
+# Findings
+
+
+def report_of(error: str, flips: list[float], seconds: list[float], noise: float = 1.0) -> dict[str, Any]:
+    """A report with one axis of positions a, b ..."""
+    kinds = [{error: {"flip": flip, "relative_mse": flip}} if error != "none" else {} for flip in flips]
+    points = {
+        str(k): {
+            "failed": None,
+            "seconds": {"frame": [time, time, time]},
+            "motion_px": 0.1,
+            "noise_relative_mse": 0.01,
+            "kinds": kind,
+        }
+        for k, (time, kind) in enumerate(zip(seconds, kinds, strict=True))
+    }
+    steps = [{"value": "abcdef"[k], "id": str(k)} for k in range(len(flips))]
+    axis = {"name": "Knob", "option": "knob", "error": error, "series": [{"name": "", "points": steps}]}
+    named = [{"name": "ours", "id": "0"}]
+    return {"points": points, "axes": [axis], "named": named, "targets": [], "machine": {"noise": noise}}
+
+
+@pytest.mark.parametrize(
+    ("error", "flips", "seconds", "says"),
+    [
+        (
+            "motion",
+            [0.01, 0.0005, 0.0003, 0.0003],
+            [1, 1, 1.5, 2],
+            "Knob: b is enough (FLIP below 0.001); finer ones take up to 2.00",
+        ),
+        (
+            "motion",
+            [0.0005, 0.0003],
+            [2, 1],
+            "Knob: no position changes what the picture looks like (FLIP below 0.001); b is",
+        ),
+        ("motion", [0.01, 0.0005], [1, 2], ""),
+        ("motion", [0.01, 0.0005, 0.0003], [1, 1, 1.01], ""),
+        ("none", [0, 0], [1, 1.5], "Knob: a is the fastest, b takes 1.50 times as long; the picture is the same."),
+        ("none", [0, 0], [1, 1.01], "Knob makes no difference here that the clock can tell."),
+        ("look", [0, 0], [1, 1.5], "Knob: a is the fastest, b takes 1.50 times as long."),
+    ],
+)
+def test_findings_follow_from_the_figures(error: str, flips: list[float], seconds: list[float], says: str) -> None:
+    found = [sentence for sentence in findings(report_of(error, flips, seconds)) if sentence.startswith("Knob")]
+    assert found == [] if not says else found[0].startswith(says)
+
+
+def test_what_the_clock_cannot_tell_is_no_finding() -> None:
+    found = findings(report_of("none", [0, 0], [1, 1.5], noise=1.6))
+    assert "Knob makes no difference here that the clock can tell." in found
+    assert any(sentence.startswith("The machine was noisy") for sentence in found)
+
+
 # The front
+
+
+def test_combinations_multiply_times_and_add_up_errors() -> None:
+    base = Options.of({"spp": 4, "max-bounces": 2})
+    knobs = {knob.option: knob for knob in ALL}
+    spp = [Step("1", Options.of({"spp": 1}).over(base)), Step("16", Options.of({"spp": 16}).over(base))]
+    bounces = [Step("0", Options.of({"max-bounces": 0}).over(base))]
+    axes = [Axis(knobs["spp"], {"": spp}), Axis(knobs["max-bounces"], {"": bounces})]
+    points = {
+        options: dataclasses.replace(fake(seconds, error), options=options)
+        for options, seconds, error in [
+            (base, 4, 4),
+            (spp[0].options, 2, 16),
+            (spp[1].options, 8, 1),
+            (bounces[0].options, 3, 6),
+        ]
+    }
+    found = {guess.options: guess for guess in guesses(axes, base, points)}
+    assert len(found) == 6
+    both = found[Options.of({"spp": 16, "max-bounces": 0})]
+    assert both.seconds == pytest.approx(4 * 2 * 0.75) and both.error == pytest.approx(4 - 3 + 2)
+    assert promising(list(found.values()), list(points)) == [Options.of({"spp": 1, "max-bounces": 0}), both.options]
 
 
 def test_the_front_has_what_nothing_beats() -> None:
@@ -257,7 +362,7 @@ def test_a_target_is_met_and_its_command_gives_it(reported: tuple[Path, str, dic
     data = reported[2]
     [target] = data["targets"]
     assert target["holds"] and 0.0 < target["found"] <= 0.55
-    command = data["points"][target["id"]]["command"].split()
+    command = shlex.split(data["points"][target["id"]]["command"])
     command[0:1] = [sys.executable, "-m", "msbvh"]
     done = subprocess.run([*command, "--stats", "s.json"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -375,9 +480,11 @@ def test_a_built_in_scene_is_the_same_file_every_time(name: str, tmp_path: Path)
     [
         (("--target-error", "-1px"), "found '-1px', expected more than 0, such as 0.25px"),
         (("--time-budget", "soon"), "found 'soon', expected more than 0, such as 40s"),
-        (("--target-flip", "nan"), "found 'nan', expected more than 0, such as 0.02"),
+        (("--target-flip", "nan"), "found 'nan', expected more than 0.0001 and at most 1, such as 0.02"),
         (("--rounds", "1"), "1 is not in the range 2<=x<=100"),
         (("--frame", "1:3"), "accuracy looks at one frame"),
+        (("--axes", "toleranc"), "--axes: found 'toleranc', expected any of: motion-tolerance, segments"),
+        (("--target-flip", "1e-9"), "expected more than 0.0001 and at most 1, such as 0.02"),
     ],
 )
 def test_bad_values_are_refused_in_one_line(arguments: tuple[str, ...], says: str, msbvh: Run, tmp_path: Path) -> None:
@@ -391,6 +498,11 @@ def test_a_scene_that_is_not_there_is_one_line(msbvh: Run) -> None:
     assert done.returncode == 1
     assert [line for line in done.stderr.splitlines() if "%" not in line] == [done.stderr.splitlines()[-1]]
     assert "nowhere.usda" in done.stderr.splitlines()[-1]
+
+
+def test_a_folder_that_would_be_taken_for_frames_is_refused(msbvh: Run, tmp_path: Path) -> None:
+    done = msbvh("accuracy", arc(tmp_path / "arc.usda"), "--out", "take#2")
+    assert done.returncode == 2 and "expected a name without '#'" in done.stderr
 
 
 def test_a_folder_that_cannot_be_made_is_one_line(msbvh: Run, tmp_path: Path) -> None:

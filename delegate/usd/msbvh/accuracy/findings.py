@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+UNSEEN = 0.001
+"""FLIP that nobody sees."""
 NOTICEABLE = 1.05
 """A ratio of times below it, or below the machine's own noise, is no difference."""
 
@@ -34,7 +36,7 @@ def _largest_error(data: dict[str, Any]) -> Iterator[str]:
     words = {"noise": "noise", "motion": "the motion model", "shape": "shape", "light": "paths that end too early"}
     yield (
         f"With the base settings {share:.0%} of the picture's error is {words[worst]}: "
-        + ("more samples pay first." if worst == "noise" else "more samples would hardly help.")
+        + ("more samples pay first." if worst == "noise" else "more samples come second.")
     )
 
 
@@ -76,27 +78,36 @@ def _knob(
     name = axis["name"] + (f" ({series['name']})" if series["name"] else "")
     times = [point["seconds"]["frame"][0] for _, point in found]
     ratio = max(times) / min(times)
-    if axis["error"] == "none":
+    if axis["error"] in ("none", "look"):
+        same = "; the picture is the same" if axis["error"] == "none" else ""
         if _alike(ratio, data):
             yield f"{name} makes no difference here that the clock can tell."
         else:
             cheapest = found[times.index(min(times))][0]
             dearest = found[times.index(max(times))][0]
-            yield f"{name}: {cheapest} is the fastest, {dearest} takes {ratio:.2f} times as long; the picture is the same."
+            yield f"{name}: {cheapest} is the fastest, {dearest} takes {ratio:.2f} times as long{same}."
         return
     if axis["error"] in ("motion", "shape", "light"):
-        errors = [point["kinds"].get(axis["error"], {}).get("flip") for _, point in found]
-        seen = [error for error in errors if error is not None]
-        if seen and max(seen) < 0.001:
-            yield f"{name}: no position changes what the picture looks like (FLIP below 0.001); take the cheapest, {found[0][0]}."
-            return
-        useless = [
-            value
-            for (value, point), error in zip(found, errors, strict=True)
-            if error is not None and error < 0.001 and not _alike(point["seconds"]["frame"][0] / min(times), data)
-        ]
-        if len(useless) > 1:
-            yield f"{name}: beyond {useless[0]} time is spent on what nobody sees."
+        yield from _seen(data, axis, name, found, times)
+
+
+def _seen(
+    data: dict[str, Any], axis: dict[str, Any], name: str, found: list[tuple[str, dict[str, Any]]], times: list[float]
+) -> Iterator[str]:
+    """Where a knob's positions, from coarse to fine, stop changing what the picture looks like."""
+    errors = [point["kinds"].get(axis["error"], {}).get("flip") for _, point in found]
+    if None in errors:
+        return
+    if max(errors) < UNSEEN:
+        fastest = found[times.index(min(times))][0]
+        yield f"{name}: no position changes what the picture looks like (FLIP below {UNSEEN:g}); {fastest} is the fastest."
+        return
+    enough = next((place for place, _ in enumerate(errors) if max(errors[place:]) < UNSEEN), None)
+    if enough is None or enough + 1 == len(found):
+        return
+    ratio = max(times[enough + 1 :]) / times[enough]
+    if ratio > 1.0 and not _alike(ratio, data):
+        yield f"{name}: {found[enough][0]} is enough (FLIP below {UNSEEN:g}); finer ones take up to {ratio:.2f} times as long."
 
 
 def _targets(data: dict[str, Any]) -> Iterator[str]:

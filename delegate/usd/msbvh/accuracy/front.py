@@ -33,7 +33,13 @@ def guesses(axes: Sequence[Axis], base: Options, points: Mapping[Options, Point]
     start = points[base]
     if start.error is None:
         return []
-    choices = [_choices(axis, base, points) for axis in axes if axis.knob.joint and axis.series]
+    # With a number of segments in the base, tolerances say nothing.
+    joint = [
+        axis
+        for axis in axes
+        if axis.knob.joint and axis.series and not (axis.knob.option == "motion-tolerance" and base.get("segments", 0))
+    ]
+    choices = [_choices(axis, base, points) for axis in joint]
     found = []
     for picked in itertools.product(*choices):
         options = base

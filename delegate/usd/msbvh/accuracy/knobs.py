@@ -14,15 +14,17 @@ from typing import Literal
 from .facts import SceneFacts
 from .options import Options
 
-Error = Literal["motion", "shape", "noise", "light", "none"]
+Error = Literal["motion", "shape", "noise", "light", "look", "none"]
 """What a knob trades for time. motion: where things are at a ray's time. shape: how finely surfaces are cut. noise: what more
-samples mend. light: what paths of a limited length leave out. none: the picture stays the same, only its cost changes."""
+samples mend. light: what paths of a limited length leave out. look: none is wrong, they are
+different pictures. none: the picture stays the same, only its cost changes."""
 
 ERRORS: Mapping[Error, str] = {
     "motion": "motion model",
     "shape": "shape",
     "noise": "noise",
     "light": "path depth",
+    "look": "look",
     "none": "none",
 }
 

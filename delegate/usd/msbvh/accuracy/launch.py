@@ -35,11 +35,18 @@ class Shot:
         """Of a run, as a user types it, from `record` on."""
         frames = int(options.get(FRAMES, 1))
         if frames > 1 and self.frame is not None:
-            picture = picture.replace(".exr", ".####.exr")
-            time = ["--frames", f"{self.frame:g}:{self.frame + frames - 1:g}"]
+            path = Path(picture)
+            number = ".####" if float(self.frame).is_integer() else ".####.######"
+            picture = str(path.with_name(f"{path.stem}{number}{path.suffix}"))
+            time = ["--frames", f"{_code(self.frame)}:{_code(self.frame + frames - 1)}"]
         else:
-            time = ["--defaultTime"] if self.frame is None else ["--frames", f"{self.frame:g}"]
+            time = ["--defaultTime"] if self.frame is None else ["--frames", _code(self.frame)]
         return ["record", self.scene, picture, *time, *self.arguments, *options.without(FRAMES).arguments(), *more]
+
+
+def _code(frame: float) -> str:
+    """A time code with all its digits."""
+    return f"{frame:.0f}" if float(frame).is_integer() else repr(float(frame))
 
 
 def run(shot: Shot, options: Options, seed: int, folder: Path) -> Figures:
@@ -60,19 +67,21 @@ def run(shot: Shot, options: Options, seed: int, folder: Path) -> Figures:
     command = [sys.executable, "-m", "msbvh", *shot.command(options, str(folder / PICTURE), more)]
     took = launched(f"msbvh {options.text()}", command, shot.threads, folder)
     stats = json.loads((folder / STATS).read_text(encoding="utf-8"))
-    _first_frame_alone(folder)
+    _first_frame_alone(folder, Path(stats["frames"][0]["output"][0]))
     return _figures(stats["frames"], int(took["memory_bytes"]))
 
 
-def _first_frame_alone(folder: Path) -> None:
+def _first_frame_alone(folder: Path, first: Path) -> None:
     """Of a sequence; and no statistics, of which figures keep what counts."""
-    frames = sorted(folder.glob("picture.*.exr"))
-    if frames:
-        frames[0].rename(folder / PICTURE)
-    for left in (*frames[1:], folder / STATS, folder / "took.json"):
-        left.unlink(missing_ok=True)
-    if not (folder / PICTURE).exists():
-        raise SceneError(f"accuracy: found no picture in '{folder}', expected one that msbvh record has written")
+    try:
+        first.rename(folder / PICTURE)
+    except OSError as error:
+        raise SceneError(
+            f"accuracy: '{first}': {error.strerror}; expected a picture that msbvh record has written"
+        ) from None
+    for left in folder.iterdir():
+        if left.name != PICTURE:
+            left.unlink()
 
 
 def _figures(frames: Sequence[dict[str, Any]], peak_bytes: int) -> Figures:

@@ -4,7 +4,7 @@ all points alike."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from statistics import median
+from statistics import quantiles
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from .store import Figures, Store
 
 REFERENCE_SEED = 1_000_000
 """References begin here; points take seeds from the user's on."""
+AGAIN = 500_000
+"""Added to a seed for a second run of the same frame."""
 HALVES = 2
 """Of a reference: pictures that share no noise."""
 
@@ -43,8 +45,8 @@ class Measurement:
         self._progress = progress
         self._done = self._ahead = 0.0
         self.points: dict[Options, Point] = {}
-        self.machine_noise: list[float] = []
-        """Of each round: the same frame's time at its end over that at its beginning, or the other way round."""
+        self._times: list[float] = []
+        """Of one and the same frame, twice a round."""
         self._rendered: set[tuple[Options, int]] = set()
         self._asked: set[tuple[Options, int]] = set()
 
@@ -54,8 +56,14 @@ class Measurement:
         self._ahead = sum(self._weight(one) * len(self._seeds) for one in set(options) if one not in self.points) or 1.0
         self._spent = 0.0
 
-    def measure(self, options: Sequence[Options]) -> None:
-        """Each of them by every seed, in rounds."""
+    def reach(self, share: float) -> None:
+        """Moves the progress bar."""
+        self._done = share
+        self._progress(share)
+
+    def measure(self, options: Sequence[Options], beside: Options | None = None) -> None:
+        """Each of them by every seed, in rounds. `beside`: once more at the end of each round, by another seed, so that it is
+        known how much the time of one frame changes. Raises SceneError where that one cannot be rendered."""
         wanted = list(dict.fromkeys(one for one in options if one not in self.points))
         for one in wanted:
             self.points[one] = Point(one, shape_px=self.shapes.largest(one))
@@ -63,6 +71,11 @@ class Measurement:
             first = turn * len(wanted) // max(len(self._seeds), 1)
             for one in [*wanted[first:], *wanted[:first]]:
                 self._measure(self.points[one], seed)
+            if beside is not None:
+                if self.points[beside].failed:
+                    raise SceneError(self.points[beside].failed)
+                self._times.append(_seconds(self.run(beside, seed + AGAIN)))
+                self._times.append(_seconds(self.points[beside].runs[-1]))
         self._done = self._from + self._share
         self._progress(min(self._done, 1.0))
 
@@ -87,11 +100,6 @@ class Measurement:
         figures = run(self._shot, options, seed, self._store.folder(options, seed))
         self._store.put(options, seed, figures)
         return figures
-
-    def repeat(self, options: Options, seeds: Sequence[int]) -> None:
-        """Notes how much the time of one frame changes when nothing but the seed does."""
-        times = [sum(self.run(options, seed).seconds.values()) for seed in seeds]
-        self.machine_noise.append(max(times) / min(times))
 
     def picture(self, options: Options, seed: int) -> np.ndarray:
         return self._store.picture(options, seed)
@@ -137,5 +145,12 @@ class Measurement:
 
     @property
     def noise(self) -> float:
-        """How noisy the machine was: the largest ratio of two times of the same frame in a round, median of rounds."""
-        return median(self.machine_noise) if self.machine_noise else 1.0
+        """How noisy the machine was: the upper quartile of one frame's times over the lower one."""
+        if len(self._times) < 2:
+            return 1.0
+        low, _, high = quantiles(self._times, n=4, method="inclusive")
+        return high / low
+
+
+def _seconds(figures: Figures) -> float:
+    return sum(figures.seconds.values())

@@ -9,6 +9,17 @@ from dataclasses import dataclass
 Value = str | int | float
 
 
+DEFAULTS: Mapping[str, Value] = {
+    "builder": "msbvh",
+    "curves": "ribbon",
+    "displacement": "auto",
+    "layout": "full",
+    "sampler": "sobol",
+    "split-budget": 1.0,
+}
+"""Of options that are not always spelt out."""
+
+
 @dataclass(frozen=True)
 class Options:
     """Options of `msbvh record` by name, without the dashes: {"spp": 16, "interpolation": "linear"}."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from statistics import median
@@ -53,7 +54,7 @@ class Point:
         """As JSON has it."""
         found: dict[str, Any] = {
             "options": self.options.beside(base).plain(),
-            "command": "msbvh " + " ".join(shot.command(self.options, "frame.exr")),
+            "command": shlex.join(["msbvh", *shot.command(self.options, "frame.exr")]),
             "failed": self.failed or None,
         }
         if self.failed:

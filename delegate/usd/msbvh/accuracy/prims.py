@@ -18,9 +18,6 @@ from .motion_knobs import TOLERANCES
 from .options import Options
 from .points import Point
 
-MOST_PRIMS = 500
-"""That are listed: those that move, the worst first, then those that take the most bytes."""
-
 
 @dataclass(frozen=True)
 class Track:
@@ -95,7 +92,7 @@ def prim_rows(
         for path, track in now.items()
     ]
     rows.sort(key=lambda row: (-(row["error_px"] or 0.0), -row["bytes"], row["path"]))
-    return rows[:MOST_PRIMS]
+    return rows
 
 
 def _ladder(stage: Usd.Stage, facts: SceneFacts, settings: ReadSettings) -> dict[float, dict[str, Track]]:
@@ -139,7 +136,7 @@ class FrameChanges:
     def share(self, path: str, tolerance: float) -> float | None:
         """Of the frame's time, below 0 for less; None where it is not known."""
         points = self.measurement.points
-        held = self.base.without("segments", "interpolation")
+        held = self.base.without("segments")
         other = points.get(Options.of({"motion-tolerance": tolerance}).over(held))
         start = points[self.base]
         own = self.rays(path)

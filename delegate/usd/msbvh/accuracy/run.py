@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -24,19 +25,23 @@ from .front import guesses, promising
 from .kinds import finest, kinds_in, motion_pixels
 from .launch import Shot
 from .measure import HALVES, REFERENCE_SEED, Measurement
+from .motion_knobs import DENSE_TOLERANCE
 from .options import Options
 from .picture_errors import own_noise
 from .pictures import write_pictures
 from .points import Point, front_of
 from .prims import prim_rows
 from .shapes import ShapeErrors
-from .store import Store, fingerprint
+from .store import Store, build, fingerprint
 from .sweep import Axis, Partners, axes, named
 from .targets import Target, aim
+from .tree_knobs import FRAMES
 
 REFERENCE_FACTOR = 16
 """Samples of the reference, as a multiple of the base's."""
 LEAST_REFERENCE_SAMPLES = 256
+MOST_SAMPLES = 1 << 20
+"""Of one picture."""
 
 
 @dataclass(frozen=True)
@@ -73,24 +78,27 @@ class AccuracySettings:
     @property
     def reference_samples(self) -> int:
         """Of both halves."""
-        return max(REFERENCE_FACTOR * int(self.base.get("spp", 16)), 32 if self.few else LEAST_REFERENCE_SAMPLES)
+        wanted = max(REFERENCE_FACTOR * int(self.base.get("spp", 16)), 32 if self.few else LEAST_REFERENCE_SAMPLES)
+        return min(wanted, HALVES * MOST_SAMPLES)
 
 
 def run_accuracy(
     settings: AccuracySettings,
     out: Path,
     progress: Callable[[float], object],
-    diagnostics: Diagnostics,
+    tell: Callable[[Diagnostics], object],
 ) -> dict[str, Any]:
-    """Measures and writes pictures; the report's data. Raises SceneError for a scene that cannot be rendered."""
-    load = os.getloadavg()[0]
+    """Measures and writes pictures; the report's data. `tell` gets what the reader has to say, before the first point. Raises
+    SceneError for a scene that cannot be rendered."""
+    load, diagnostics = os.getloadavg()[0], Diagnostics()
     stage = open_stage(settings.scene, diagnostics, settings.mask)
     time = settings.frame if settings.frame is not None or settings.default_time else start_time(stage)
     facts, result = scene_facts(stage, time, settings.read, int(settings.base.get("max-bounces", 2)), diagnostics)
+    tell(diagnostics)
     camera = result.camera
     size = ("--resolution", str(camera.width), str(camera.height))
     shot = Shot(settings.scene, time, (*settings.shared, *size), settings.processors)
-    identity = repr((fingerprint(stage), host()["commit"], _core.__version__, shot))
+    identity = repr((fingerprint(stage), build(), shot))
     shapes = ShapeErrors(stage, time, settings.read, "shape" in kinds_in(facts))
     measurement = Measurement(shot, Store(out / "points", identity), settings.seeds, progress, shapes)
     report = _Report(settings, facts, measurement)
@@ -108,11 +116,20 @@ def run_accuracy(
         "base": settings.base.plain(),
         **report.plain(shot),
         "prims": prim_rows(stage, facts, settings.read, measurement, settings.base),
-        "warnings": [str(found) for found in diagnostics],
+        "warnings": [*(str(found) for found in diagnostics), *report.warnings()],
     }
     write_pictures(data, report.pictures(), out)
     data["findings"] = findings(data)
-    return data
+    return finite(data)
+
+
+def finite(data: Any) -> Any:
+    """The same with None for what is no number or infinite: JSON has neither."""
+    if isinstance(data, dict):
+        return {key: finite(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [finite(value) for value in data]
+    return None if isinstance(data, float) and not math.isfinite(data) else data
 
 
 class _Report:
@@ -136,10 +153,10 @@ class _Report:
         swept = [step.options for axis in self._axes for step in axis.steps()]
         without = [one for found in (*of_axes.values(), *apart.values()) for one in found.values()]
         wanted = [base, *names, *swept, *without]
-        measurement.expect(wanted, 0.6)
-        measurement.measure(wanted)
-        measurement.repeat(base, [seed + 500_000 for seed in self._settings.seeds] + list(self._settings.seeds))
+        # First, so that settings that are too fine for this machine are known before an hour of work.
         self._references = self._render_references()
+        measurement.expect(wanted, 0.65)
+        measurement.measure(wanted, base)
         measurement.judge(self._references)
         for axis in self._axes:
             measurement.set_apart(of_axes[axis.knob.option], axis.knob.error)
@@ -154,8 +171,12 @@ class _Report:
         for half in range(HALVES):
             seed = REFERENCE_SEED + self._settings.seed + half
             self.measurement.run(options, seed)
+            self._tell_progress(0.05 * (half + 1))
             found.append(self.measurement.picture(options, seed))
         return found
+
+    def _tell_progress(self, share: float) -> None:
+        self.measurement.reach(share)
 
     @property
     def _reference_options(self) -> Options:
@@ -177,13 +198,28 @@ class _Report:
         self.measurement.judge(self._references)
         return self.measurement.points[options]
 
+    def warnings(self) -> list[str]:
+        """Of what stands for the stage's own motion, where that errs itself."""
+        dense = [
+            point.motion_px
+            for options, point in self.measurement.points.items()
+            if point.runs
+            and options.get("motion-tolerance", 0.1) == DENSE_TOLERANCE
+            and "segments" not in options.plain()
+        ]
+        if not dense or max(dense) <= 2.0 * DENSE_TOLERANCE:
+            return []
+        return [
+            f"what stands for the stage's own motion is off by {max(dense):.2g} px itself: no track here has more segments"
+        ]
+
     def _joint(self) -> dict[str, Point]:
-        """Points that a front may hold: one frame, and the same look."""
-        odd = {step.options for axis in self._axes if axis.knob.error == "none" for step in axis.steps()}
+        """Points that can be held against each other: of one frame, and of the same look."""
+        looks = {step.options for axis in self._axes if axis.knob.error == "look" for step in axis.steps()}
         return {
             point.id: point
             for options, point in self.measurement.points.items()
-            if options == self._settings.base or options not in odd
+            if options == self._settings.base or (options not in looks and FRAMES not in options.plain())
         }
 
     def plain(self, shot: Shot) -> dict[str, Any]:
@@ -192,6 +228,7 @@ class _Report:
             "reference": self._plain_reference(),
             "axes": [_plain_axis(axis) for axis in self._axes],
             "named": [{"name": one.name, "says": one.says, "id": Point(one.options).id} for one in self._named],
+            "comparable": list(self._joint()),
             "front": front_of(self._joint()),
             "targets": [target.plain() for target in self._targets],
             "points": {point.id: point.plain(base, shot) for point in points.values()},

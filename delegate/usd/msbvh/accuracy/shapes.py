@@ -9,7 +9,8 @@ from typing import Any
 from pxr import Usd
 
 from ..base.errors import Diagnostics, SceneError
-from ..scene.reader import ReadSettings, read_frame
+from ..render.fine_enough import read_within
+from ..scene.reader import ReadResult, ReadSettings, read_frame
 from ..stage.opening import tf_messages
 from .kinds import DECIDED_BY
 from .options import Options
@@ -40,6 +41,21 @@ class ShapeErrors:
         """Of all prims that it is known of; None where it is known of none."""
         known = [error for error in self.by_prim(options).values() if error is not None]
         return max(known) if known else None
+
+    def fine_enough(self, pixels: float) -> Options:
+        """A tolerance, and the coarsest ways of cutting that keep an error: render/fine_enough.py. Raises SceneError."""
+        tolerance = Options.of({"motion-tolerance": pixels})
+        if not self._has_shapes:
+            return tolerance
+
+        def read(settings: ReadSettings) -> ReadResult:
+            with tf_messages(Diagnostics()):
+                return read_frame(self._stage, self._frame, settings)
+
+        settings = replace(self._settings, segments=0)
+        _, used = read_within(self._stage, read, settings, pixels)
+        assert used.edge_length is not None
+        return Options.of({"edge-length": used.edge_length, "complexity": used.complexity}).over(tolerance)
 
     def _measured(self, options: Options) -> Mapping[str, float | None]:
         chosen: dict[str, Any] = {name.replace("-", "_"): value for name, value in options.pairs}

@@ -15,10 +15,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, UsdUtils
 
+from .. import _core
 from ..base.atomic import check_folder, write_whole
+from ..base.errors import Diagnostics
+from ..bench.rays import host
 from ..output.images import ImageReadError, read_colour
+from ..stage.opening import tf_messages
 from .options import Options
 
 PICTURE = "picture.exr"
@@ -28,22 +32,37 @@ LARGE = 1 << 26
 
 
 def fingerprint(stage: Usd.Stage) -> str:
-    """Of all files that a stage is made of: by content, large ones by size and time of change."""
-    found = hashlib.sha256()
-    for layer in sorted(stage.GetUsedLayers(), key=lambda layer: str(layer.identifier)):
-        found.update(_told(layer).encode())
-    return found.hexdigest()
+    """Of all layers that a stage is made of, and of the files that they name, textures say: by content, large ones by size and
+    time of change."""
+    layers = sorted(stage.GetUsedLayers(), key=lambda layer: str(layer.identifier))
+    with tf_messages(Diagnostics()):  # What cannot be found has been said when the stage was opened.
+        _, assets, _ = UsdUtils.ComputeAllDependencies(Sdf.AssetPath(stage.GetRootLayer().identifier))
+    told = [*(_told(layer) for layer in layers), *(_file(str(asset)) for asset in sorted(map(str, assets)))]
+    return hashlib.sha256("".join(told).encode()).hexdigest()
+
+
+def build() -> tuple[object, ...]:
+    """What else figures depend on: this machine and the very library."""
+    about = host()
+    library = hashlib.sha256(Path(_core.__file__).read_bytes()).hexdigest()
+    return about["processor"], about["cores"], about["instruction_set"], about["commit"], library
 
 
 def _told(layer: Sdf.Layer) -> str:
-    path = layer.realPath
+    if told := _file(layer.realPath):
+        return told
+    return f"{layer.ExportToString()}\n"  # Anonymous: its identifier is another one in each process.
+
+
+def _file(path: str) -> str:
+    """Empty: there is no such file."""
     with contextlib.suppress(OSError):
         if path:
             seen = Path(path).stat()
             if seen.st_size > LARGE:
                 return f"{path} {seen.st_size} {seen.st_mtime_ns}\n"
             return f"{path} {hashlib.sha256(Path(path).read_bytes()).hexdigest()}\n"
-    return f"{layer.ExportToString()}\n"  # Anonymous: its identifier is another one in each process.
+    return ""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from .facts import SceneFacts
 from .kinds import kinds_in, rid_of
 from .knobs import Knob, Step
-from .options import Options
+from .options import DEFAULTS, Options
 
 
 @dataclass(frozen=True)
@@ -45,12 +45,18 @@ def axes(knobs: Sequence[Knob], facts: SceneFacts, base: Options, few: bool, glo
 def _axis(knob: Knob, facts: SceneFacts, base: Options, few: bool) -> Axis:
     if why := knob.idle(facts):
         return Axis(knob, {}, why)
-    held = base.without("segments", "interpolation") if knob.option == "motion-tolerance" else base
+    held = base.without("segments") if knob.option == "motion-tolerance" else base
     series = {
-        name: [Step(step.value, step.options.over(held)) for step in steps]
+        name: [Step(step.value, _without_defaults(step.options, base).over(held)) for step in steps]
         for name, steps in knob.steps(facts, few).items()
     }
     return Axis(knob, series)
+
+
+def _without_defaults(options: Options, base: Options) -> Options:
+    """Without what `record` does anyway, so that the same settings are the same point."""
+    pairs = options.plain().items()
+    return Options.of({name: value for name, value in pairs if name in base.plain() or DEFAULTS.get(name) != value})
 
 
 def named(base: Options, facts: SceneFacts) -> list[Named]:

@@ -7,13 +7,14 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..render.budget import AIM, FLIP_SLOPE, MOST_GROWTH, MOST_SAMPLES, SLACK, Goals
+from ..render.budget import AIM, FLIP_SLOPE, MOST_SAMPLES, SLACK, Goals, grown
 from .measure import Measurement
 from .options import Options
 from .points import Point
 from .sweep import Axis
 
 ATTEMPTS = 4
+NOISE_UNIT = "FLIP of noise"
 
 
 @dataclass(frozen=True)
@@ -64,29 +65,24 @@ class _Search:
         self._judge = judge
 
     def error_px(self, wanted: float) -> Target:
-        """The tolerance is a promise for each prim; edges are the longest whose shape keeps it."""
-        options = Options.of({"motion-tolerance": wanted}).over(self._base.without("segments", "interpolation"))
-        options = self._edges(wanted).over(options)
+        """The tolerance is a promise for each prim; edges and complexity are found as `record` finds them."""
+        asked = f"--target-error {wanted:g}px"
+        options = self._measurement.shapes.fine_enough(wanted).over(self._base.without("segments"))
         point = self._judge(options)
         if point.failed:
-            return _failed(f"--target-error {wanted:g}px", "px", point)
+            return _failed(asked, "px", point)
+        shapes = self._measurement.shapes.by_prim(options)
         errors = {"motion": point.motion_px, "shape": point.shape_px or 0.0}
         worst = max(errors, key=lambda kind: errors[kind])
         holds = errors[worst] <= wanted * SLACK
         says = f"{options.beside(self._base).text() or 'the base settings'}, where {worst} errs most"
-        return Target(f"--target-error {wanted:g}px", "px", errors[worst], holds, says, point.id)
-
-    def _edges(self, wanted: float) -> Options:
-        """The cheapest position of the edge axis that was measured to keep an error of the shape."""
-        axis = self._axes.get("edge-length")
-        for step in axis.steps() if axis else ():
-            point = self._measurement.points[step.options]
-            if point.shape_px is not None and point.shape_px <= wanted:
-                return Options.of({"edge-length": step.options.get("edge-length", 1.0)})
-        return Options()
+        unknown = [path for path, error in shapes.items() if error is None]
+        if unknown:
+            says += f"; the shape of {len(unknown)} prims was not measured, {unknown[0]} first"
+        return Target(asked, "px", errors[worst], holds, says, point.id)
 
     def flip(self, wanted: float) -> Target:
-        """Samples until noise and all else together look no worse; fewer where they can be spared."""
+        """Samples until their noise looks no worse; fewer where they can be spared."""
         tried: dict[int, Point] = {}
         samples = int(self._base.get("spp", 16))
         for options in self._by_samples():
@@ -107,11 +103,13 @@ class _Search:
         best = min(holding) if holding else max(tried)
         point = tried[best]
         says = f"--spp {best}"
+        if point.error is not None:
+            says += f" (the whole picture beside the reference: {point.error.flip:.3g})"
         bias = self._bias(point)
         if bias > wanted * SLACK:
-            says += f" leave {bias:.3g} that no sample mends: motion, shape or path depth come first"
+            says += f"; {bias:.3g} of motion, shape or path depth stands out of the noise, which no sample mends"
             return Target(f"--target-flip {wanted:g}", "FLIP", bias, False, says, point.id)
-        return Target(f"--target-flip {wanted:g}", "FLIP", self._flip(point), bool(holding), says, point.id)
+        return Target(f"--target-flip {wanted:g}", NOISE_UNIT, self._flip(point), bool(holding), says, point.id)
 
     def _flip(self, point: Point) -> float:
         return self._measurement.noise_flip(point.options)
@@ -173,8 +171,7 @@ def _next_samples(found: Mapping[int, float], wanted: float, start: int) -> int:
         (n0, e0), (n1, e1) = nearest
         slope = max(-math.log(e1 / e0) / math.log(n1 / n0), 0.1)
     samples, error = nearest[0]
-    picked = math.ceil(samples * (error / (AIM * wanted)) ** (1.0 / slope))
-    return max(1, min(picked, MOST_GROWTH * max(found)))
+    return max(1, min(grown(samples, error / (AIM * wanted), slope), MOST_SAMPLES))
 
 
 def _samples_in(point: Point, seconds: float) -> int:

@@ -32,6 +32,7 @@ def page(data: Mapping[str, Any], folder: Path) -> str:
     points = {str(key): point or {} for key, point in (data.get("points") or {}).items()}
     front = [str(key) for key in data.get("front") or ()]
     named = data.get("named") or ()
+    comparable = {key: points[key] for key in data.get("comparable") or points if key in points}
     prims = _most_wrong(data.get("prims") or ())
     found = pictures(data, folder)
     missing = [f"{path}: no PNG file was found there" for path in found.missing]
@@ -44,7 +45,7 @@ def page(data: Mapping[str, Any], folder: Path) -> str:
             axes=[_axis(i, axis, points) for i, axis in enumerate(data.get("axes") or ())],
             front=front,
             named_kinds=_kinds(points.get(each.get("id"), {}) for each in named),
-            front_plots=_both(lambda size: front_plot(points, front, named, size)),
+            front_plots=_both(lambda size: front_plot(comparable, front, named, size)),
             stages_plots=_both(lambda size: stages_plot(named, points, size)),
             prims=prims,
             prim_count=len(data.get("prims") or ()),

@@ -28,7 +28,7 @@ class Choice:
 
 @dataclass
 class Pictures:
-    """All choices: the reference first, then the named settings, then the rest of the front."""
+    """All choices: the reference first, then the named settings, those of the targets, then the rest of the front."""
 
     choices: list[Choice] = field(default_factory=list)
     missing: list[str] = field(default_factory=list)
@@ -62,6 +62,8 @@ def pictures(data: Mapping[str, Any], folder: Path) -> Pictures:
     found.add(folder, "reference", "Reference", data.get("reference") or {})
     for named in data.get("named") or ():
         found.add(folder, str(named.get("id")), str(named.get("name", "")), points.get(named.get("id")) or {})
+    for target in data.get("targets") or ():
+        found.add(folder, str(target.get("id")), str(target.get("asked", "")), points.get(target.get("id")) or {})
     for key in data.get("front") or ():
         point = points.get(key) or {}
         label = f"Front, {seconds(frame_seconds(point))} s: {options_text(point.get('options'))}"

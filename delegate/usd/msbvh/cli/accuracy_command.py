@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 import json
 import shlex
 from dataclasses import replace
@@ -10,20 +11,20 @@ from typing import Any
 
 import click
 
+from ..accuracy.all_knobs import ALL
 from ..accuracy.options import Options, Value
 from ..accuracy.run import AccuracySettings, run_accuracy
 from ..accuracy.scenes import SCENES
 from ..accuracy.tables import write_tables
 from ..accuracy_report.report import check_libraries, write_report
 from ..base.atomic import check_folder, write_whole
-from ..base.errors import Diagnostics
 from ..base.exit_codes import DONE, WRONG
 from ..base.progress import Progress
 from ..base.reporter import Reporter
 from ..farm.frames import parse_frame_specs
 from ..render.budget import Goals
 from ..render.record import report
-from .budget_options import GOALS
+from .budget_options import REPORTED_GOALS
 from .frame_options import check_text, parse, read_settings
 from .option_types import Names
 from .options import MAX_SPP, READING, with_options
@@ -31,6 +32,7 @@ from .options import MAX_SPP, READING, with_options
 DEFAULT_WIDTH = 480
 QUICK_DETAIL = 0.1
 """Of built-in scenes."""
+NO_AXIS = "none"
 KNOBS = ("motion-tolerance", "interpolation", "segments", "edge-length", "complexity", "displacement", "curves")
 """Options of SCENE that a report turns; what the user gives is where the others are held."""
 
@@ -61,7 +63,7 @@ OPTIONS = (
         default="*",
         show_default=True,
         metavar="GLOB[,...]",
-        help="Turn only these knobs, by their options: spp, motion-tolerance, 'edge*' ...",
+        help="Turn only these knobs, by their options: spp, motion-tolerance, 'edge*' ... none: named settings and goals alone.",
     ),
     click.option(
         "--rounds",
@@ -90,7 +92,7 @@ OPTIONS = (
 
 @click.command("accuracy", context_settings={"default_map": {"image_width": DEFAULT_WIDTH}})
 @click.argument("scene", required=False, type=click.Path(path_type=str))
-@with_options(READING, OPTIONS, GOALS)
+@with_options(READING, OPTIONS, REPORTED_GOALS)
 @click.pass_context
 def accuracy_command(ctx: click.Context, scene: str | None, frame: str | None, out: Path, **options: Any) -> int:
     """Measure what each step of accuracy costs on SCENE, and write a report: motion, shape and noise apart, in pixels and in
@@ -105,6 +107,9 @@ def accuracy_command(ctx: click.Context, scene: str | None, frame: str | None, o
     frames = parse(lambda: parse_frame_specs(frame))[0] if frame else []
     if len(frames) > 1 or (frames and options["default_time"]):
         raise click.UsageError("accuracy looks at one frame: --frame takes one time code, and not beside --defaultTime")
+    _check_axes(options["globs"])
+    if "#" in str(out):
+        raise click.UsageError(f"--out: found '{out}', expected a name without '#', which stands for frame numbers")
     check_folder(out)
     settings = AccuracySettings(
         scene=scene or "",
@@ -136,17 +141,23 @@ def accuracy_command(ctx: click.Context, scene: str | None, frame: str | None, o
 
 def _reported(settings: AccuracySettings, out: Path, reporter: Reporter) -> bool:
     """Measures a scene and writes its report; whether all goals are kept."""
-    diagnostics = Diagnostics()
     with Progress(f"msbvh: accuracy: {Path(settings.scene).name}") as progress:
-        data = run_accuracy(settings, out, progress, diagnostics)
-    report(diagnostics, reporter)
-    write_whole(out / "accuracy.json", f"{json.dumps(data, indent=1)}\n".encode())
+        data = run_accuracy(settings, out, progress, lambda found: report(found, reporter))
+    write_whole(out / "accuracy.json", f"{json.dumps(data, indent=1, allow_nan=False)}\n".encode())
     write_tables(data, out)
     page = write_report(data, out)
     for sentence in data["findings"]:
         print(sentence)
     print(f"Report: {page}", flush=True)
     return all(target["holds"] for target in data["targets"])
+
+
+def _check_axes(globs: tuple[str, ...]) -> None:
+    """Those that match no knob are slips."""
+    known = [knob.option for knob in ALL]
+    for glob in globs:
+        if glob != NO_AXIS and not fnmatch.filter(known, glob):
+            raise click.UsageError(f"--axes: found '{glob}', expected any of: {', '.join(known)}, or {NO_AXIS}")
 
 
 def _base(ctx: click.Context, options: dict[str, Any]) -> Options:

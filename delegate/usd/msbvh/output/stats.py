@@ -47,7 +47,7 @@ class FrameStats:
 
     budget: dict[str, Any] | None = None
     """What came of --target-error, --target-flip and --time-budget: error_px, flip, seconds (those that were asked for),
-    samples a pixel, and misses, in words."""
+    samples a pixel, unknown_shapes, the prims whose shape was not measured, and misses, in words."""
 
     @contextmanager
     def timed(self, phase: str) -> Iterator[None]:

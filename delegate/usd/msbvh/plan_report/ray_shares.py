@@ -17,8 +17,8 @@ OF_GEOMETRY = (
     "subdivision",
 )
 """Effects that prims ask for whose geometry rays meet."""
-OF_INSTANCES = ("instances", "moving instances")
-"""Asked for by what instances; rays meet what is instanced."""
+INSTANCES = "instances"
+"""Asked for by what instances; rays meet what is instanced. Which of them moves is not told apart."""
 
 
 def ray_shares(found: _core.FoundEffects, costs: _core.RayCosts) -> Mapping[str, float]:
@@ -31,7 +31,7 @@ def ray_shares(found: _core.FoundEffects, costs: _core.RayCosts) -> Mapping[str,
     for row in found["effects"]:
         if not row["asked_by"]:
             continue
-        if row["effect"] in OF_INSTANCES:
+        if row["effect"] == INSTANCES:
             result[row["effect"]] = instanced
         elif row["effect"] in OF_GEOMETRY:
             result[row["effect"]] = sum(shares.get(path, 0.0) for path in {path for path, _ in row["asked_by"]})

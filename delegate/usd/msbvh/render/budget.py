@@ -33,6 +33,15 @@ AIM = 0.97
 """Of what is wanted: a little below, so that noise in the measure does not lift it above."""
 
 
+WRITING = 2e-7
+"""Seconds a pixel and file: about what a compressed image takes."""
+
+
+def writing_seconds(pixels: int, files: int) -> float:
+    """About what it takes to write a frame."""
+    return WRITING * pixels * files
+
+
 @dataclass(frozen=True)
 class Goals:
     """What is asked for; None: it is not."""
@@ -53,6 +62,10 @@ class Goals:
         return self.flip is not None or self.seconds is not None
 
 
+COUNTED = ("rays", "rays_in_packets", "rays_interleaved", "rays_single", "camera_rays", "trace_seconds")
+"""Of _core.RenderStatistics: what each range of samples adds to."""
+
+
 @dataclass(frozen=True)
 class Outcome:
     """A frame that kept its budget, or did not."""
@@ -62,8 +75,8 @@ class Outcome:
     samples: int
     flip: float | None
     """None: nobody asked."""
-    rays: int
-    trace_seconds: float
+    statistics: Mapping[str, float]
+    """COUNTED, summed over all ranges of samples."""
 
     def misses(self, goals: Goals, frame_seconds: float) -> list[str]:
         """What is not kept, in words."""
@@ -76,26 +89,32 @@ class Outcome:
 
 
 def render_within(
-    renderer: Any, goals: Goals, started: float, progress: Callable[[float], object], aovs: tuple[str, ...] = ()
+    renderer: Any,
+    goals: Goals,
+    ends: float,
+    progress: Callable[[float], object],
+    aovs: tuple[str, ...] = (),
 ) -> Outcome:
-    """Renders with as many samples as the goals ask for. `started`: time.perf_counter() at the frame's beginning."""
-    return _Rendering(renderer, goals, started, progress, aovs).run()
+    """Renders with as many samples as the goals ask for. `ends`: time.perf_counter() when the last sample has to be there, if
+    there is a goal for the time."""
+    return _Rendering(renderer, goals, ends, progress, aovs).run()
 
 
 class _Rendering:
     def __init__(
-        self, renderer: Any, goals: Goals, started: float, progress: Callable[[float], object], aovs: tuple[str, ...]
+        self, renderer: Any, goals: Goals, ends: float, progress: Callable[[float], object], aovs: tuple[str, ...]
     ) -> None:
         self._renderer = renderer
         self._goals = goals
-        self._started = started
+        self._ends = ends
         self._progress = progress
         self._halves = (SampleSum(aovs), SampleSum(aovs))
         self._samples = 0
         self._seen: list[tuple[int, float]] = []
         """Samples, and FLIP with so many."""
-        self._rays = 0
+        self._statistics: dict[str, float] = dict.fromkeys(COUNTED, 0)
         self._seconds = 0.0
+        """Of all ranges, with what judging them takes."""
         self._share = 0.0
 
     def run(self) -> Outcome:
@@ -106,10 +125,10 @@ class _Rendering:
         self._progress(1.0)
         whole = SampleSum.merged(self._halves)
         flip = self._seen[-1][1] if self._seen else None
-        return Outcome(whole.pixels, whole.aovs, self._samples, flip, self._rays, self._seconds)
+        return Outcome(whole.pixels, whole.aovs, self._samples, flip, self._statistics)
 
     def _add(self, count: int) -> None:
-        """As many samples to either half."""
+        """Adds samples, half of them to each half."""
         begin = time.perf_counter()
         for half in self._halves:
             low, step = self._share, (1.0 - self._share) * 0.4
@@ -117,11 +136,12 @@ class _Rendering:
             pixels, aovs = self._renderer.render_samples(self._samples, count // 2, said)
             half.add(count // 2, pixels, aovs)
             self._samples += count // 2
-            self._rays += self._renderer.statistics["rays"]
+            found = self._renderer.statistics
+            self._statistics = {name: value + found[name] for name, value in self._statistics.items()}
             self._share = low + step
-        self._seconds += time.perf_counter() - begin
         if self._goals.flip is not None:
             self._seen.append((self._samples, self._flip()))
+        self._seconds += time.perf_counter() - begin
 
     def _flip(self) -> float:
         whole = SampleSum.merged(self._halves).pixels[..., :3]
@@ -142,17 +162,20 @@ class _Rendering:
         if len(self._seen) > 1:
             (n0, e0), (n1, e1) = self._seen[-2:]
             slope = min(max(math.log(e0 / e1) / math.log(n1 / n0), 0.15), 1.0) if e1 > 0.0 else slope
-        wanted = samples * (error / (AIM * self._goals.flip)) ** (1.0 / slope)
-        return max(2, min(math.ceil(wanted) + 1, MOST_GROWTH * samples) - samples)
+        return max(2, grown(samples, error / (AIM * self._goals.flip), slope) + 1 - samples)
 
     def _by_time(self) -> float:
         """As many as fit. Half of the room is left at first: the pilot's rate is only roughly that of the rest."""
         if self._goals.seconds is None:
             return math.inf
         rate = self._seconds / self._samples
-        passed = time.perf_counter() - self._started
-        room = AIM * self._goals.seconds - passed
+        room = self._ends - time.perf_counter()
         share = 0.5 if self._samples == FIRST_IN_TIME else 1.0
         fitting = share * room / rate
         # What is left after the second step is a rest that is not worth a third look.
         return fitting if fitting >= 0.03 * self._samples else 0
+
+
+def grown(samples: int, factor: float, slope: float) -> int:
+    """As many samples as divide an error by a factor that falls as a power of them; no more than are known to do so."""
+    return math.ceil(samples * math.exp(min(math.log(factor) / slope, math.log(MOST_GROWTH))))

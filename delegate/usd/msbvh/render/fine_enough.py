@@ -20,12 +20,34 @@ COARSER_FROM = 0.5
 """Of what is allowed: an error below it lets edges be longer."""
 
 
+class FineEnough:
+    """Remembers what an earlier frame of the run was cut by: edges that still keep the error stay as they are, so that a
+    surface is cut alike from frame to frame."""
+
+    def __init__(self) -> None:
+        self._edge: float | None = None
+
+    def read(
+        self, stage: Usd.Stage, read: Callable[[ReadSettings], ReadResult], settings: ReadSettings, pixels: float
+    ) -> ReadResult:
+        """As read_within(), beginning with the last frame's edges."""
+        start = settings if self._edge is None else replace(settings, edge_length=self._edge)
+        result, used = read_within(stage, read, start, pixels, may_be_longer=self._edge is None)
+        self._edge = used.edge_length
+        return result
+
+
 def read_within(
-    stage: Usd.Stage, read: Callable[[ReadSettings], ReadResult], settings: ReadSettings, pixels: float
-) -> ReadResult:
-    """The frame, with the coarsest complexity whose shapes stray by so many pixels, and edges about as long as do. Where no
-    length does, the best that was found: what its tracks say of it is for the caller to tell."""
-    edge = settings.edge_length if settings.edge_length is not None else EDGE_LENGTHS[settings.complexity]
+    stage: Usd.Stage,
+    read: Callable[[ReadSettings], ReadResult],
+    settings: ReadSettings,
+    pixels: float,
+    may_be_longer: bool = True,
+) -> tuple[ReadResult, ReadSettings]:
+    """The frame, with the coarsest complexity whose shapes stray by so many pixels, and edges about as long as do; and the
+    settings that it was read with. Where no length does, the best that was found: what its tracks say of it is for the caller
+    to tell."""
+    edge = settings.edge_length or EDGE_LENGTHS[settings.complexity] or EDGE_LENGTHS["medium"]
     fine = [name for name, strays in SILHOUETTES.items() if strays <= pixels]
     settings = replace(
         settings,
@@ -33,18 +55,20 @@ def read_within(
         measure_shape=True,
         complexity=max(fine, key=lambda name: SILHOUETTES[name]) if fine else "veryhigh",
     )
-    best: tuple[float, ReadResult] | None = None
+    best: tuple[float, ReadResult, ReadSettings] | None = None
     for _ in range(READINGS):
-        result = read(replace(settings, edge_length=edge))
+        used = replace(settings, edge_length=edge)
+        result = read(used)
         error = _worst_by_edges(stage, result)
-        if best is None or _rank(error, edge, pixels) > best[0]:
-            best = _rank(error, edge, pixels), result
-        longer = _next_edge(edge, error, pixels)
-        if longer is None:
+        rank = _rank(error, edge, pixels)
+        if best is None or rank > best[0]:
+            best = rank, result, used
+        other = _next_edge(edge, error, pixels)
+        if other is None or (other > edge and not may_be_longer):
             break
-        edge = longer
+        edge = other
     assert best is not None
-    return best[1]
+    return best[1], best[2]
 
 
 def _worst_by_edges(stage: Usd.Stage, result: ReadResult) -> float:
@@ -69,6 +93,5 @@ def _next_edge(edge: float, error: float, pixels: float) -> float | None:
     """A surface strays with the square of its edges. None: this one will do."""
     if error == 0.0 or COARSER_FROM * pixels <= error <= pixels:
         return None
-    wanted = edge * math.sqrt(0.8 * pixels / error) if edge > 0.0 else EDGE_LENGTHS["medium"]
-    wanted = min(max(wanted, SHORTEST_EDGE), LONGEST_EDGE)
+    wanted = min(max(edge * math.sqrt(0.8 * pixels / error), SHORTEST_EDGE), LONGEST_EDGE)
     return None if math.isclose(wanted, edge, rel_tol=0.05) else wanted

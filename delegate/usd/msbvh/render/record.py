@@ -25,9 +25,9 @@ from ..plan_report.ray_shares import ray_shares
 from ..scene.reader import ReadResult, ReadSettings, read_frame
 from ..stage.opening import open_stage
 from ..stage.stage_metadata import frames_per_second, start_time
-from .budget import Goals, Outcome, render_within
+from .budget import AIM, Goals, Outcome, render_within, writing_seconds
 from .budget_told import tell_budget
-from .fine_enough import read_within
+from .fine_enough import FineEnough
 from .sample_sum import DEPTH, MEANS
 
 
@@ -123,7 +123,7 @@ def record(
     report(diagnostics, reporter)
     outputs.check_stage(stage)
     frame_jobs = _frame_jobs(jobs, stage)
-    kept = Kept(Trees(_with_depth(settings), len(frame_jobs)), _core.RefinementCache())
+    kept = Kept(Trees(_with_depth(settings), len(frame_jobs)), _core.RefinementCache(), FineEnough())
     for frame, files in frame_jobs:
         run.frames.append(_record_frame(stage, frame, files, settings, kept, reporter, read_seconds))
         read_seconds = 0.0  # The stage is opened once: its time stands with the first frame.
@@ -167,6 +167,7 @@ class Kept:
 
     trees: Trees
     refinements: _core.RefinementCache
+    fine_enough: FineEnough
 
 
 def _frame_jobs(jobs: Sequence[FrameJob] | Sequence[str], stage: Usd.Stage) -> Sequence[FrameJob]:
@@ -183,13 +184,15 @@ def _record_frame(
     reporter: Reporter,
     read_seconds: float,
 ) -> FrameStats:
-    stats, started = FrameStats(frame, list(files)), time.perf_counter() - read_seconds
+    stats, ends = FrameStats(frame, list(files)), math.inf
+    if settings.goals.seconds is not None:
+        ends = time.perf_counter() - read_seconds + AIM * settings.goals.seconds
     stats.seconds["read"] = read_seconds
     before = kept.refinements.counts
     with stats.timed("sample"), reading_progress(frame) as progress:
         read = partial(_read, stage, frame, progress, kept)
         wanted = settings.goals.error_px
-        result = read(settings.read) if wanted is None else read_within(stage, read, settings.read, wanted)
+        result = read(settings.read) if wanted is None else kept.fine_enough.read(stage, read, settings.read, wanted)
     stats.subdivision = {name: count - before[name] for name, count in kept.refinements.counts.items()}
     rate = frames_per_second(stage, result.diagnostics)
     report(result.diagnostics, reporter)
@@ -201,7 +204,7 @@ def _record_frame(
     with stats.timed("build"):
         renderer = kept.trees.renderer(result)
     stats.plan = plan_entries(renderer)
-    outcome = _traced(renderer, settings, started, stats)
+    outcome = _traced(renderer, settings, ends - writing_seconds(camera.width * camera.height, len(files)), stats)
     pixels, aovs = outcome.pixels, {name: outcome.aovs[name] for name in settings.render.aovs}
     if settings.ray_costs:
         with stats.timed("ray_costs"):
@@ -233,16 +236,15 @@ def _with_depth(settings: RecordSettings) -> RenderSettings:
     return replace(settings.render, aovs=aovs)
 
 
-def _traced(renderer: _core.Renderer, settings: RecordSettings, started: float, stats: FrameStats) -> Outcome:
+def _traced(renderer: _core.Renderer, settings: RecordSettings, ends: float, stats: FrameStats) -> Outcome:
     """A frame's pixels, with as many samples as are asked for or as the goals want."""
     with stats.timed("trace"), Progress(f"msbvh: {frame_label(stats.frame)}") as progress:
         if settings.goals.decide_samples:
-            outcome = render_within(renderer, settings.goals, started, progress, _with_depth(settings).aovs)
+            outcome = render_within(renderer, settings.goals, ends, progress, _with_depth(settings).aovs)
         else:
             pixels, aovs = renderer.render_with_aovs(progress)
-            found = renderer.statistics
-            outcome = Outcome(pixels, aovs, settings.render.spp, None, found["rays"], found["trace_seconds"])
-    stats.render = {**renderer.statistics, "rays": outcome.rays, "trace_seconds": outcome.trace_seconds}
+            outcome = Outcome(pixels, aovs, settings.render.spp, None, {})
+    stats.render = {**renderer.statistics, **outcome.statistics}
     return outcome
 
 
