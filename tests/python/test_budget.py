@@ -13,6 +13,7 @@ from conftest import Run
 from msbvh import _core
 from msbvh.output.flip import flip_map
 from msbvh.output.images import read_colour
+from msbvh.render.budget import COUNTED, Goals, render_within
 from msbvh.render.fine_enough import FineEnough
 from msbvh.render.sample_sum import SampleSum
 from msbvh.scene.reader import ReadResult, ReadSettings, read_frame
@@ -96,10 +97,38 @@ def test_shape_that_cannot_be_kept_is_an_error(msbvh: Run, tmp_path: Path) -> No
     assert "--target-error 1e-05px: the shape of /" in done.stderr and (tmp_path / "o.exr").exists()
 
 
-def test_a_time_budget_is_filled_and_kept(msbvh: Run, tmp_path: Path) -> None:
-    found = recorded(msbvh, tmp_path, "--time-budget", "2s", "--threads", 1)["budget"]
-    assert found["seconds"] <= 2.2 and found["misses"] == []
-    assert found["samples"] > 2  # More than the pilot.
+class Clocked:
+    """A renderer of grey that takes a second for ten samples, by a clock of its own; the first sample takes three times as
+    long."""
+
+    statistics = dict.fromkeys(COUNTED, 1)
+
+    def __init__(self) -> None:
+        self.now = 100.0
+        self.samples = 0
+
+    def render_samples(self, first: int, count: int, progress: Any) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+        assert first == self.samples
+        self.now += 0.1 * count + (0.2 if first == 0 else 0.0)
+        self.samples += count
+        return np.full((4, 4, 4), 0.5, np.float32), {}
+
+
+@pytest.mark.parametrize("seconds", [1.0, 5.0, 40.0])
+def test_a_time_budget_is_filled_and_kept(seconds: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    renderer = Clocked()
+    monkeypatch.setattr("msbvh.render.budget.time.perf_counter", lambda: renderer.now)
+    outcome = render_within(renderer, Goals(seconds=seconds), renderer.now + seconds, lambda share: None)
+    took = renderer.now - 100.0
+    assert 0.8 * seconds <= took <= seconds and outcome.samples == renderer.samples
+    assert outcome.statistics["rays"] % 2 == 0 and not outcome.misses(Goals(seconds=seconds), took)
+
+
+def test_samples_end_where_the_error_is_reached_or_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    renderer = Clocked()
+    monkeypatch.setattr("msbvh.render.budget.time.perf_counter", lambda: renderer.now)
+    outcome = render_within(renderer, Goals(flip=0.01, seconds=40.0), renderer.now + 40.0, lambda share: None)
+    assert outcome.samples == 2 and outcome.flip == 0.0  # Grey has no noise.
 
 
 def test_a_budget_that_no_frame_keeps_is_an_error_with_a_picture(msbvh: Run, tmp_path: Path) -> None:

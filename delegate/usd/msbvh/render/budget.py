@@ -171,7 +171,7 @@ class _Rendering:
         rate = self._seconds / self._samples
         room = self._ends - time.perf_counter()
         share = 0.5 if self._samples == FIRST_IN_TIME else 1.0
-        fitting = share * room / rate
+        fitting = max(share * room / rate, min(room / rate, 2.0))
         # What is left after the second step is a rest that is not worth a third look.
         return fitting if fitting >= 0.03 * self._samples else 0
 
