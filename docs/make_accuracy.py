@@ -1,6 +1,6 @@
 """Writes docs/accuracy.md and docs/images/accuracy.png: what each step of accuracy costs, on six scenes.
 
-    python docs/make_accuracy.py [--allow-dirty] [--reports DIR]      # `make accuracy`: half an hour on two cores
+    python docs/make_accuracy.py [--allow-dirty] [--reports DIR]      # `make accuracy`: twenty minutes on two cores
 
 Runs `msbvh accuracy` on its built-in scenes and on one public scene (../shared/scenes beside the checkout), to
 out/accuracy/NAME/, where the whole reports are; goes on there after an interruption. --reports: makes the page of reports
@@ -23,7 +23,7 @@ import provenance
 ROOT = Path(__file__).resolve().parents[1]
 OUT = Path("out/accuracy")
 IMAGE = Path("docs/images/accuracy.png")
-OPTIONS = ("--imageWidth", "240", "--spp", "8", "--rounds", "3")
+OPTIONS = ("--imageWidth", "240", "--spp", "8", "--rounds", "2")
 PUBLIC = "velocity_accel/arnold_1427.3/data/test.usd"
 """Of ../shared/scenes: from the testsuite of arnold-usd."""
 GOALS = ("--target-error", "0.25px", "--target-flip", "0.05", "--time-budget", "3s")
