@@ -93,5 +93,5 @@ def _next_edge(edge: float, error: float, pixels: float) -> float | None:
     """A surface strays with the square of its edges. None: this one will do."""
     if error == 0.0 or COARSER_FROM * pixels <= error <= pixels:
         return None
-    wanted = min(max(edge * math.sqrt(0.8 * pixels / error), SHORTEST_EDGE), LONGEST_EDGE)
+    wanted = min(max(float(f"{edge * math.sqrt(0.8 * pixels / error):.3g}"), SHORTEST_EDGE), LONGEST_EDGE)
     return None if math.isclose(wanted, edge, rel_tol=0.05) else wanted
