@@ -232,6 +232,7 @@ def plot(reports: Mapping[str, Report], path: Path) -> None:
 
     matplotlib.use("Agg")
     from matplotlib import pyplot
+    from matplotlib.ticker import NullFormatter
 
     rows = (len(reports) + 2) // 3
     figure, panels = pyplot.subplots(rows, 3, figsize=(11, 3.4 * rows), squeeze=False)
@@ -254,6 +255,7 @@ def plot(reports: Mapping[str, Report], path: Path) -> None:
         panel.set_xlabel("seconds a frame")
         panel.set_ylabel("relative MSE")
         panel.grid(alpha=0.2)
+        panel.xaxis.set_minor_formatter(NullFormatter())
     panels[0, 0].legend(fontsize=8)
     figure.tight_layout()
     figure.savefig(path, dpi=110, metadata={"Software": None})
