@@ -76,7 +76,9 @@ def main() -> None:
         )
     if not reports:
         sys.exit(f"make_accuracy: error: {folder}: found no */accuracy.json, expected reports of `msbvh accuracy`")
-    (ROOT / "docs" / "accuracy.md").write_text("\n".join(page(reports, commits.pop())) + "\n", encoding="utf-8")
+    (ROOT / "docs" / "accuracy.md").write_text(
+        "\n".join(page(reports, commits.pop())).rstrip("\n") + "\n", encoding="utf-8"
+    )
     plot(reports, ROOT / IMAGE)
 
 

@@ -58,7 +58,7 @@ class CostTally {
   // All of one ray. A node below which one row's geometry stands is that row's, whether or not the ray gets
   // to a leaf. What is several rows' is split by what this ray costs each by itself: in an instance, among
   // those that it shows, and where the ray gets to none of them alone, by their leaf entries; in the world's
-  // tree among all, and where that is none, it is empty space's.
+  // tree among all, and if it meets none of them, it is empty space's.
   void add(const std::vector<TraceVisit>& ray);
   CostTally& operator+=(const CostTally& other);
 

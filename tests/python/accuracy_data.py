@@ -302,7 +302,7 @@ def _prims() -> list[dict[str, Any]]:
                 "trace_share": 0.31 / (i + 1) if i != 2 else None,
                 "build_share": 0.1 * (i + 1),
                 "cheaper": {"track": "1 quadratic", "error_px": 0.31, "frame_share": -0.11} if i < 3 else None,
-                "dearer": {"track": "4 cubics", "error_px": 0.011, "frame_share": 0.06} if i < 2 else None,
+                "finer": {"track": "4 cubics", "error_px": 0.011, "frame_share": 0.06} if i < 2 else None,
             }
         )
     return found

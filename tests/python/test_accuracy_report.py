@@ -316,7 +316,7 @@ def hostile() -> dict[str, Any]:
         {"name": "$a$ & <b>", "option": "o", "error": error, "series": series} for error in errors
     ]
     axes += [{}, {"error": "none", "series": []}, {"series": [{"points": [{"id": "unknown"}]}]}]
-    prim = {"path": "/<b>", "error_px": math.nan, "cheaper": {}, "dearer": {"error_px": math.inf, "frame_share": None}}
+    prim = {"path": "/<b>", "error_px": math.nan, "cheaper": {}, "finer": {"error_px": math.inf, "frame_share": None}}
     return {
         "scene": "</title><script>throw 2</script>.usda",
         "points": points,

@@ -79,6 +79,7 @@ MODULE_HOMES = {
         "cli.option_types",
         "cli.options",
         "cli.plan_command",
+        "cli.render_options",
         "cli.verify_command",
     },
     "tqdm": {"base.progress"},

@@ -1,4 +1,4 @@
-"""Prim by prim: which track it has, and what the next cheaper and the next dearer one would bring."""
+"""Prim by prim: which track it has, and what the next cheaper and the next finer one would bring."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ def _row(
     changes: FrameChanges,
 ) -> dict[str, Any]:
     cheaper = next((found for found in _others(path, track, ladder, tolerance, 1)), None)
-    dearer = next((found for found in _others(path, track, ladder, tolerance, -1)), None)
+    finer = next((found for found in _others(path, track, ladder, tolerance, -1)), None)
     return {
         "path": path,
         "source": track.source,
@@ -169,14 +169,14 @@ def _row(
         "keys": track.keys,
         "count": track.count,
         "cheaper": _plain(path, cheaper, track, changes),
-        "dearer": _plain(path, dearer, track, changes),
+        "finer": _plain(path, finer, track, changes),
     }
 
 
 def _others(
     path: str, track: Track, ladder: Mapping[float, Mapping[str, Track]], tolerance: float, way: int
 ) -> list[tuple[float, Track]]:
-    """Other tracks, by the tolerances that ask for them; way 1: cheaper ones, -1: dearer ones; the next first."""
+    """Other tracks, by the tolerances that ask for them; way 1: cheaper ones, -1: finer ones; the next first."""
     asked = sorted((value for value in ladder if (value - tolerance) * way > 0.0), key=lambda value: way * value)
     found = [(value, ladder[value][path]) for value in asked if path in ladder[value]]
     return [(value, other) for value, other in found if other.form != track.form]

@@ -54,8 +54,8 @@ def _point(point: dict[str, Any]) -> dict[str, Any]:
 
 def _prim_rows(data: dict[str, Any]) -> Iterator[dict[str, Any]]:
     for prim in data["prims"]:
-        row = {name: value for name, value in prim.items() if name not in ("cheaper", "dearer")}
-        for way in ("cheaper", "dearer"):
+        row = {name: value for name, value in prim.items() if name not in ("cheaper", "finer")}
+        for way in ("cheaper", "finer"):
             other = prim[way] or {}
             row |= {f"{way}_{name}": other.get(name) for name in ("track", "error_px", "bytes", "frame_share")}
         yield row

@@ -28,6 +28,7 @@ from .budget_options import REPORTED_GOALS
 from .frame_options import check_text, parse, read_settings
 from .option_types import Names
 from .options import MAX_SPP, READING, with_options
+from .render_options import THREADS
 
 DEFAULT_WIDTH = 480
 QUICK_DETAIL = 0.1
@@ -80,13 +81,7 @@ OPTIONS = (
         show_default=True,
         help="Seed of the first round.",
     ),
-    click.option(
-        "--threads",
-        type=click.IntRange(0, 4096),
-        default=0,
-        show_default=True,
-        help="Threads to render with; 0: all cores.",
-    ),
+    THREADS,
 )
 
 
@@ -97,7 +92,7 @@ OPTIONS = (
 def accuracy_command(ctx: click.Context, scene: str | None, frame: str | None, out: Path, **options: Any) -> int:
     """Measure what each step of accuracy costs on SCENE, and write a report: motion, shape and noise apart, in pixels and in
     the picture, beside seconds and bytes; the settings that no others beat; and, prim by prim, what a cheaper and a
-    dearer track would bring.
+    finer track would bring.
 
     Every point is rendered in a process of its own. Without SCENE: five built-in ones, each in a folder of its own. Exit
     code 1 if a --target or the --time-budget cannot be kept.

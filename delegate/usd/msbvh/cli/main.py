@@ -49,8 +49,9 @@ from .accuracy_command import accuracy_command
 from .bench_options import BENCH, FRAMES, frame_options
 from .budget_options import GOALS, goals_from
 from .frame_options import check_text, parse, read_one_frame, read_settings
-from .options import CONFORM, ONE_FRAME, OUTPUT, RENDER, SCENE, with_options
+from .options import CONFORM, ONE_FRAME, OUTPUT, SCENE, with_options
 from .plan_command import plan_command
+from .render_options import RENDER
 from .verify_command import verify_command
 
 RENDER_NAMES = (

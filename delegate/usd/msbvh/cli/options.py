@@ -34,7 +34,7 @@ def _unsupported(hint: str) -> Callable[..., None]:
     return refuse
 
 
-def _finite(ctx: click.Context, param: click.Parameter, value: float) -> float:
+def finite(ctx: click.Context, param: click.Parameter, value: float) -> float:
     """Ranges let nan pass, because it compares as neither too small nor too large."""
     if not math.isfinite(value):
         raise click.BadParameter(f"found {value}, expected a finite number", ctx, param)
@@ -120,7 +120,7 @@ READING: Sequence[Decorator] = (
     click.option(
         "--motion-tolerance",
         type=click.FloatRange(0.0, min_open=True),
-        callback=_finite,
+        callback=finite,
         default=0.1,
         show_default=True,
         help="How far, in pixels, motion may deviate from the stage's. Smaller values take more keys and memory.",
@@ -277,101 +277,6 @@ OUTPUT: Sequence[Decorator] = (
 )
 """Which files are written, and how."""
 
-RENDER: Sequence[Decorator] = (
-    click.option(
-        "--spp",
-        type=click.IntRange(1, MAX_SPP),
-        default=64,
-        show_default=True,
-        help="Samples per pixel. Four times the samples halve the noise and take four times as long.",
-    ),
-    click.option(
-        "--seed",
-        type=click.IntRange(0, 2**32 - 1),
-        default=0,
-        show_default=True,
-        help="Random seed. The same seed gives the same pixels, whatever the number of threads.",
-    ),
-    click.option(
-        "--max-bounces",
-        type=click.IntRange(0, 64),
-        default=2,
-        show_default=True,
-        help="Bounces of indirect light; 0: direct light only.",
-    ),
-    click.option(
-        "--enableDomeLightVisibility",
-        "show_domes",
-        is_flag=True,
-        help="Show dome lights behind the scene. Alpha stays the coverage of the scene.",
-    ),
-    click.option(
-        "--threads",
-        type=click.IntRange(0, 4096),
-        default=0,
-        show_default=True,
-        help="Threads to render with; 0: all cores.",
-    ),
-    click.option(
-        "--builder",
-        type=click.Choice(tuple(_core.builders())),
-        default="msbvh",
-        show_default=True,
-        help="Acceleration structure, for comparisons. mbvh: no spatial splits (the paper's baseline). swept: static boxes"
-        " (slow rays). timesplit: one tree per motion segment (memory and build time grow with them).",
-    ),
-    click.option(
-        "--split-budget",
-        type=click.FloatRange(0.0, 64.0),
-        callback=_finite,
-        default=1.0,
-        show_default=True,
-        metavar="SHARE",
-        help="References that the builder's spatial splits may add, as a share of the triangles; spent only where boxes overlap."
-        " More: faster rays among long, thin triangles, more memory and a longer build. 0: none.",
-    ),
-    click.option(
-        "--sampler",
-        type=click.Choice(("sobol", "independent")),
-        default="sobol",
-        show_default=True,
-        help="How samples are spread. sobol: well apart over the pixel, the shutter and the lights. independent: each by itself"
-        " at random, for comparisons; noisier at the same cost.",
-    ),
-    click.option(
-        "--layout",
-        type=click.Choice(("full", "compact")),
-        default="full",
-        show_default=True,
-        help="How trees are kept in memory. compact: boxes in 16 bits a plane, leaves that read the meshes' own points. By"
-        " measurement 0.15 to 0.5 of the bytes where things move, 0.6 to 0.7 where they stand still, for about a fifth"
-        " fewer rays a second, half as many where incoherent rays meet thin strands at 9 keys. The picture is the same.",
-    ),
-    click.option(
-        "--refit",
-        type=click.Choice(("auto", "always", "never")),
-        default="auto",
-        show_default=True,
-        help="What happens to trees from frame to frame. auto: keep those of static geometry and refit those of moving"
-        " geometry, until tracing is estimated to cost 20 % more. always: the same, regardless of cost. Both hold two"
-        " frames in memory. never: rebuild every frame, for the fastest rays and the least memory. The picture is the"
-        " same.",
-    ),
-    click.option(
-        "--renderer",
-        "-r",
-        metavar="NAME",
-        help="Accepted for compatibility with usdrecord; the renderer is always msbvh.",
-    ),
-    click.option(
-        "--disableGpu",
-        is_flag=True,
-        expose_value=False,
-        help="Accepted for compatibility with usdrecord; msbvh never uses a GPU.",
-    ),
-)
-"""How the renderer works."""
-
 CONFORM: Sequence[Decorator] = (
     click.option(
         "--suite",
@@ -414,7 +319,7 @@ CONFORM: Sequence[Decorator] = (
     click.option(
         "--timeout",
         type=click.FloatRange(0.0, min_open=True),
-        callback=_finite,
+        callback=finite,
         default=120.0,
         show_default=True,
         metavar="SECONDS",
