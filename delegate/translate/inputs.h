@@ -156,6 +156,7 @@ struct MeshInput {
   std::uint32_t material = kNone;
   // Empty, or one a face in place of `material`; negative: none.
   std::span<const int> face_materials;
+  std::uint32_t prim_id = kNone;  // for the AOV primId; kNone: the place in the scene
 };
 
 // Quaternions as USD lays them out.
@@ -210,6 +211,8 @@ struct InstancesInput {
   std::vector<std::string> paths{};
   // Whether there is a report of all together as well; always, where there are no paths.
   bool report_whole = false;
+  // For the AOV instanceId, one an instance; empty: they are counted.
+  std::span<const std::int32_t> ids{};
 };
 
 // One time of a camera; window, lens and clip as in core/scene/scene.h.

@@ -301,6 +301,13 @@ const std::string& TranslatedMesh::name() const {
                   : mesh.shape.name;
 }
 
+Appearance& TranslatedMesh::look() {
+  if (grids) return *grids;
+  if (curves) return *curves;
+  if (points) return *points;
+  return mesh;
+}
+
 Box3d TranslatedMesh::box() const {
   Box3d box;
   const auto add = [&](const Box3f& b) {

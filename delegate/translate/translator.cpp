@@ -136,6 +136,7 @@ std::optional<TranslatedMesh> Translator::Data::translated(const MeshInput& inpu
   target.displacements = displacements;
   std::optional<TranslatedMesh> result = translate_mesh(input, target, log);
   if (result) {
+    result->look().prim_id = input.prim_id;
     tracks.push_back(result->track);
   } else if (!log.rejected()) {
     ++empty_meshes;
@@ -168,6 +169,7 @@ void Translator::Data::add_instanced(TranslatedMesh translated) {
   const bool baked = translated.world_from_mesh.empty();
   scene.prototypes.push_back({name, {add(translated)}, baked ? translated.time_remap : TimeRemap{}});
   InstanceSet set{name, prototype, 0, {Affine3f{}}, {}};
+  set.ids = {-1};
   if (!baked) {
     set.segments = translated.track.segments;
     set.degree = translated.track.degree;

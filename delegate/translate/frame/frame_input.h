@@ -1,0 +1,70 @@
+// All of a frame as a front-end has looked it up: values with their times, and motions that can be asked for
+// more. What is made of it is decided in assemble.h. Spans borrow: they must live until assemble_frame()
+// returns.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "delegate/translate/frame/intervals.h"
+#include "delegate/translate/frame/motions.h"
+#include "delegate/translate/frame/placed_levels.h"
+#include "delegate/translate/frame/shutter.h"
+#include "delegate/translate/inputs.h"
+#include "delegate/translate/look/light_samples.h"
+#include "delegate/translate/look/shader_network.h"
+#include "delegate/translate/shape/subsets.h"
+
+namespace msbvh::translate {
+
+// Faces that have a material of their own.
+struct BoundSubset {
+  FaceSubset faces;
+  std::string material{};  // path of the material; empty: none
+};
+
+// A mesh, curves or points, without its transform.
+struct FrameShape {
+  // Without world_from_object, material, face_materials. `named_primvars` may be more than its materials
+  // read.
+  MeshInput mesh;
+  MotionPointer motion{};  // one thing: into the world or its group's space
+  std::string material{};  // path; empty: displayColor shows
+  std::vector<BoundSubset> subsets{};
+};
+
+// Shapes that are placed together.
+struct FrameGroup {
+  std::string path{};  // of the prim that instances them; empty: they stand in the world
+  std::vector<FrameShape> shapes{};
+  std::vector<PlacedLevel> levels{};    // the innermost first; none: they stand in the world
+  Visibility visible{};                 // of the levels
+  PrimvarInput<Vec3f> display_color{};  // one an instance, without indices, or none
+
+  std::size_t count() const;  // of instances; 1 in the world
+};
+
+struct FrameLight {
+  std::string path{};
+  LightKind kind = LightKind::kDistant;
+  SampledLight light;
+  MotionPointer motion;  // one thing a place
+};
+
+// A material of which a network was found.
+struct FrameMaterial {
+  std::string path{};
+  ShaderNetwork network;
+};
+
+struct FrameInput {
+  CameraInput camera;
+  Shutter shutter;  // of the camera
+  std::vector<FrameMaterial> materials{};
+  std::vector<FrameGroup> groups{};
+  std::vector<FrameLight> lights{};
+  bool camera_light = true;  // usdrecord's, where there is no light
+};
+
+}  // namespace msbvh::translate
