@@ -30,6 +30,7 @@ struct CameraMoment {
 // the bottom: 0 to 1 is all of it, more is overscan.
 struct WindowPart {
   double left = 0.0, right = 1.0, bottom = 0.0, top = 1.0;
+  bool operator==(const WindowPart&) const = default;
 };
 
 // How a camera's window becomes that of an image.
@@ -37,6 +38,7 @@ struct Framing {
   double image_aspect = 1.0;  // width / height of the whole image, in the scene
   AspectPolicy policy = AspectPolicy::kExpandAperture;
   WindowPart part{};
+  bool operator==(const Framing&) const = default;
 };
 
 // Throws Error that names the camera, its attribute, what was found and what is expected.

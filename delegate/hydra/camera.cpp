@@ -1,0 +1,230 @@
+#include "delegate/hydra/camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <pxr/base/gf/camera.h>
+#include <pxr/imaging/hd/cameraSchema.h>
+
+#include "core/base/error.h"
+#include "delegate/hydra/motion_source.h"
+#include "delegate/hydra/render_param.h"
+#include "delegate/translate/sample/even_times.h"
+
+namespace msbvh::hydra {
+namespace {
+
+using translate::AspectPolicy;
+using translate::CameraMoment;
+using translate::Optics;
+
+AspectPolicy policy_of(CameraUtilConformWindowPolicy policy) {
+  switch (policy) {
+    case CameraUtilMatchVertically:
+      return AspectPolicy::kAdjustApertureWidth;
+    case CameraUtilMatchHorizontally:
+      return AspectPolicy::kAdjustApertureHeight;
+    case CameraUtilCrop:
+      return AspectPolicy::kCropAperture;
+    case CameraUtilDontConform:
+      return AspectPolicy::kAdjustPixelAspectRatio;
+    default:
+      return AspectPolicy::kExpandAperture;
+  }
+}
+
+// Hydra counts apertures, offsets and focal lengths in units of the scene, USD in tenths of them.
+Optics in_tenths(Optics optics) {
+  optics.horizontal_aperture /= GfCamera::APERTURE_UNIT;
+  optics.vertical_aperture /= GfCamera::APERTURE_UNIT;
+  optics.horizontal_aperture_offset /= GfCamera::APERTURE_UNIT;
+  optics.vertical_aperture_offset /= GfCamera::APERTURE_UNIT;
+  optics.focal_length /= GfCamera::FOCAL_LENGTH_UNIT;
+  return optics;
+}
+
+Projection projection_of(HdCamera::Projection projection) {
+  return projection == HdCamera::Orthographic ? Projection::kOrthographic
+                                              : Projection::kPerspective;
+}
+
+CameraMoment synced_moment(const HdCamera& camera) {
+  Optics optics;
+  optics.projection = projection_of(camera.GetProjection());
+  optics.horizontal_aperture = double(camera.GetHorizontalAperture());
+  optics.vertical_aperture = double(camera.GetVerticalAperture());
+  optics.horizontal_aperture_offset = double(camera.GetHorizontalApertureOffset());
+  optics.vertical_aperture_offset = double(camera.GetVerticalApertureOffset());
+  optics.focal_length = double(camera.GetFocalLength());
+  optics.f_stop = double(camera.GetFStop());
+  optics.focus_distance = double(camera.GetFocusDistance());
+  const GfRange1f& clip = camera.GetClippingRange();
+  return {0.0, matrix_of(camera.GetTransform()), in_tenths(optics), {clip.GetMin(), clip.GetMax()}};
+}
+
+// The attributes of a camera that may change within the shutter.
+class MovingOptics {
+ public:
+  explicit MovingOptics(HdCameraSchema schema)
+      : numbers_{{schema.GetHorizontalAperture(), &Optics::horizontal_aperture},
+                 {schema.GetVerticalAperture(), &Optics::vertical_aperture},
+                 {schema.GetHorizontalApertureOffset(), &Optics::horizontal_aperture_offset},
+                 {schema.GetVerticalApertureOffset(), &Optics::vertical_aperture_offset},
+                 {schema.GetFocalLength(), &Optics::focal_length},
+                 {schema.GetFStop(), &Optics::f_stop},
+                 {schema.GetFocusDistance(), &Optics::focus_distance}},
+        clip_(schema.GetClippingRange()) {}
+
+  std::vector<double> breakpoints01(const Shutter& shutter) const {
+    std::vector<double> found;
+    const auto add = [&](HdSampledDataSource* source) {
+      if (!source) return;
+      for (const float offset : contributing_offsets(*source, shutter))
+        found.push_back(shutter.time01(double(offset)));
+    };
+    for (const auto& [source, member] : numbers_) add(source.get());
+    add(clip_.get());
+    return found;
+  }
+
+  // `still` has the values of what is not sampled.
+  CameraMoment at(double time01, const Shutter& shutter, const CameraMoment& still) const {
+    const auto offset = float(shutter.frames_at(time01));
+    Optics optics = still.optics;
+    for (const auto& [source, member] : numbers_) {
+      if (source) optics.*member = tenths(member, double(source->GetTypedValue(offset)));
+    }
+    CameraMoment moment{time01, still.world_from_camera, optics, still.clip};
+    if (clip_) {
+      const GfVec2f clip = clip_->GetTypedValue(offset);
+      moment.clip = {clip[0], clip[1]};
+    }
+    return moment;
+  }
+
+ private:
+  using Member = double Optics::*;
+
+  static double tenths(Member member, double value) {
+    Optics one;
+    one.*member = value;
+    return in_tenths(one).*member;
+  }
+
+  std::vector<std::pair<HdFloatDataSourceHandle, Member>> numbers_;
+  HdVec2fDataSourceHandle clip_;
+};
+
+std::vector<double> inside_shutter(std::vector<double> times01) {
+  std::erase_if(times01, [](double time01) { return !(time01 > 0.0 && time01 < 1.0); });
+  std::sort(times01.begin(), times01.end());
+  times01.erase(std::unique(times01.begin(), times01.end()), times01.end());
+  return times01;
+}
+
+// As densely as a camera is sampled everywhere.
+std::vector<CameraMoment> moments_over(HdSceneDelegate& delegate, const SdfPath& path, const Shutter& shutter,
+                                       const CameraMoment& at_frame, std::vector<double>& breakpoints01) {
+  const MotionPointer motion = transform_motion(delegate, path, shutter);
+  const MovingOptics optics(HdCameraSchema::GetFromParent(scene_index_prim(delegate, path)));
+  breakpoints01 = motion->breakpoints01();
+  const std::vector<double> zooms = optics.breakpoints01(shutter);
+  breakpoints01.insert(breakpoints01.end(), zooms.begin(), zooms.end());
+  breakpoints01 = inside_shutter(std::move(breakpoints01));
+  std::vector<double> times01{0.0};
+  if (shutter.moving() && (!motion->still() || !zooms.empty())) {
+    const double turns = motion->turns(0).rate();
+    times01 = translate::dense_times01(translate::Density::kCamera, turns, breakpoints01, false);
+  }
+  const std::vector<translate::Matrix4d> matrices = translate::matrices_at(*motion, times01);
+  std::vector<CameraMoment> moments;
+  for (std::size_t i = 0; i < times01.size(); ++i) {
+    moments.push_back(optics.at(times01[i], shutter, at_frame));
+    moments.back().world_from_camera = matrices[i];
+  }
+  return moments;
+}
+
+// Of hosts that set matrices and no camera.
+translate::CameraInput from_matrices(const HdRenderPassState& state, const ImageFrame& image) {
+  const auto shown = translate::projected_by(matrix_of(state.GetProjectionMatrix()));
+  if (!shown)
+    throw Error("render pass: found a projection matrix that is neither perspective nor orthographic");
+  translate::CameraInput camera;
+  camera.path = "render pass";
+  camera.projection = shown->projection;
+  camera.near_clip = shown->clip.near_clip;
+  camera.far_clip = shown->clip.far_clip;
+  const ScreenWindow& window = shown->window;
+  const translate::WindowPart& part = image.framing.part;
+  const double width = double(window.right - window.left), height = double(window.top - window.bottom);
+  translate::CameraSample sample;
+  sample.world_from_camera = matrix_of(state.GetWorldToViewMatrix().GetInverse());
+  sample.window = {float(window.left + part.left * width), float(window.left + part.right * width),
+                   float(window.bottom + part.bottom * height), float(window.bottom + part.top * height)};
+  camera.samples.push_back(sample);
+  return camera;
+}
+
+const Camera* camera_of(const HdRenderPassState& state) {
+  return dynamic_cast<const Camera*>(state.GetCamera());
+}
+
+}  // namespace
+
+void Camera::Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits) {
+  const bool changed = (*bits & HdCamera::AllDirty) != 0;
+  HdCamera::Sync(delegate, param, bits);
+  delegate_ = delegate;
+  if (changed) static_cast<RenderParam*>(param)->note_camera();
+}
+
+ImageFrame image_frame(const HdRenderPassState& state) {
+  const CameraUtilFraming& framing = state.GetFraming();
+  ImageFrame image;
+  image.framing.policy = policy_of(state.GetWindowPolicy());
+  if (!framing.IsValid()) {
+    const GfVec4f& viewport = state.GetViewport();
+    image.width = std::uint32_t(std::max(viewport[2], 0.0f));
+    image.height = std::uint32_t(std::max(viewport[3], 0.0f));
+    image.data_window = GfRect2i(GfVec2i(0), int(image.width), int(image.height));
+    image.framing.image_aspect = image.height ? double(image.width) / image.height : 1.0;
+    return image;
+  }
+  const GfRange2f& display = framing.displayWindow;
+  const GfRect2i& data = framing.dataWindow;
+  const double width = double(display.GetSize()[0]), height = double(display.GetSize()[1]);
+  image.data_window = data;
+  image.width = std::uint32_t(std::max(data.GetMaxX() + 1, 0));
+  image.height = std::uint32_t(std::max(data.GetMaxY() + 1, 0));
+  image.framing.image_aspect = double(framing.pixelAspectRatio) * width / height;
+  // CameraUtilFraming counts y downwards, from the upper edge.
+  const double left = double(display.GetMin()[0]), top = double(display.GetMin()[1]);
+  image.framing.part = {(data.GetMinX() - left) / width, (data.GetMaxX() + 1 - left) / width,
+                        1.0 - (data.GetMaxY() + 1 - top) / height, 1.0 - (data.GetMinY() - top) / height};
+  return image;
+}
+
+Shutter shutter_of(const HdRenderPassState& state, Diagnostics& said) {
+  const HdCamera* camera = state.GetCamera();
+  if (!camera) return {};
+  return translate::checked_shutter(camera->GetShutterOpen(), camera->GetShutterClose(),
+                                    {camera->GetId().GetString()}, said);
+}
+
+translate::CameraInput camera_input(const HdRenderPassState& state, const Shutter& shutter,
+                                    const ImageFrame& image, Diagnostics& said) {
+  const HdCamera* camera = state.GetCamera();
+  if (!camera) return from_matrices(state, image);
+  const std::string path = camera->GetId().GetString();
+  const CameraMoment at_frame = synced_moment(*camera);
+  const Camera* ours = camera_of(state);
+  if (!ours || !ours->delegate())
+    return translate::camera_input(path, at_frame, std::span(&at_frame, 1), {}, image.framing, said);
+  std::vector<double> breakpoints01;
+  const std::vector<CameraMoment> moments =
+      moments_over(*ours->delegate(), camera->GetId(), shutter, at_frame, breakpoints01);
+  return translate::camera_input(path, at_frame, moments, breakpoints01, image.framing, said);
+}
+
+}  // namespace msbvh::hydra

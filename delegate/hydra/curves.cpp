@@ -1,0 +1,36 @@
+#include "delegate/hydra/curves.h"
+
+#include <algorithm>
+
+#include "delegate/hydra/render_param.h"
+#include "delegate/hydra/sync_shape.h"
+
+namespace msbvh::hydra {
+
+void CurvesShape::sync_topology(HdSceneDelegate& delegate) {
+  topology_ = delegate.GetBasisCurvesTopology(path());
+}
+
+void CurvesShape::describe(translate::MeshInput& mesh) const {
+  translate::RoundInput& round = mesh.round;
+  round.kind = translate::RoundInput::Kind::kCurves;
+  round.topology.type = topology_.GetCurveType().GetString();
+  round.topology.basis = topology_.GetCurveBasis().GetString();
+  round.topology.wrap = topology_.GetCurveWrap().GetString();
+  round.topology.vertex_counts = span_of(topology_.GetCurveVertexCounts());
+  round.widths = primvar_input<float>(widths().values, widths().interpolation);
+}
+
+void Curves::Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits, const TfToken&) {
+  sync_shape(*this, shape_, *delegate, *static_cast<RenderParam*>(param), *bits,
+             [&] { _UpdateInstancer(delegate, bits); });
+}
+
+void Curves::Finalize(HdRenderParam* param) { static_cast<RenderParam*>(param)->forget_shape(shape_); }
+
+void Curves::_InitRepr(const TfToken& name, HdDirtyBits*) {
+  if (std::none_of(_reprs.begin(), _reprs.end(), _ReprComparator(name)))
+    _reprs.emplace_back(name, HdReprSharedPtr());
+}
+
+}  // namespace msbvh::hydra

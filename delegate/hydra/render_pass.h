@@ -1,0 +1,48 @@
+// A render pass: makes the Scene anew where something has been edited, and has it rendered in the background.
+#pragma once
+
+#include <pxr/imaging/hd/renderPass.h>
+
+#include "delegate/hydra/camera.h"
+#include "delegate/hydra/render_param.h"
+
+namespace msbvh::hydra {
+
+class Delegate;
+
+class RenderPass : public HdRenderPass {
+ public:
+  RenderPass(HdRenderIndex* index, const HdRprimCollection& collection, Delegate& delegate)
+      : HdRenderPass(index, collection), delegate_(delegate) {}
+  ~RenderPass() override;
+
+  bool IsConverged() const override;
+
+ protected:
+  void _Execute(const HdRenderPassStateSharedPtr& state, const TfTokenVector& render_tags) override;
+  void _MarkCollectionDirty() override { seen_ = {}; }
+
+ private:
+  // All that a picture is made of.
+  struct Seen {
+    bool any = false;
+    Edits edits;
+    unsigned int settings_version = 0;
+    ImageFrame image;
+    Shutter shutter;
+    SdfPath camera;
+    GfMatrix4d view{1.0}, projection{1.0};  // of hosts that set no camera
+    TfTokenVector render_tags;
+    HdRenderPassAovBindingVector bindings;
+
+    bool operator==(const Seen& other) const;
+  };
+
+  Seen seen(const HdRenderPassState& state, const TfTokenVector& render_tags) const;
+  void render(const HdRenderPassState& state);
+
+  Delegate& delegate_;
+  Seen seen_;
+};
+
+}  // namespace msbvh::hydra

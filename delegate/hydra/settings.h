@@ -1,0 +1,26 @@
+// Render settings: what a host may set, and what is made of it.
+#pragma once
+
+#include <pxr/imaging/hd/renderDelegate.h>
+
+#include "core/api/renderer.h"
+#include "delegate/hydra/typed_values.h"
+#include "delegate/translate/translator.h"
+
+namespace msbvh::hydra {
+
+struct Settings {
+  RenderSettings render;  // without size and AOVs
+  translate::TranslatorSettings translate;
+};
+
+// For a host's dialogue: names, keys and defaults, which are those of `msbvh record`.
+const HdRenderSettingDescriptorList& setting_descriptors();
+
+// A value that is none of those that are expected is left out, with a warning.
+Settings settings_of(const HdRenderDelegate& delegate, Diagnostics& said);
+
+// Of settings in render settings prims: `msbvh:...`.
+const TfTokenVector& setting_namespaces();
+
+}  // namespace msbvh::hydra

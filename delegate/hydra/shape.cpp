@@ -1,0 +1,182 @@
+#include "delegate/hydra/shape.h"
+
+#include <array>
+#include <cmath>
+
+#include <pxr/imaging/hd/primvarsSchema.h>
+#include <pxr/imaging/hd/renderIndex.h>
+#include <pxr/imaging/hd/sceneIndex.h>
+#include <pxr/imaging/hd/tokens.h>
+
+#include "delegate/hydra/motion_source.h"
+#include "delegate/translate/frame/primvar_policy.h"
+
+namespace msbvh::hydra {
+namespace {
+
+constexpr std::array kInterpolations{HdInterpolationConstant, HdInterpolationUniform, HdInterpolationVarying,
+                                     HdInterpolationVertex, HdInterpolationFaceVarying};
+constexpr HdDirtyBits kPointBits = HdChangeTracker::DirtyPoints | HdChangeTracker::DirtyTopology |
+                                   HdChangeTracker::DirtyComputationPrimvarDesc;
+constexpr HdDirtyBits kPrimvarBits = HdChangeTracker::DirtyPrimvar | HdChangeTracker::DirtyNormals |
+                                     HdChangeTracker::DirtyWidths | HdChangeTracker::DirtyTopology;
+
+// Primvars that are read under names of their own.
+bool is_known(const TfToken& name) {
+  return name == HdTokens->points || name == HdTokens->velocities || name == HdTokens->accelerations ||
+         name == HdTokens->blurScale || name == HdTokens->nonlinearSampleCount;
+}
+
+template <typename T>
+void settle(translate::PrimvarInput<T>& primvar, const std::string& name, translate::PrimLog& log) {
+  translate::settle_samples(primvar, "primvars:" + name, log);
+}
+
+}  // namespace
+
+double time_codes_per_second(HdSceneDelegate& delegate) {
+  constexpr double kUsual = 24.0;
+  static const TfToken globals("sceneGlobals"), rate("timeCodesPerSecond");  // by name: 24.11 has no accessor
+  const HdSceneIndexBaseRefPtr scene = delegate.GetRenderIndex().GetTerminalSceneIndex();
+  if (!scene) return kUsual;
+  const auto source = HdSampledDataSource::Cast(
+      scene->GetDataSource(SdfPath::AbsoluteRootPath(), HdDataSourceLocator(globals, rate)));
+  const VtValue value = source ? source->GetValue(0.0f) : VtValue();
+  const double found = value.IsHolding<double>() ? value.UncheckedGet<double>() : kUsual;
+  return found > 0.0 ? found : kUsual;
+}
+
+void Shape::set_links(const SdfPath& instancer, const SdfPath& material, const TfToken& render_tag,
+                      bool visible) {
+  instancer_ = instancer;
+  material_ = material;
+  render_tag_ = render_tag;
+  visible_ = visible;
+}
+
+void Shape::sync(HdSceneDelegate& delegate, HdDirtyBits bits, std::int32_t prim_id) {
+  delegate_ = &delegate;
+  prim_id_ = prim_id;
+  if (HdChangeTracker::IsTopologyDirty(bits, path_) || HdChangeTracker::IsSubdivTagsDirty(bits, path_))
+    sync_topology(delegate);
+  if (bits & HdChangeTracker::DirtyCategories) has_categories_ = !delegate.GetCategories(path_).empty();
+  stale_ |= bits;
+}
+
+double Shape::blur_scale(HdSceneDelegate& delegate, const Shutter& shutter) const {
+  const VtValue value = timed_primvar(delegate, path_, HdTokens->blurScale, shutter, false).at_frame;
+  const double found = value.IsHolding<float>()          ? double(value.UncheckedGet<float>())
+                       : value.IsHolding<double>()       ? value.UncheckedGet<double>()
+                       : value.IsHolding<VtFloatArray>() ? double(value.UncheckedGet<VtFloatArray>().empty()
+                                                                      ? 1.0f
+                                                                      : value.UncheckedGet<VtFloatArray>()[0])
+                                                         : 1.0;
+  return std::isfinite(found) && found >= 0.0 ? found : 1.0;
+}
+
+void Shape::pull(const Shutter& shutter) {
+  if (!delegate_) return;
+  const bool whole = !read_ || !(camera_shutter_ == shutter);
+  const auto stale = [&](HdDirtyBits bits) { return whole || (stale_ & bits) != 0; };
+  if (!stale(~HdDirtyBits(0))) return;
+  said_.clear();
+  const Shutter own = shutter.scaled(blur_scale(*delegate_, shutter));
+  const bool same_window = own == shutter_ && !whole;
+  shutter_ = own;
+  if (stale(HdChangeTracker::DirtyTransform) || !same_window)
+    motion_ = transform_motion(*delegate_, path_, shutter_);
+  if (stale(kPointBits) || !same_window) pull_points(*delegate_);
+  if (stale(kPrimvarBits) || !same_window) pull_primvars(*delegate_);
+  camera_shutter_ = shutter;
+  read_ = true;
+  stale_ = 0;
+}
+
+void Shape::pull_points(HdSceneDelegate& delegate) {
+  const std::string path = path_.GetString();
+  TimedValues found = timed_computation(delegate, path_, HdTokens->points, shutter_);
+  computed_points_ = !found.empty();
+  if (!computed_points_) found = timed_primvar(delegate, path_, HdTokens->points, shutter_, false);
+  points_ = typed<VtVec3fArray>(found, shutter_, path, "points", said_);
+  velocities_ = accelerations_ = {};
+  if (!computed_points_ && shutter_.moving()) {
+    velocities_ = typed<VtVec3fArray>(timed_primvar(delegate, path_, HdTokens->velocities, shutter_, false),
+                                      shutter_, path, "velocities", said_);
+    accelerations_ =
+        typed<VtVec3fArray>(timed_primvar(delegate, path_, HdTokens->accelerations, shutter_, false),
+                            shutter_, path, "accelerations", said_);
+  }
+  time_codes_per_second_ = time_codes_per_second(delegate);
+  topology_varies_ = topology_varies(delegate, shutter_);
+}
+
+void Shape::pull_primvars(HdSceneDelegate& delegate) {
+  display_color_ = normals_ = {};
+  display_opacity_ = widths_ = {};
+  others_.clear();
+  for (const HdInterpolation interpolation : kInterpolations) {
+    for (const HdPrimvarDescriptor& each : delegate.GetPrimvarDescriptors(path_, interpolation)) {
+      if (!is_known(each.name)) pull_primvar(delegate, each);
+    }
+  }
+}
+
+void Shape::pull_primvar(HdSceneDelegate& delegate, const HdPrimvarDescriptor& descriptor) {
+  const std::string path = path_.GetString(), name = descriptor.name.GetString();
+  const std::string interpolation = interpolation_name(descriptor.interpolation);
+  const auto values = [&] {
+    return timed_primvar(delegate, path_, descriptor.name, shutter_, descriptor.indexed);
+  };
+  if (descriptor.name == HdTokens->displayColor || descriptor.name == HdTokens->normals) {
+    auto& primvar = descriptor.name == HdTokens->normals ? normals_ : display_color_;
+    primvar = {name, interpolation, typed<VtVec3fArray>(values(), shutter_, path, name, said_)};
+  } else if (descriptor.name == HdTokens->displayOpacity || descriptor.name == HdTokens->widths) {
+    auto& primvar = descriptor.name == HdTokens->widths ? widths_ : display_opacity_;
+    primvar = {name, interpolation, typed<VtFloatArray>(values(), shutter_, path, name, said_)};
+  } else {
+    Diagnostics unsaid;  // not every primvar is for us
+    ShapePrimvar<VtVec3fArray> other{name, interpolation,
+                                     typed<VtVec3fArray>(values(), shutter_, path, name, unsaid)};
+    if (other.values.authored()) others_.push_back(std::move(other));
+  }
+}
+
+translate::FrameShape Shape::frame_shape(Diagnostics& said) const {
+  said.insert(said.end(), said_.begin(), said_.end());
+  translate::PrimLog log(said, path_.GetString());
+  translate::FrameShape shape;
+  translate::MeshInput& mesh = shape.mesh;
+  mesh.path = path_.GetString();
+  mesh.prim_id = prim_id_ < 0 ? kNone : std::uint32_t(prim_id_);
+  mesh.points = array_samples(points_);
+  mesh.rates = {array_samples(velocities_), array_samples(accelerations_)};
+  mesh.time_remap = translate::rate_times(shutter_, time_codes_per_second_);
+  mesh.topology_varies = topology_varies_;
+  mesh.computed_points = computed_points_;
+  if (wants_normals() && normals_.values.authored()) {
+    mesh.normals = array_samples(normals_.values);
+    mesh.normals_interpolation = normals_.interpolation;
+    mesh.normals_indices = span_of(normals_.values.indices);
+  }
+  mesh.display_color = primvar_input<Vec3f>(display_color_.values, display_color_.interpolation);
+  mesh.display_opacity = primvar_input<float>(display_opacity_.values, display_opacity_.interpolation);
+  settle(mesh.display_color, "displayColor", log);
+  settle(mesh.display_opacity, "displayOpacity", log);
+  for (const ShapePrimvar<VtVec3fArray>& other : others_) {
+    mesh.named_primvars.push_back({other.name, primvar_input<Vec3f>(other.values, other.interpolation)});
+    settle(mesh.named_primvars.back().primvar, other.name, log);
+  }
+  describe(mesh);
+  settle(mesh.round.widths, "widths", log);
+  shape.motion = motion_;
+  shape.material = material_.GetString();
+  if (const HdGeomSubsets* parts = subsets()) {
+    for (const HdGeomSubset& part : *parts) {
+      if (part.type != HdGeomSubset::TypeFaceSet || part.materialId.IsEmpty()) continue;
+      shape.subsets.push_back({{part.id.GetString(), span_of(part.indices)}, part.materialId.GetString()});
+    }
+  }
+  return shape;
+}
+
+}  // namespace msbvh::hydra

@@ -1,0 +1,92 @@
+// Renders a Scene on a thread of its own, a few samples at a time, and shows the picture after each step.
+//
+//            start()                       all samples taken
+//   idle ------------> building -> tracing ------------------> idle (converged)
+//    ^                    |          | ^ pause(), resume(): it waits between two steps, samples kept
+//    |       stop()       |          | |
+//    +--------------------+----------+-+   restart(): tracing again, from the first sample, trees kept
+//
+// The thread sees nothing but the Scene, which does not change. All members may be called from one thread, the
+// host's; status() from any.
+#pragma once
+
+#include <condition_variable>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "core/api/renderer.h"
+#include "delegate/translate/frame/sample_sum.h"
+
+namespace msbvh::translate {
+
+// Where pictures go. Called on the render thread.
+class PictureSink {
+ public:
+  virtual ~PictureSink() = default;
+
+  // The picture of the first `samples` samples of each pixel; `last`: there will be no better one.
+  virtual void show(const Image& picture, std::uint32_t samples, bool last) = 0;
+  // What could not be rendered, in one line; there will be no picture.
+  virtual void failed(const std::string& why) = 0;
+};
+
+struct JobStatus {
+  std::uint32_t samples = 0, wanted = 0;  // of each pixel
+  double fraction = 0.0;                  // of all samples, those under way included
+  double seconds = 0.0;                   // since start(), without pauses; until it ended
+  bool building = false, tracing = false, paused = false, stopped = false, converged = false;
+  RenderStatistics statistics{};  // of the last commit and the last step
+};
+
+class RenderJob {
+ public:
+  // `sink` must live longer.
+  explicit RenderJob(PictureSink& sink);
+  ~RenderJob();  // stops
+
+  // Stops what is under way; the trees of the last scene are kept as settings.build says.
+  void start(std::shared_ptr<const Scene> scene, const RenderSettings& settings);
+  // Returns when the thread no longer works, nor shows. Samples stay where they are shown.
+  void stop();
+  void pause();
+  void resume();
+  // After stop(), or in the middle: the same again.
+  void restart();
+  // Nothing will come of what was wanted: status() says converged, so that nobody waits for it.
+  void give_up();
+
+  JobStatus status() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Order {
+    std::shared_ptr<const Scene> scene;  // null: the one that is committed
+    RenderSettings settings;
+  };
+
+  void work();
+  void render(const Order& order);
+  bool step();
+  bool cancelled() const;
+  void wait_while_paused();
+
+  PictureSink& sink_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<Order> order_;
+  bool busy_ = false, cancel_ = false, quit_ = false, committed_ = false;
+  JobStatus status_;
+  Clock::time_point began_{};
+  // Of the thread alone:
+  Renderer renderer_;
+  RenderSettings settings_;
+  SampleSum sum_;
+  std::thread thread_;  // last: starts when the rest is ready
+};
+
+}  // namespace msbvh::translate
