@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-
 #include <pxr/base/gf/camera.h>
 #include <pxr/imaging/hd/cameraSchema.h>
 
@@ -44,8 +43,7 @@ Optics in_tenths(Optics optics) {
 }
 
 Projection projection_of(HdCamera::Projection projection) {
-  return projection == HdCamera::Orthographic ? Projection::kOrthographic
-                                              : Projection::kPerspective;
+  return projection == HdCamera::Orthographic ? Projection::kOrthographic : Projection::kPerspective;
 }
 
 CameraMoment synced_moment(const HdCamera& camera) {

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <optional>
-#include <vector>
-
 #include <pxr/imaging/cameraUtil/conformWindow.h>
 #include <pxr/imaging/cameraUtil/framing.h>
 #include <pxr/imaging/hd/camera.h>
 #include <pxr/imaging/hd/renderPassState.h>
+#include <vector>
 
 #include "delegate/hydra/typed_values.h"
 #include "delegate/translate/frame/camera_moments.h"
@@ -41,8 +40,8 @@ ImageFrame image_frame(const HdRenderPassState& state);
 // Closed, with a word, where the camera's times make no sense; and where there is no camera.
 Shutter shutter_of(const HdRenderPassState& state, Diagnostics& said);
 
-// The camera of a render pass over its shutter, or what its matrices say where there is no camera. Throws Error
-// where nothing can be seen through it.
+// The camera of a render pass over its shutter, or what its matrices say where there is no camera. Throws
+// Error where nothing can be seen through it.
 translate::CameraInput camera_input(const HdRenderPassState& state, const Shutter& shutter,
                                     const ImageFrame& image, Diagnostics& said);
 

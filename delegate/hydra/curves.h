@@ -1,4 +1,5 @@
-// BasisCurves. Hydra has no Hermite curves, and NURBS curves only where a scene index makes basis curves of them.
+// BasisCurves. Hydra has no Hermite curves, and NURBS curves only where a scene index makes basis curves of
+// them.
 #pragma once
 
 #include <pxr/imaging/hd/basisCurves.h>

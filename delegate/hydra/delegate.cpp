@@ -1,12 +1,10 @@
 #include "delegate/hydra/delegate.h"
 
 #include <algorithm>
-
-#include <sys/resource.h>
-
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/imaging/hd/extComputation.h>
 #include <pxr/imaging/hd/tokens.h>
+#include <sys/resource.h>
 
 #include "delegate/hydra/camera.h"
 #include "delegate/hydra/curves.h"
@@ -52,8 +50,8 @@ const TfTokenVector& Delegate::GetSupportedRprimTypes() const {
 const TfTokenVector& Delegate::GetSupportedSprimTypes() const {
   static const TfTokenVector types = [] {
     TfTokenVector all = Light::types();
-    all.insert(all.end(), {HdPrimTypeTokens->camera, HdPrimTypeTokens->material,
-                           HdPrimTypeTokens->extComputation});
+    all.insert(all.end(),
+               {HdPrimTypeTokens->camera, HdPrimTypeTokens->material, HdPrimTypeTokens->extComputation});
     return all;
   }();
   return types;
@@ -158,7 +156,9 @@ HdSprim* Delegate::CreateSprim(const TfToken& type, const SdfPath& path) {
   return nullptr;
 }
 
-HdSprim* Delegate::CreateFallbackSprim(const TfToken& type) { return CreateSprim(type, SdfPath::EmptyPath()); }
+HdSprim* Delegate::CreateFallbackSprim(const TfToken& type) {
+  return CreateSprim(type, SdfPath::EmptyPath());
+}
 
 void Delegate::DestroySprim(HdSprim* prim) { delete prim; }
 
@@ -169,7 +169,9 @@ HdBprim* Delegate::CreateBprim(const TfToken& type, const SdfPath& path) {
   return nullptr;
 }
 
-HdBprim* Delegate::CreateFallbackBprim(const TfToken& type) { return CreateBprim(type, SdfPath::EmptyPath()); }
+HdBprim* Delegate::CreateFallbackBprim(const TfToken& type) {
+  return CreateBprim(type, SdfPath::EmptyPath());
+}
 
 void Delegate::DestroyBprim(HdBprim* prim) { delete prim; }
 

@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <memory>
-
 #include <pxr/imaging/hd/renderDelegate.h>
 #include <pxr/imaging/hd/resourceRegistry.h>
 
@@ -59,7 +58,6 @@ class Delegate : public HdRenderDelegate {
   TfToken GetMaterialBindingPurpose() const override;
   TfTokenVector GetRenderSettingsNamespaces() const override;
   HdAovDescriptor GetDefaultAovDescriptor(const TfToken& name) const override;
-  bool IsParallelSyncEnabled(const TfToken&) const override { return false; }
 
  private:
   mutable RenderParam param_;

@@ -1,7 +1,6 @@
 #include "delegate/hydra/frame_builder.h"
 
 #include <algorithm>
-
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/imaging/hd/renderIndex.h>
 

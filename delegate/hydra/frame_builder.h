@@ -3,10 +3,9 @@
 
 #include <deque>
 #include <memory>
-#include <vector>
-
 #include <pxr/imaging/hd/renderPassState.h>
 #include <pxr/imaging/hd/rprimCollection.h>
+#include <vector>
 
 #include "core/geometry/subdivision/refinement_cache.h"
 #include "delegate/hydra/camera.h"

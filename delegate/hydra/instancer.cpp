@@ -1,7 +1,6 @@
 #include "delegate/hydra/instancer.h"
 
 #include <algorithm>
-
 #include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/tokens.h>
 
@@ -104,9 +103,10 @@ Placed Instancer::place(const SdfPath& prototype, const Shutter& shutter, Diagno
   placed.visible = visible_;
   if (indices.empty() || below || (arrays_ && largest_index(indices) >= count_)) {
     if (!indices.empty()) {
-      said.push_back({Severity::kError, path, "instanceIndices",
-                      message("found ", below ? "a negative index" : "an index too large", ", expected less than ",
-                              count_, "; its instances of ", prototype.GetString(), " are left out")});
+      said.push_back(
+          {Severity::kError, path, "instanceIndices",
+           message("found ", below ? "a negative index" : "an index too large", ", expected less than ",
+                   count_, "; its instances of ", prototype.GetString(), " are left out")});
     }
     placed.visible = false;
     return placed;
@@ -114,8 +114,8 @@ Placed Instancer::place(const SdfPath& prototype, const Shutter& shutter, Diagno
   matrices_ = instance_matrices(delegate, GetId(), largest_index(indices) + 1, shutter_);
   if (!arrays_ && !matrices_) {  // as many as there are indices, all in one place
     matrices_ = std::make_shared<translate::SampledMotion>(
-        std::vector{0.0},
-        std::vector(largest_index(indices) + 1, matrix_of(GfMatrix4d(1.0))), largest_index(indices) + 1);
+        std::vector{0.0}, std::vector(largest_index(indices) + 1, matrix_of(GfMatrix4d(1.0))),
+        largest_index(indices) + 1);
   }
   placed.levels.push_back(own_level(indices, said));
   placed.levels.push_back({whole_, nullptr, {}});

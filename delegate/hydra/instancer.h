@@ -2,9 +2,8 @@
 #pragma once
 
 #include <memory>
-#include <vector>
-
 #include <pxr/imaging/hd/instancer.h>
+#include <vector>
 
 #include "delegate/hydra/typed_values.h"
 #include "delegate/translate/frame/frame_input.h"
@@ -14,7 +13,7 @@ namespace msbvh::hydra {
 // How the instances of a prototype stand in the world.
 struct Placed {
   std::vector<translate::PlacedLevel> levels{};  // the innermost first
-  std::vector<VtIntArray> indices{};             // of each instancer on the way out: what shares them, shares all
+  std::vector<VtIntArray> indices{};  // of each instancer on the way out: what shares them, shares all
   // One colour an instance where the innermost instancer that has some says so.
   std::vector<Vec3f> colors{};
   bool visible = true;
@@ -28,8 +27,9 @@ class Instancer : public HdInstancer {
 
   void Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits) override;
 
-  // Those of one prototype: the path of a shape, of a light, or of an instancer inside this one. Reads what is
-  // stale. Borrows this instancer's arrays until the next call with another shutter. For one thread at a time.
+  // Those of one prototype: the path of a shape, of a light, or of an instancer inside this one. Reads what
+  // is stale. Borrows this instancer's arrays until the next call with another shutter. For one thread at a
+  // time.
   Placed place(const SdfPath& prototype, const Shutter& shutter, Diagnostics& said);
 
  private:

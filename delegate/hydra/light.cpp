@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-
 #include <pxr/imaging/hd/lightSchema.h>
 #include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/tokens.h>
@@ -34,8 +33,16 @@ std::optional<LightKind> kind_of(const TfToken& type) {
 // What moves a light's values.
 std::array<TfToken, 10> value_names() {
   const auto& t = HdLightTokens;
-  return {t->intensity, t->exposure, t->color, t->enableColorTemperature, t->colorTemperature,
-          t->normalize, t->angle,    t->radius, t->width, t->height};
+  return {t->intensity,
+          t->exposure,
+          t->color,
+          t->enableColorTemperature,
+          t->colorTemperature,
+          t->normalize,
+          t->angle,
+          t->radius,
+          t->width,
+          t->height};
 }
 
 std::optional<double> as_number(const VtValue& value) {
@@ -112,9 +119,9 @@ LightSamples Light::samples_at(std::span<const double> times01, std::span<const 
       const GfVec3f rgb = UsdLuxBlackbodyTemperatureAsRgb(float(kelvin));
       temperature = {double(rgb[0]), double(rgb[1]), double(rgb[2])};
     }
-    samples.emission.push_back(translate::light_emission(
-        number(t->intensity, offset, 1.0, said), number(t->exposure, offset, 0.0, said),
-        as_color(parameter(t->color, offset)), temperature));
+    samples.emission.push_back(translate::light_emission(number(t->intensity, offset, 1.0, said),
+                                                         number(t->exposure, offset, 0.0, said),
+                                                         as_color(parameter(t->color, offset)), temperature));
     samples.sizes.push_back({number(t->angle, offset, standard.angle_degrees, said),
                              number(t->radius, offset, standard.radius, said),
                              number(t->width, offset, standard.width, said),
@@ -173,14 +180,15 @@ void Light::tell_the_rest(Diagnostics& said) const {
   const std::string path = GetId().GetString();
   const auto& t = HdLightTokens;
   if (has_file(parameter(t->textureFile, 0.0f)))
-    said.push_back({Severity::kWarning, path, "inputs:texture:file", "not supported yet, lit by the plain colour"});
+    said.push_back(
+        {Severity::kWarning, path, "inputs:texture:file", "not supported yet, lit by the plain colour"});
   const std::pair<TfToken, double> neutral[] = {
       {t->shapingConeAngle, 90.0}, {t->shapingFocus, 0.0}, {t->diffuse, 1.0}};
   for (const auto& [name, value] : neutral) {
     const std::optional<double> found = as_number(parameter(name, 0.0f));
     if (found && *found != value) {
-      said.push_back(
-          {Severity::kWarning, path, "inputs:" + name.GetString(), "not supported yet; lit without it", true});
+      said.push_back({Severity::kWarning, path, "inputs:" + name.GetString(),
+                      "not supported yet; lit without it", true});
     }
   }
   for (const TfToken& name : {HdTokens->lightLink, HdTokens->shadowLink}) {

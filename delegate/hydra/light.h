@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-
 #include <pxr/imaging/hd/light.h>
 
 #include "delegate/hydra/motion_source.h"

@@ -1,7 +1,6 @@
 #include "delegate/hydra/mesh.h"
 
 #include <algorithm>
-
 #include <pxr/imaging/hd/meshSchema.h>
 #include <pxr/imaging/hd/meshTopologySchema.h>
 #include <pxr/imaging/pxOsd/tokens.h>

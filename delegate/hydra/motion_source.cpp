@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <functional>
-
 #include <pxr/imaging/hd/instancerTopologySchema.h>
 #include <pxr/imaging/hd/primvarSchema.h>
 #include <pxr/imaging/hd/primvarsSchema.h>
@@ -26,9 +25,7 @@ std::vector<double> times01(const std::vector<float>& offsets, const Shutter& sh
   return result;
 }
 
-MotionPointer identity() {
-  return SampledMotion::still(matrix_of(GfMatrix4d(1.0)));
-}
+MotionPointer identity() { return SampledMotion::still(matrix_of(GfMatrix4d(1.0))); }
 
 // Asks a data source at the times that the sampler wants.
 MotionPointer evaluated(const HdSampledDataSourceHandle& source, std::size_t count, const Shutter& shutter,

@@ -11,8 +11,8 @@ namespace msbvh::hydra {
 
 using translate::MotionPointer;
 
-// Of anything that moves while a host cannot say how far it turns: so many turns within the shutter are looked
-// for at least (eight samples each). Faster ones may hide between them (docs/hydra.md).
+// Of anything that moves while a host cannot say how far it turns: so many turns within the shutter are
+// looked for at least (eight samples each). Faster ones may hide between them (docs/hydra.md).
 inline constexpr double kAssumedTurns = 1.0;
 
 translate::Matrix4d matrix_of(const GfMatrix4d& matrix);

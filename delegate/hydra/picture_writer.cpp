@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-
 #include <pxr/base/gf/vec3f.h>
 #include <pxr/base/gf/vec4f.h>
 #include <pxr/base/tf/diagnostic.h>
@@ -40,7 +39,8 @@ void PictureWriter::bind(const HdRenderPassAovBindingVector& bindings, HdRenderI
   for (const HdRenderPassAovBinding& binding : bindings) {
     HdRenderBuffer* bound = binding.renderBuffer;
     if (!bound && !binding.renderBufferId.IsEmpty())
-      bound = static_cast<HdRenderBuffer*>(index.GetBprim(HdPrimTypeTokens->renderBuffer, binding.renderBufferId));
+      bound = static_cast<HdRenderBuffer*>(
+          index.GetBprim(HdPrimTypeTokens->renderBuffer, binding.renderBufferId));
     auto* buffer = dynamic_cast<RenderBuffer*>(bound);
     if (!buffer) continue;
     buffer->clear(binding.clearValue);

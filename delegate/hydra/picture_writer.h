@@ -2,11 +2,10 @@
 #pragma once
 
 #include <mutex>
-#include <vector>
-
 #include <pxr/base/gf/rect2i.h>
 #include <pxr/imaging/hd/aov.h>
 #include <pxr/imaging/hd/renderIndex.h>
+#include <vector>
 
 #include "delegate/hydra/render_param.h"
 #include "delegate/translate/frame/render_job.h"

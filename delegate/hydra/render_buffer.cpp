@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-
 #include <pxr/base/gf/half.h>
 #include <pxr/base/gf/vec2f.h>
 #include <pxr/base/gf/vec3f.h>
@@ -81,9 +80,10 @@ void RenderBuffer::Finalize(HdRenderParam* param) {
 bool RenderBuffer::Allocate(const GfVec3i& dimensions, HdFormat format, bool multi_sampled) {
   const std::scoped_lock lock(mutex_);
   if (dimensions[0] < 0 || dimensions[1] < 0 || dimensions[2] > 1 || !is_supported(format)) {
-    TF_WARN("%s: found a render buffer of %d x %d x %d in format %d; expected two dimensions in a format of "
-            "up to four numbers",
-            GetId().GetText(), dimensions[0], dimensions[1], dimensions[2], int(format));
+    TF_WARN(
+        "%s: found a render buffer of %d x %d x %d in format %d; expected two dimensions in a format of "
+        "up to four numbers",
+        GetId().GetText(), dimensions[0], dimensions[1], dimensions[2], int(format));
     return false;
   }
   width_ = unsigned(dimensions[0]);
@@ -152,7 +152,9 @@ void RenderBuffer::clear(const VtValue& clear_value) {
   for (std::size_t pixel = 0; pixel < std::size_t(width_) * height_; ++pixel) {
     for (std::size_t i = 0; i < count; ++i) {
       store(&pending_[pixel * size], i, HdGetComponentFormat(format_),
-            i < value.size() ? value[i] : value.empty() ? 0.0 : missing(i));
+            i < value.size() ? value[i]
+            : value.empty()  ? 0.0
+                             : missing(i));
     }
   }
   fresh_ = true;

@@ -3,10 +3,9 @@
 
 #include <cstdint>
 #include <mutex>
-#include <vector>
-
 #include <pxr/base/gf/rect2i.h>
 #include <pxr/imaging/hd/renderBuffer.h>
+#include <vector>
 
 #include "core/film/image.h"
 #include "delegate/hydra/api_version.h"

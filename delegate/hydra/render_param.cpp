@@ -10,11 +10,11 @@ namespace msbvh::hydra {
 namespace {
 
 constexpr HdDirtyBits kTopologyBits = HdChangeTracker::DirtyTopology | HdChangeTracker::DirtySubdivTags |
-                                      HdChangeTracker::DirtyInstancer |
-                                      HdChangeTracker::DirtyInstanceIndex | HdChangeTracker::DirtyRenderTag;
-constexpr HdDirtyBits kLookBits =
-    HdChangeTracker::DirtyPrimvar | HdChangeTracker::DirtyNormals | HdChangeTracker::DirtyWidths |
-    HdChangeTracker::DirtyMaterialId | HdChangeTracker::DirtyVisibility | HdChangeTracker::DirtyCategories;
+                                      HdChangeTracker::DirtyInstancer | HdChangeTracker::DirtyInstanceIndex |
+                                      HdChangeTracker::DirtyRenderTag;
+constexpr HdDirtyBits kLookBits = HdChangeTracker::DirtyPrimvar | HdChangeTracker::DirtyNormals |
+                                  HdChangeTracker::DirtyWidths | HdChangeTracker::DirtyMaterialId |
+                                  HdChangeTracker::DirtyVisibility | HdChangeTracker::DirtyCategories;
 
 template <typename Prim>
 std::vector<Prim*> values_of(const std::map<SdfPath, Prim*>& prims) {
@@ -29,7 +29,8 @@ void RenderParam::note_shape(Shape& shape, HdDirtyBits bits) {
   const std::scoped_lock lock(mutex_);
   const bool is_new = shapes_.emplace(shape.path(), &shape).second;
   edits_.topology += is_new || (bits & kTopologyBits);
-  edits_.points += (bits & (HdChangeTracker::DirtyPoints | HdChangeTracker::DirtyComputationPrimvarDesc)) != 0;
+  edits_.points +=
+      (bits & (HdChangeTracker::DirtyPoints | HdChangeTracker::DirtyComputationPrimvarDesc)) != 0;
   edits_.transforms += (bits & HdChangeTracker::DirtyTransform) != 0;
   edits_.looks += (bits & kLookBits) != 0;
 }

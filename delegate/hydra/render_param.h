@@ -1,8 +1,8 @@
 // What the prims of a delegate share: who is there, and what has been edited since.
 //
 // Prims hold values; the render thread sees none of them. It renders a Scene that the render pass has made of
-// them on the host's thread, between Sync and the next edit, and that never changes. So an edit stops nothing:
-// it raises a counter, and the next execution of a render pass makes the next Scene.
+// them on the host's thread, between Sync and the next edit, and that never changes. So an edit stops
+// nothing: it raises a counter, and the next execution of a render pass makes the next Scene.
 #pragma once
 
 #include <atomic>
@@ -11,13 +11,12 @@
 #include <map>
 #include <mutex>
 #include <optional>
-#include <set>
-#include <string>
-#include <vector>
-
 #include <pxr/imaging/hd/renderDelegate.h>
 #include <pxr/imaging/hd/types.h>
 #include <pxr/usd/sdf/path.h>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "delegate/hydra/api_version.h"
 #include "delegate/translate/frame/shutter.h"
@@ -34,8 +33,8 @@ struct Edits {
   std::uint64_t cameras = 0;     // another view, or another shutter
   std::uint64_t transforms = 0;  // of shapes and instancers
   std::uint64_t points = 0;
-  std::uint64_t topology = 0;    // and shapes that come and go
-  std::uint64_t looks = 0;       // primvars, materials, visibility
+  std::uint64_t topology = 0;  // and shapes that come and go
+  std::uint64_t looks = 0;     // primvars, materials, visibility
   std::uint64_t lights = 0;
 
   bool operator==(const Edits&) const = default;

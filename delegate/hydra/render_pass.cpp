@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <exception>
-
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/imaging/hd/renderIndex.h>
 

@@ -28,7 +28,9 @@ HdRenderDelegate* HdMsbvhRendererPlugin::CreateRenderDelegate(const HdRenderSett
 void HdMsbvhRendererPlugin::DeleteRenderDelegate(HdRenderDelegate* delegate) { delete delegate; }
 
 #if MSBVH_SUPPORTED_BY_SCHEMA
-bool HdMsbvhRendererPlugin::IsSupported(const HdRendererCreateArgsSchema&, std::string*) const { return true; }
+bool HdMsbvhRendererPlugin::IsSupported(const HdRendererCreateArgsSchema&, std::string*) const {
+  return true;
+}
 #endif
 #if MSBVH_SUPPORTED_BY_ARGS
 bool HdMsbvhRendererPlugin::IsSupported(const HdRendererCreateArgs&, std::string*) const { return true; }
@@ -53,7 +55,8 @@ HdContainerDataSourceHandle motion_wanted() {
   return typename Schema::Builder()
       .SetMotionBlurSupport(Flag::New(true))
       .SetCameraMotionBlurSupport(Flag::New(true))
-      .SetLegacyRenderDelegateInfo(HdRetainedTypedSampledDataSource<HdRenderDelegateInfo>::New(delegate_info()))
+      .SetLegacyRenderDelegateInfo(
+          HdRetainedTypedSampledDataSource<HdRenderDelegateInfo>::New(delegate_info()))
       .Build();
 }
 

@@ -1,9 +1,8 @@
 // What a host loads: makes render delegates.
 #pragma once
 
-#include <string>
-
 #include <pxr/imaging/hd/rendererPlugin.h>
+#include <string>
 
 #include "delegate/hydra/api_version.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-
 #include <pxr/imaging/hd/tokens.h>
 
 #include "core/motion/track.h"
@@ -138,7 +137,8 @@ const std::vector<Setting>& all_settings() {
 const HdRenderSettingDescriptorList& setting_descriptors() {
   static const HdRenderSettingDescriptorList all = [] {
     HdRenderSettingDescriptorList list;
-    for (const Setting& setting : all_settings()) list.push_back({setting.name, setting.key, setting.standard});
+    for (const Setting& setting : all_settings())
+      list.push_back({setting.name, setting.key, setting.standard});
     return list;
   }();
   return all;

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-
 #include <pxr/imaging/hd/primvarsSchema.h>
 #include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/sceneIndex.h>
@@ -65,12 +64,12 @@ void Shape::sync(HdSceneDelegate& delegate, HdDirtyBits bits, std::int32_t prim_
 
 double Shape::blur_scale(HdSceneDelegate& delegate, const Shutter& shutter) const {
   const VtValue value = timed_primvar(delegate, path_, HdTokens->blurScale, shutter, false).at_frame;
-  const double found = value.IsHolding<float>()          ? double(value.UncheckedGet<float>())
-                       : value.IsHolding<double>()       ? value.UncheckedGet<double>()
-                       : value.IsHolding<VtFloatArray>() ? double(value.UncheckedGet<VtFloatArray>().empty()
-                                                                      ? 1.0f
-                                                                      : value.UncheckedGet<VtFloatArray>()[0])
-                                                         : 1.0;
+  const double found =
+      value.IsHolding<float>()    ? double(value.UncheckedGet<float>())
+      : value.IsHolding<double>() ? value.UncheckedGet<double>()
+      : value.IsHolding<VtFloatArray>()
+          ? double(value.UncheckedGet<VtFloatArray>().empty() ? 1.0f : value.UncheckedGet<VtFloatArray>()[0])
+          : 1.0;
   return std::isfinite(found) && found >= 0.0 ? found : 1.0;
 }
 

@@ -1,15 +1,15 @@
-// What meshes, curves and points have in common: their values over the shutter, read again only as far as they
-// are stale, and the translator's view of them. Not an HdRprim itself: mesh.h, curves.h and points.h hold one.
+// What meshes, curves and points have in common: their values over the shutter, read again only as far as
+// they are stale, and the translator's view of them. Not an HdRprim itself: mesh.h, curves.h and points.h
+// hold one.
 #pragma once
 
 #include <atomic>
 #include <cstdint>
-#include <string>
-#include <vector>
-
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/geomSubset.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
+#include <string>
+#include <vector>
 
 #include "delegate/hydra/typed_values.h"
 #include "delegate/translate/frame/frame_input.h"
@@ -37,8 +37,8 @@ class Shape {
   // In collections of lights: these are not followed yet.
   bool has_categories() const { return has_categories_; }
 
-  // During Sync: takes over what does not depend on the shutter, and remembers what else is stale. `prim_id` as
-  // Hydra counts it.
+  // During Sync: takes over what does not depend on the shutter, and remembers what else is stale. `prim_id`
+  // as Hydra counts it.
   void sync(HdSceneDelegate& delegate, HdDirtyBits bits, std::int32_t prim_id);
   void set_links(const SdfPath& instancer, const SdfPath& material, const TfToken& render_tag, bool visible);
   // Reads what is stale, or was read for another shutter. Shapes may be read side by side.

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <optional>
-
 #include <pxr/imaging/hd/changeTracker.h>
 #include <pxr/imaging/hd/instancer.h>
 #include <pxr/imaging/hd/renderIndex.h>

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
-
 #include <pxr/base/gf/half.h>
 #include <pxr/imaging/hio/image.h>
 #include <pxr/imaging/hio/types.h>
+#include <vector>
 
 namespace msbvh::hydra {
 namespace {
@@ -56,8 +55,10 @@ std::optional<Texels> read(const std::string& file, std::string_view colour_spac
   if (!image || image->GetWidth() <= 0 || image->GetHeight() <= 0) return std::nullopt;
   const HioFormat format = image->GetFormat();
   const HioType type = HioGetHioType(format);
-  Texels texels{std::uint32_t(image->GetWidth()), std::uint32_t(image->GetHeight()),
-                std::size_t(HioGetComponentCount(format)), {}};
+  Texels texels{std::uint32_t(image->GetWidth()),
+                std::uint32_t(image->GetHeight()),
+                std::size_t(HioGetComponentCount(format)),
+                {}};
   std::vector<unsigned char> bytes(std::size_t(texels.width) * texels.height *
                                    std::size_t(image->GetBytesPerPixel()));
   HioImage::StorageSpec storage;
@@ -72,7 +73,8 @@ std::optional<Texels> read(const std::string& file, std::string_view colour_spac
   for (std::size_t i = 0; i < texels.values.size(); ++i) {
     const std::optional<float> value = number_at(bytes.data(), type, i);
     if (!value) return std::nullopt;
-    const bool alpha = (texels.channels == 2 || texels.channels == 4) && i % texels.channels == texels.channels - 1;
+    const bool alpha =
+        (texels.channels == 2 || texels.channels == 4) && i % texels.channels == texels.channels - 1;
     texels.values[i] = srgb && !alpha ? float(linear(double(*value))) : *value;
   }
   return texels;

@@ -1,7 +1,6 @@
 #include "delegate/hydra/timed_values.h"
 
 #include <algorithm>
-
 #include <pxr/imaging/hd/extComputationUtils.h>
 #include <pxr/imaging/hd/primvarSchema.h>
 #include <pxr/imaging/hd/primvarsSchema.h>

@@ -2,14 +2,13 @@
 #pragma once
 
 #include <optional>
-#include <vector>
-
 #include <pxr/base/gf/matrix4d.h>
 #include <pxr/base/vt/array.h>
 #include <pxr/base/vt/value.h>
 #include <pxr/imaging/hd/dataSource.h>
 #include <pxr/imaging/hd/enums.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
+#include <vector>
 
 #include "delegate/hydra/api_version.h"
 #include "delegate/translate/frame/shutter.h"
@@ -34,8 +33,8 @@ struct TimedValues {
 // scene indices, and where there is no such prim.
 HdContainerDataSourceHandle scene_index_prim(HdSceneDelegate& delegate, const SdfPath& path);
 
-// Offsets at which a data source has samples that bear on the shutter, those next to it included. None where it
-// is the same throughout.
+// Offsets at which a data source has samples that bear on the shutter, those next to it included. None where
+// it is the same throughout.
 std::vector<float> contributing_offsets(HdSampledDataSource& source, const Shutter& shutter);
 
 TimedValues timed_values(const HdSampledDataSourceHandle& source, const Shutter& shutter);

@@ -1,7 +1,8 @@
 #include "delegate/hydra/typed_values.h"
 
 #include <optional>
-
+#include <pxr/base/gf/quatf.h>
+#include <pxr/base/gf/quath.h>
 #include <pxr/base/gf/vec2d.h>
 #include <pxr/base/gf/vec2f.h>
 #include <pxr/base/gf/vec2h.h>
@@ -87,9 +88,9 @@ TypedValues<Array> typed(const TimedValues& found, const Shutter& shutter, const
   TypedValues<Array> result;
   if (found.empty()) return result;
   const auto reject = [&](const VtValue& value) {
-    diagnostics.push_back({Severity::kWarning, path, attribute,
-                           message("found ", value.GetTypeName(), ", expected ", expected_name<Array>(),
-                                   "; it is left out")});
+    diagnostics.push_back(
+        {Severity::kWarning, path, attribute,
+         message("found ", value.GetTypeName(), ", expected ", expected_name<Array>(), "; it is left out")});
     return TypedValues<Array>{};
   };
   const VtValue& frame = found.at_frame.IsEmpty() ? found.values.front() : found.at_frame;

@@ -2,13 +2,12 @@
 // none, with a warning that names the prim, the attribute, what was found and what is expected.
 #pragma once
 
+#include <pxr/base/vt/array.h>
+#include <pxr/base/vt/types.h>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <pxr/base/vt/array.h>
-#include <pxr/base/vt/types.h>
 
 #include "delegate/hydra/timed_values.h"
 #include "delegate/translate/diagnostics.h"
@@ -34,7 +33,7 @@ inline std::span<const translate::Quatf> span_of(const VtQuatfArray& values) {
 template <typename Array>
 struct TypedValues {
   Array at_frame{};
-  VtIntArray indices{};  // at the frame; none where it is not indexed
+  VtIntArray indices{};                             // at the frame; none where it is not indexed
   std::vector<std::pair<double, Array>> samples{};  // time01, increasing; one at least where authored
   bool varies = false;
 

@@ -6,12 +6,12 @@
 //    |       stop()       |          | |
 //    +--------------------+----------+-+   restart(): tracing again, from the first sample, trees kept
 //
-// The thread sees nothing but the Scene, which does not change. All members may be called from one thread, the
-// host's; status() from any.
+// The thread sees nothing but the Scene, which does not change. All members may be called from one thread,
+// the host's; status() from any.
 #pragma once
 
-#include <condition_variable>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <memory>
 #include <mutex>
