@@ -26,6 +26,12 @@ void Curves::Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* 
              [&] { _UpdateInstancer(delegate, bits); });
 }
 
+// Hydra looks tags up outside of Sync, and may sync nothing then.
+void Curves::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) {
+  HdBasisCurves::UpdateRenderTag(delegate, param);
+  shape_.set_render_tag(GetRenderTag(), *static_cast<RenderParam*>(param));
+}
+
 void Curves::Finalize(HdRenderParam* param) { static_cast<RenderParam*>(param)->forget_shape(shape_); }
 
 void Curves::_InitRepr(const TfToken& name, HdDirtyBits*) {

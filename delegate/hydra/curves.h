@@ -27,8 +27,9 @@ class Curves : public HdBasisCurves {
  public:
   explicit Curves(const SdfPath& path) : HdBasisCurves(path), shape_(path) {}
 
-  HdDirtyBits GetInitialDirtyBitsMask() const override { return HdChangeTracker::AllSceneDirtyBits; }
+  HdDirtyBits GetInitialDirtyBitsMask() const override { return kFirstBits; }
   void Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits, const TfToken&) override;
+  void UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) override;
   void Finalize(HdRenderParam* param) override;
 
  protected:

@@ -20,6 +20,14 @@ const TfToken& angular_velocities_name() {
   return name;
 }
 
+// One an instance; a constant one is inherited by the prototypes instead.
+bool has_own_colors(HdSceneDelegate& delegate, const SdfPath& path) {
+  const HdPrimvarDescriptorVector found = delegate.GetPrimvarDescriptors(path, HdInterpolationInstance);
+  return std::any_of(found.begin(), found.end(), [](const HdPrimvarDescriptor& descriptor) {
+    return descriptor.name == HdTokens->displayColor;
+  });
+}
+
 std::size_t largest_index(const VtIntArray& indices) {
   return indices.empty() ? 0 : std::size_t(*std::max_element(indices.cbegin(), indices.cend()));
 }
@@ -57,7 +65,7 @@ void Instancer::pull_arrays(HdSceneDelegate& delegate, Diagnostics& said) {
   };
   translations_ = vectors(HdInstancerTokens->instanceTranslations);
   scales_ = vectors(HdInstancerTokens->instanceScales);
-  colors_ = vectors(HdTokens->displayColor);
+  colors_ = has_own_colors(delegate, GetId()) ? vectors(HdTokens->displayColor) : TypedValues<VtVec3fArray>{};
   const TfToken& turned = HdInstancerTokens->instanceRotations;
   rotations_ = typed<VtQuatfArray>(timed_primvar(delegate, GetId(), turned, shutter_, false), shutter_, path,
                                    turned.GetString(), said);
@@ -120,7 +128,7 @@ Placed Instancer::place(const SdfPath& prototype, const Shutter& shutter, Diagno
   placed.levels.push_back(own_level(indices, said));
   placed.levels.push_back({whole_, nullptr, {}});
   for (const int index : indices) {
-    if (std::size_t(index) < colors_.at_frame.size() && colors_.at_frame.size() > 1)
+    if (std::size_t(index) < colors_.at_frame.size())
       placed.colors.push_back(span_of(colors_.at_frame)[std::size_t(index)]);
   }
   if (placed.colors.size() != indices.size()) placed.colors.clear();

@@ -81,9 +81,11 @@ void Light::Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* b
 
 void Light::Finalize(HdRenderParam* param) { static_cast<RenderParam*>(param)->forget_light(*this); }
 
-// HdxTaskController's: it stands for usdrecord's light at the camera, and for that alone it is distant.
+// HdxTaskController's: it stands for usdrecord's light at the camera, and is distant, or a simple light, for
+// want of another type.
 bool Light::is_hosts_own() const {
-  return type_ == HdPrimTypeTokens->distantLight &&
+  const bool may_be = type_ == HdPrimTypeTokens->distantLight || type_ == HdPrimTypeTokens->simpleLight;
+  return may_be &&
          delegate_->GetLightParamValue(GetId(), HdLightTokens->params).GetTypeName() == "GlfSimpleLight";
 }
 

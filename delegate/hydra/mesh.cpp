@@ -70,6 +70,12 @@ void Mesh::Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bi
              [&] { _UpdateInstancer(delegate, bits); });
 }
 
+// Hydra looks tags up outside of Sync, and may sync nothing then.
+void Mesh::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) {
+  HdMesh::UpdateRenderTag(delegate, param);
+  shape_.set_render_tag(GetRenderTag(), *static_cast<RenderParam*>(param));
+}
+
 void Mesh::Finalize(HdRenderParam* param) { static_cast<RenderParam*>(param)->forget_shape(shape_); }
 
 void Mesh::_InitRepr(const TfToken& name, HdDirtyBits*) {

@@ -31,8 +31,9 @@ class Mesh : public HdMesh {
  public:
   explicit Mesh(const SdfPath& path) : HdMesh(path), shape_(path) {}
 
-  HdDirtyBits GetInitialDirtyBitsMask() const override { return HdChangeTracker::AllSceneDirtyBits; }
+  HdDirtyBits GetInitialDirtyBitsMask() const override { return kFirstBits; }
   void Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits, const TfToken&) override;
+  void UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) override;
   void Finalize(HdRenderParam* param) override;
 
  protected:

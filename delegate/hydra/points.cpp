@@ -17,6 +17,12 @@ void Points::Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* 
              [&] { _UpdateInstancer(delegate, bits); });
 }
 
+// Hydra looks tags up outside of Sync, and may sync nothing then.
+void Points::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) {
+  HdPoints::UpdateRenderTag(delegate, param);
+  shape_.set_render_tag(GetRenderTag(), *static_cast<RenderParam*>(param));
+}
+
 void Points::Finalize(HdRenderParam* param) { static_cast<RenderParam*>(param)->forget_shape(shape_); }
 
 void Points::_InitRepr(const TfToken& name, HdDirtyBits*) {

@@ -23,8 +23,9 @@ class Points : public HdPoints {
  public:
   explicit Points(const SdfPath& path) : HdPoints(path), shape_(path) {}
 
-  HdDirtyBits GetInitialDirtyBitsMask() const override { return HdChangeTracker::AllSceneDirtyBits; }
+  HdDirtyBits GetInitialDirtyBitsMask() const override { return kFirstBits; }
   void Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits, const TfToken&) override;
+  void UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) override;
   void Finalize(HdRenderParam* param) override;
 
  protected:

@@ -68,7 +68,11 @@ bool is_supported(HdFormat format) {
 }
 
 void RenderBuffer::Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits) {
-  if (*bits & DirtyDescription) static_cast<RenderParam*>(param)->stop_rendering();
+  if (*bits & DirtyDescription) {
+    auto& shared = *static_cast<RenderParam*>(param);
+    shared.stop_rendering();
+    shared.note_buffer();
+  }
   HdRenderBuffer::Sync(delegate, param, bits);
 }
 

@@ -74,6 +74,16 @@ void RenderParam::note_camera() {
   ++edits_.cameras;
 }
 
+void RenderParam::note_render_tag() {
+  const std::scoped_lock lock(mutex_);
+  ++edits_.topology;
+}
+
+void RenderParam::note_buffer() {
+  const std::scoped_lock lock(mutex_);
+  ++edits_.buffers;
+}
+
 Edits RenderParam::edits() const {
   const std::scoped_lock lock(mutex_);
   return edits_;

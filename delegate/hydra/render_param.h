@@ -36,6 +36,7 @@ struct Edits {
   std::uint64_t topology = 0;  // and shapes that come and go
   std::uint64_t looks = 0;     // primvars, materials, visibility
   std::uint64_t lights = 0;
+  std::uint64_t buffers = 0;  // that are allocated anew
 
   bool operator==(const Edits&) const = default;
 };
@@ -51,6 +52,8 @@ class RenderParam : public HdRenderParam {
   void forget_material(Material& material);
   void note_instancer(HdDirtyBits bits);
   void note_camera();
+  void note_render_tag();
+  void note_buffer();
 
   Edits edits() const;
   // In the order of their paths, which is the order of the Scene. For the host's thread between Syncs.

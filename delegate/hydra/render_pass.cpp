@@ -50,10 +50,11 @@ void RenderPass::_Execute(const HdRenderPassStateSharedPtr& state, const TfToken
   if (now == seen_) return;  // the render thread goes on
   seen_ = now;
   delegate_.job().stop();
-  if (now.image.data_window.GetWidth() <= 0 || now.image.data_window.GetHeight() <= 0) return;
-  if (now.bindings.empty()) {
-    if (delegate_.param().is_news("no AOVs"))
-      TF_WARN("the render pass has no AOV bindings; expected color at least: nothing is rendered");
+  const GfRect2i& window = now.image.data_window;
+  if (now.bindings.empty() && delegate_.param().is_news("no AOVs"))
+    TF_WARN("the render pass has no AOV bindings; expected color at least: nothing is rendered");
+  if (now.bindings.empty() || window.GetWidth() <= 0 || window.GetHeight() <= 0) {
+    delegate_.job().give_up();
     return;
   }
   delegate_.writer().bind(now.bindings, *GetRenderIndex(), now.image.data_window);

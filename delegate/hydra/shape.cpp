@@ -8,6 +8,7 @@
 #include <pxr/imaging/hd/tokens.h>
 
 #include "delegate/hydra/motion_source.h"
+#include "delegate/hydra/render_param.h"
 #include "delegate/translate/frame/primvar_policy.h"
 
 namespace msbvh::hydra {
@@ -45,12 +46,16 @@ double time_codes_per_second(HdSceneDelegate& delegate) {
   return found > 0.0 ? found : kUsual;
 }
 
-void Shape::set_links(const SdfPath& instancer, const SdfPath& material, const TfToken& render_tag,
-                      bool visible) {
+void Shape::set_links(const SdfPath& instancer, const SdfPath& material, bool visible) {
   instancer_ = instancer;
   material_ = material;
-  render_tag_ = render_tag;
   visible_ = visible;
+}
+
+void Shape::set_render_tag(const TfToken& tag, RenderParam& param) {
+  if (tag == render_tag_) return;
+  render_tag_ = tag;
+  param.note_render_tag();
 }
 
 void Shape::sync(HdSceneDelegate& delegate, HdDirtyBits bits, std::int32_t prim_id) {

@@ -16,6 +16,8 @@
 
 namespace msbvh::hydra {
 
+class RenderParam;
+
 // A primvar that shading may ask for.
 template <typename Array>
 struct ShapePrimvar {
@@ -23,6 +25,10 @@ struct ShapePrimvar {
   std::string interpolation = "constant";
   TypedValues<Array> values{};
 };
+
+// What is dirty in the beginning: everything but whether it may change again.
+inline constexpr HdDirtyBits kFirstBits =
+    HdChangeTracker::AllSceneDirtyBits & ~HdDirtyBits(HdChangeTracker::Varying);
 
 class Shape {
  public:
@@ -40,7 +46,8 @@ class Shape {
   // During Sync: takes over what does not depend on the shutter, and remembers what else is stale. `prim_id`
   // as Hydra counts it.
   void sync(HdSceneDelegate& delegate, HdDirtyBits bits, std::int32_t prim_id);
-  void set_links(const SdfPath& instancer, const SdfPath& material, const TfToken& render_tag, bool visible);
+  void set_links(const SdfPath& instancer, const SdfPath& material, bool visible);
+  void set_render_tag(const TfToken& tag, RenderParam& param);
   // Reads what is stale, or was read for another shutter. Shapes may be read side by side.
   void pull(const Shutter& shutter);
 

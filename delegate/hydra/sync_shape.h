@@ -22,7 +22,8 @@ void sync_shape(Rprim& rprim, Shape& shape, HdSceneDelegate& delegate, RenderPar
   HdInstancer::_SyncInstancerAndParents(delegate.GetRenderIndex(), rprim.GetInstancerId());
   if (bits & HdChangeTracker::DirtyMaterialId) rprim.SetMaterialId(delegate.GetMaterialId(path));
   const bool visible = bits & HdChangeTracker::DirtyVisibility ? delegate.GetVisible(path) : shape.visible();
-  shape.set_links(rprim.GetInstancerId(), rprim.GetMaterialId(), rprim.GetRenderTag(), visible);
+  shape.set_links(rprim.GetInstancerId(), rprim.GetMaterialId(), visible);
+  shape.set_render_tag(rprim.GetRenderTag(), param);
   shape.sync(delegate, bits, rprim.GetPrimId());
   param.note_shape(shape, bits);
   if (const std::optional<Shutter> shutter = param.last_shutter()) shape.pull(*shutter);

@@ -215,6 +215,7 @@ TEST_CASE("prim ids and instance ids are those of the front-end") {
   CHECK(frame.scene->meshes[0].prim_id == 17);
   std::vector<std::int32_t> ids;
   for (const InstanceSet& set : frame.scene->instances) {
+    if (set.segments > 0) CHECK(set.ids == std::vector<std::int32_t>{1});
     for (std::size_t i = 0; i < instance_count(set); ++i)
       ids.push_back(set.ids.empty() ? std::int32_t(i) : set.ids[i]);
   }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "delegate/translate/look/shader_values.h"
 
 namespace msbvh::translate {
 namespace {
@@ -15,13 +16,13 @@ bool positive(double value) { return std::isfinite(value) && value > 0.0; }
 
 void check_size(const std::string& path, const char* attribute, double found) {
   if (!positive(found))
-    throw Error(message(path, ".", attribute, ": found ", found, ", expected a finite number above 0"));
+    throw Error(message(path, ".", attribute, ": found ", text(found), ", expected a finite number above 0"));
 }
 
 void check_offset(const std::string& path, const char* attribute, double found, double largest) {
   if (std::abs(found) <= largest) return;
-  throw Error(message(path, ".", attribute, ": found ", found, ", expected a finite number of at most ",
-                      largest, " in size, ", kLargestOffset, " times the aperture"));
+  throw Error(message(path, ".", attribute, ": found ", text(found), ", expected a finite number of at most ",
+                      text(largest), " in size, ", text(kLargestOffset), " times the aperture"));
 }
 
 bool is_lens(const std::string& path, const Optics& optics, std::vector<Diagnostic>& diagnostics) {
@@ -31,7 +32,7 @@ bool is_lens(const std::string& path, const Optics& optics, std::vector<Diagnost
     if (std::isfinite(found) && found >= 0.0) continue;
     diagnostics.push_back(
         {Severity::kWarning, path, attribute,
-         message("found ", found, ", expected a finite number of at least 0; everything is in focus")});
+         message("found ", text(found), ", expected a finite number of at least 0; everything is in focus")});
     return false;
   }
   return true;
@@ -68,14 +69,14 @@ void check_optics(const std::string& path, const Optics& optics, const ClipRange
   const bool wide = window.left < window.right, high = window.bottom < window.top;
   if (!wide || !high) {
     throw Error(message(path, wide ? ".verticalAperture" : ".horizontalAperture", ": found ",
-                        wide ? optics.vertical_aperture : optics.horizontal_aperture,
+                        text(wide ? optics.vertical_aperture : optics.horizontal_aperture),
                         ", which is nothing beside its offset of ",
-                        wide ? optics.vertical_aperture_offset : optics.horizontal_aperture_offset,
+                        text(wide ? optics.vertical_aperture_offset : optics.horizontal_aperture_offset),
                         "; expected more"));
   }
   if (!(clip.near_clip < clip.far_clip)) {
-    throw Error(message(path, ".clippingRange: found (", clip.near_clip, ", ", clip.far_clip,
-                        "), expected near < far"));
+    throw Error(message(path, ".clippingRange: found (", text(double(clip.near_clip)), ", ",
+                        text(double(clip.far_clip)), "), expected near < far"));
   }
 }
 
@@ -89,7 +90,7 @@ std::vector<Lens> lenses_of(const std::string& path, const Optics& at_frame, std
   };
   if (at_frame.projection == Projection::kOrthographic) {
     say(Severity::kNote, "fStop",
-        message("found ", at_frame.f_stop, " on an orthographic camera, which has no depth of field"));
+        message("found ", text(at_frame.f_stop), " on an orthographic camera, which has no depth of field"));
     return lenses;
   }
   if (!is_lens(path, at_frame, diagnostics)) return lenses;
@@ -106,7 +107,8 @@ std::vector<Lens> lenses_of(const std::string& path, const Optics& at_frame, std
   }
   if (open == 0) {
     say(Severity::kNote, "focusDistance",
-        message("found 0, no distance to focus at; everything is in focus in spite of f/", at_frame.f_stop));
+        message("found 0, no distance to focus at; everything is in focus in spite of f/",
+                text(at_frame.f_stop)));
   }
   return lenses;
 }

@@ -30,7 +30,8 @@ void RenderJob::start(std::shared_ptr<const Scene> scene, const RenderSettings& 
   stop();
   {
     const std::scoped_lock lock(mutex_);
-    order_ = Order{std::move(scene), settings};
+    last_ = Order{std::move(scene), settings};
+    order_ = last_;
     cancel_ = false;
     const bool paused = status_.paused;
     status_ = {};
@@ -38,7 +39,6 @@ void RenderJob::start(std::shared_ptr<const Scene> scene, const RenderSettings& 
     status_.wanted = settings.spp;
     status_.building = true;
     began_ = Clock::now();
-    committed_ = true;
   }
   changed_.notify_all();
 }
@@ -70,10 +70,11 @@ void RenderJob::restart() {
   stop();
   {
     const std::scoped_lock lock(mutex_);
-    if (!committed_) return;
-    order_ = Order{nullptr, {}};
+    if (!last_) return;
+    order_ = last_;
     cancel_ = false;
     status_.stopped = status_.converged = false;
+    status_.building = true;
     status_.samples = 0;
     status_.fraction = 0.0;
     began_ = Clock::now();
@@ -127,11 +128,9 @@ void RenderJob::work() {
 
 void RenderJob::render(const Order& order) {
   sum_.clear();
-  if (order.scene) {
-    settings_ = order.settings;
-    settings_.build.cancelled = [this] { return cancelled(); };
-    renderer_.commit(order.scene, settings_);
-  }
+  settings_ = order.settings;
+  settings_.build.cancelled = [this] { return cancelled(); };
+  renderer_.commit(order.scene, settings_);
   {
     const std::scoped_lock lock(mutex_);
     status_.building = false;

@@ -4,7 +4,8 @@
 //   idle ------------> building -> tracing ------------------> idle (converged)
 //    ^                    |          | ^ pause(), resume(): it waits between two steps, samples kept
 //    |       stop()       |          | |
-//    +--------------------+----------+-+   restart(): tracing again, from the first sample, trees kept
+//    +--------------------+----------+-+   restart(): the same again, from the first sample; trees that are
+//    there are kept
 //
 // The thread sees nothing but the Scene, which does not change. All members may be called from one thread,
 // the host's; status() from any.
@@ -65,7 +66,7 @@ class RenderJob {
  private:
   using Clock = std::chrono::steady_clock;
   struct Order {
-    std::shared_ptr<const Scene> scene;  // null: the one that is committed
+    std::shared_ptr<const Scene> scene;
     RenderSettings settings;
   };
 
@@ -78,8 +79,8 @@ class RenderJob {
   PictureSink& sink_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<Order> order_;
-  bool busy_ = false, cancel_ = false, quit_ = false, committed_ = false;
+  std::optional<Order> order_, last_;  // to be begun; for restart()
+  bool busy_ = false, cancel_ = false, quit_ = false;
   JobStatus status_;
   Clock::time_point began_{};
   // Of the thread alone:

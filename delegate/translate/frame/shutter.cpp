@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "delegate/translate/look/shader_values.h"
+
 namespace msbvh::translate {
 
 double Shutter::clamped_frame01() const { return moving() ? std::clamp(frame01(), 0.0, 1.0) : 0.0; }
@@ -20,24 +22,25 @@ Shutter checked_shutter(double open_frames, double close_frames, const ShutterSo
       !std::isfinite(close_frames - open_frames)) {
     const std::string both = source.opening + ", " + source.closing;
     say(Severity::kWarning, both,
-        message("found ", open_frames, " to ", close_frames, ", expected finite numbers; no motion blur"));
+        message("found ", text(open_frames), " to ", text(close_frames),
+                ", expected finite numbers; no motion blur"));
     return {};
   }
   if (close_frames < open_frames) {
     say(Severity::kWarning, source.closing,
-        message("found ", close_frames, ", before ", source.opening, " at ", open_frames,
+        message("found ", text(close_frames), ", before ", source.opening, " at ", text(open_frames),
                 ", expected a later time; no motion blur"));
     return {};
   }
   if (close_frames == open_frames) {
     const std::string hint = source.hint.empty() ? "" : "; " + source.hint;
     say(Severity::kNote, source.closing,
-        message("equals ", source.opening, ", ", open_frames, ": no motion blur", hint));
+        message("equals ", source.opening, ", ", text(open_frames), ": no motion blur", hint));
     return {};
   }
   if (close_frames - open_frames > kAbsurdShutterFrames) {
     say(Severity::kWarning, source.closing,
-        message("the shutter is open for ", close_frames - open_frames,
+        message("the shutter is open for ", text(close_frames - open_frames),
                 " frames, expected about one; rendered as authored"));
   }
   return {open_frames, close_frames};

@@ -19,6 +19,7 @@ void bind_sample(nanobind::module_& m);
 void bind_mesh(nanobind::module_& m);
 void bind_level(nanobind::module_& m);
 void bind_look(nanobind::module_& m);
+void bind_frame(nanobind::module_& m);
 void bind_lights(nanobind::module_& m);
 void bind_nurbs(nanobind::module_& m);
 void bind_shape(nanobind::module_& m);

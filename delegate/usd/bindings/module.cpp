@@ -19,6 +19,7 @@ NB_MODULE(_core, m) {
   msbvh::python::bind_mesh(m);
   msbvh::python::bind_level(m);
   msbvh::python::bind_look(m);
+  msbvh::python::bind_frame(m);
   msbvh::python::bind_lights(m);
   msbvh::python::bind_shape(m);
   msbvh::python::bind_nurbs(m);

@@ -14,6 +14,12 @@ from typing import Literal, Required, TypeAlias, TypedDict, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from ._core_frame import ABSURD_SHUTTER_FRAMES as ABSURD_SHUTTER_FRAMES
+from ._core_frame import check_optics as check_optics
+from ._core_frame import checked_shutter as checked_shutter
+from ._core_frame import common_intervals as common_intervals
+from ._core_frame import intervals_between as intervals_between
+from ._core_frame import lenses_of as lenses_of
 from ._core_inputs import InstanceLevel as InstanceLevel
 from ._core_inputs import MeshInput as MeshInput
 from ._core_look import ASPECT_POLICIES as ASPECT_POLICIES

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
+from .. import _core
 from .._core import BEFORE_JUMP01, LARGEST_ELEMENT, Density, PixelSize, Turns, dense_times01, image_height
 from ..base.errors import Diagnostics, SceneError
 from ..base.image_metadata import world_to_camera, world_to_ndc
@@ -28,13 +28,10 @@ from ..motion.turns import NO_TURNS, report_too_fast, total_turns, xform_turns
 from ..stage.opening import tf_reason
 from ..stage.value_types import FLOAT
 from ..stage.values import value
-from .aspect import Window, conformed, window_of
+from .aspect import Window, conformed, optics_of, window_of
 from .camera_values import CameraValues
 from .framing import framing_camera
 from .lens import read_lenses
-
-LARGEST_OFFSET = 1e6
-"""Apertures by which an aperture's offset may shift it: beyond, single precision has no pixels left to tell apart."""
 
 
 @dataclass(frozen=True)
@@ -312,28 +309,8 @@ def _sampled(
 
 
 def _check_optics(path: str, camera: Gf.Camera) -> None:
-    sizes = {"horizontalAperture": camera.horizontalAperture, "verticalAperture": camera.verticalAperture}
-    if camera.projection != Gf.Camera.Orthographic:
-        sizes["focalLength"] = camera.focalLength
-    for attribute, value in sizes.items():
-        if not (math.isfinite(value) and value > 0.0):
-            raise SceneError(f"{path}.{attribute}: found {value:g}, expected a finite number above 0")
-    offsets = {
-        "horizontalApertureOffset": camera.horizontalApertureOffset,
-        "verticalApertureOffset": camera.verticalApertureOffset,
-    }
-    for attribute, value in offsets.items():
-        largest = LARGEST_OFFSET * max(camera.horizontalAperture, camera.verticalAperture)
-        if not abs(value) <= largest:
-            expected = f"a finite number of at most {largest:g} in size, {LARGEST_OFFSET:g} times the aperture"
-            raise SceneError(f"{path}.{attribute}: found {value:g}, expected {expected}")
-    left, right, bottom, top = window_of(camera)
-    if not (left < right and bottom < top):
-        attribute = "verticalAperture" if left < right else "horizontalAperture"
-        raise SceneError(
-            f"{path}.{attribute}: found {sizes[attribute]:g}, which is nothing beside its offset of"
-            f" {offsets[f'{attribute}Offset']:g}; expected more"
-        )
-    near, far = camera.clippingRange.min, camera.clippingRange.max
-    if not near < far:
-        raise SceneError(f"{path}.clippingRange: found ({near:g}, {far:g}), expected near < far")
+    clip = camera.clippingRange
+    try:
+        _core.check_optics(path, optics_of(camera), clip.min, clip.max)
+    except _core.Error as error:
+        raise SceneError(str(error)) from None
