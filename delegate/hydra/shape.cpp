@@ -157,7 +157,8 @@ translate::FrameShape Shape::frame_shape(Diagnostics& said) const {
   mesh.time_remap = translate::rate_times(shutter_, time_codes_per_second_);
   mesh.topology_varies = topology_varies_;
   mesh.computed_points = computed_points_;
-  if (wants_normals() && normals_.values.authored()) {
+  // What computes points computes no normals: authored ones are those of the pose at rest.
+  if (wants_normals() && !computed_points_ && normals_.values.authored()) {
     mesh.normals = array_samples(normals_.values);
     mesh.normals_interpolation = normals_.interpolation;
     mesh.normals_indices = span_of(normals_.values.indices);

@@ -291,3 +291,15 @@ def test_what_is_allowed_passes() -> None:
     }
     assert list(include_violations(includes)) == []
     assert list(import_violations(imports)) == []
+
+
+def test_openusd_versions_are_told_apart_in_one_header() -> None:
+    """All guards of the Hydra plugin are made in api_version.h; others use what it defines."""
+    files = read("delegate/hydra", ".h", ".cpp")
+    assert "HD_API_VERSION >= 103" in files["delegate/hydra/api_version.h"]
+    guarded = [
+        file
+        for file, text in files.items()
+        if re.search(r"^#.*(HD_API_VERSION|HDSI_API_VERSION|PXR_VERSION)", text, re.MULTILINE)
+    ]
+    assert guarded == ["delegate/hydra/api_version.h"]
