@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "delegate/translate/frame/array_motion.h"
 #include "delegate/translate/frame/assemble.h"
 #include "delegate/translate/frame/motions.h"
 #include "delegate/translate/frame/placed_levels.h"
@@ -243,6 +244,37 @@ TEST_CASE("a point instancer's arrays are a level, its selected instances count"
   CHECK(double(set.world_from_prototype[0].t.x) - double(set.world_from_prototype[1].t.x) ==
         doctest::Approx(4.0));
   CHECK(set.display_color.size() == 2);
+}
+
+TEST_CASE("a point instancer's arrays are a motion, for what is placed one by one") {
+  const std::vector<Vec3f> positions{{0, 0, 0}, {2, 0, 0}, {4, 0, 0}},
+      velocities{{0, 0, 0}, {0, 0, 0}, {0, 48, 0}}, spins{{0, 0, 0}, {0, 0, 0}, {0, 0, 24.0f * 720.0f}};
+  const std::vector<Quatf> upright(3, {0, 0, 0, 1});
+  auto arrays = std::make_shared<PointInstancerInput>();
+  arrays->path = "/instancer";
+  arrays->count = 3;
+  arrays->positions.samples = {{0.0, positions}};
+  arrays->orientations.samples = {{0.0, upright}};
+  arrays->rates.velocities.samples = {{0.0, velocities}};
+  arrays->angular_velocities.samples = {{0.0, spins}};
+  arrays->time_remap = rate_times({0.0, 1.0}, 24.0);
+  std::vector<Diagnostic> said;
+  PrimLog log(said, "/instancer");
+  const MotionPointer motion = motion_of({nullptr, arrays, {2, 1}}, log);
+  REQUIRE(motion);
+  CHECK(said.empty());
+  CHECK(motion->count() == 2);
+  CHECK_FALSE(motion->still());
+  CHECK(motion->turns(0).rate() >= 2.0);
+  const Matrix4d moved = matrix_at(*motion, 0.5, 0), other = matrix_at(*motion, 0.5, 1);
+  CHECK(moved[12] == doctest::Approx(4.0));
+  CHECK(moved[13] == doctest::Approx(1.0));  // 48 units a second, half a frame of 24
+  CHECK(moved[0] == doctest::Approx(1.0));   // after one whole turn
+  CHECK(other[12] == doctest::Approx(2.0));
+  CHECK(matrix_at(*motion, 0.125, 0)[1] == doctest::Approx(1.0));  // a quarter turn
+  CHECK_FALSE(motion_of({nullptr, arrays, {7}}, log));
+  CHECK(said.size() == 1);
+  CHECK(motion_of({at(1), nullptr, {}}, log)->count() == 1);
 }
 
 TEST_CASE("colours that do not fit the instances are left out, with a word") {
