@@ -16,8 +16,8 @@ MEANINGS: tuple[tuple[int, str], ...] = (
         "the scene, a setting, a file or the disk is wrong: one line says what was found and what is expected."
         " After a full report: `conform`: a rule fails; `bench`: an answer differs from the oracle's, or a closed"
         " scene leaks, or with `--frames` another renderer's picture differs; `motion`: a track misses `--motion-tolerance`;"
-        " `verify`: a ray's answer is wrong, or a tree breaks an invariant; `record`, `accuracy`: a `--target` or the"
-        " `--time-budget` was missed by more than 10 %",
+        " `verify`: a ray's answer is wrong, or a tree breaks an invariant; `hydra-info`: there is no plugin, or the"
+        " host cannot load it; `record`, `accuracy`: a `--target` or the `--time-budget` was missed by more than 10 %",
     ),
     (USAGE, "usage: a wrong option, or an output that would overwrite the scene, what it reads or another output"),
     (DEGRADED, "rendered, but with `--strict` and something was missing or degraded"),
