@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "delegate/translate/translator.h"
+
 namespace msbvh::translate {
 namespace {
 
@@ -95,7 +97,7 @@ std::uint32_t EdgeRule::level(const CageEdge& edge) const {
     double pixels = 2.0 * std::max(pixels_between(start, middle, instant.screen),
                                    pixels_between(middle, end, instant.screen));
     if (!instant.beyond.empty() && (instant.beyond[edge.a] | instant.beyond[edge.b]) != 0)
-      pixels /= kLongerOutside;
+      pixels /= kCoarserOutside;
     longest = std::max(longest, pixels);
   }
   const double level = std::round(std::log2(longest / pixels_));
