@@ -62,6 +62,7 @@ void check_valences(const Cage& mesh) {
 }
 
 void check_faces(const Cage& mesh) {
+  if (mesh.face_vertex_counts.empty()) fail(mesh, "faceVertexCounts: found no faces; expected some");
   for (std::size_t f = 0; f < mesh.face_vertex_counts.size(); ++f) {
     const std::uint32_t n = mesh.face_vertex_counts[f];
     const bool loop = mesh.scheme == SubdivisionScheme::kLoop;

@@ -31,9 +31,13 @@ class FrameRange:
     end: float
     stride: float
 
-    def __len__(self) -> int:
+    def steps(self) -> float:
+        """How many there are, not rounded down; infinite or NaN where they cannot be counted."""
         # The expression of UsdUtilsTimeCodeRange::const_iterator, so that rounding falls the same way.
-        return math.floor((self.end - self.start + self.stride) / self.stride)
+        return (self.end - self.start + self.stride) / self.stride
+
+    def __len__(self) -> int:
+        return math.floor(self.steps())
 
     def __iter__(self) -> Iterator[float]:
         return (self.start + self.stride * step for step in range(len(self)))
@@ -49,7 +53,7 @@ def parse_frame_specs(text: str) -> tuple[list[float], int]:
     precision = 0
     for spec in text.split(","):
         frame_range = _parse_frame_spec(spec)
-        if len(frame_range) > MAX_FRAMES - len(frames):
+        if not frame_range.steps() < MAX_FRAMES - len(frames) + 1:
             raise FrameError(f"FrameSpec '{spec}' makes more than {MAX_FRAMES} frames; expected fewer")
         frames.extend(frame_range)
         precision = max(precision, _digits_behind_point(spec.partition(":")[2].partition("x")[2]))
