@@ -74,6 +74,7 @@ void add_instances(Accel& accel, FuzzedData& data, const std::shared_ptr<const A
     maps.back().t = maps.back().t + Vec3f{float(i % 7), float(i % 3), 0.0f};
   }
   const TimeRemap remap = fuzzed_time_remap(data);
+  if (!stays_in_reach(object->bvh(), maps)) return;
   passes([&] { accel.add_instances(object, form, maps, remap); });
 }
 

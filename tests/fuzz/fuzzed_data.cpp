@@ -29,8 +29,10 @@ std::uint64_t Stream::next() {
 }
 
 FuzzedData::FuzzedData(const std::uint8_t* data, std::size_t size)
-    : at_(data), end_(data + size), broken_(false) {
-  broken_ = (byte() & 3) == 3;
+    : at_(data), end_(data + size), broken_(false), largest_(1e4) {
+  const std::uint8_t first = byte();
+  broken_ = (first & 3) == 3;
+  if ((first & 12) == 12) largest_ = 0x1p60;
 }
 
 std::uint8_t FuzzedData::byte() { return at_ == end_ ? std::uint8_t(0) : *at_++; }
@@ -65,7 +67,7 @@ double FuzzedData::time01() {
 double FuzzedData::real() {
   const std::uint8_t kind = byte();
   if (kind < 200) return double(std::int8_t(byte())) / 64.0;
-  if (kind < 240 || !broken_) return kExtreme[byte() % std::size(kExtreme)];
+  if (kind < 240 || !broken_) return std::clamp(kExtreme[byte() % std::size(kExtreme)], -largest_, largest_);
   return kHostile[byte() % std::size(kHostile)];
 }
 
@@ -73,7 +75,9 @@ float FuzzedData::real32() { return float(std::clamp(real(), -3.4e38, 3.4e38)); 
 
 // Below 2^-50 products of coordinates underflow, which the triangle test leaves out
 // (docs/design/watertight.md).
-double FuzzedData::size() { return one_of({1.0, 1.0, 1.0, 1e-6, 1e3, 1e6, 1e-12, 0x1p59}); }
+double FuzzedData::size() {
+  return std::min(0.5 * largest_, one_of({1.0, 1.0, 1.0, 1e-6, 1e3, 1e6, 1e-12, 0x1p59}));
+}
 
 double FuzzedData::positive() { return size() * (0.1 + unit()); }
 

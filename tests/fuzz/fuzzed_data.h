@@ -20,12 +20,14 @@ namespace msbvh::fuzz {
 
 class FuzzedData {
  public:
-  // The first byte says whether anything may be wrong (broken()).
+  // The first byte says whether anything may be wrong (broken()), and how large numbers are.
   FuzzedData(const std::uint8_t* data, std::size_t size);
 
   // Whether NaN, infinity, and sizes and counts that do not fit are among the values. Where not, every value
   // is one that a gate may let pass, so that what lies behind it is reached.
   bool broken() const { return broken_; }
+  // Three of four inputs have numbers of the size of common scenes, which are cut to few triangles.
+  double largest() const { return largest_; }
 
   std::uint8_t byte();
   std::uint32_t number32();
@@ -59,6 +61,7 @@ class FuzzedData {
   const std::uint8_t* at_;
   const std::uint8_t* end_;
   bool broken_;
+  double largest_;
 };
 
 // A generator for what a seed stands for: splitmix64.

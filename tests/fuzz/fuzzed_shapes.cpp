@@ -1,6 +1,7 @@
 #include "tests/fuzz/fuzzed_shapes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace msbvh::fuzz {
@@ -49,6 +50,22 @@ TimeRemap fuzzed_time_remap(FuzzedData& data) {
   return remap;
 }
 
+bool stays_in_reach(const Bvh& object, std::span<const Affine3f> world_from_object) {
+  double farthest = 0.0, largest = 0.0, offset = 0.0;
+  const auto grow = [](double& most, const Vec3f& v) {
+    most = std::max({most, std::abs(double(v.x)), std::abs(double(v.y)), std::abs(double(v.z))});
+  };
+  for (const Box3f& box : object.root_bounds) {
+    grow(farthest, box.lo);
+    grow(farthest, box.hi);
+  }
+  for (const Affine3f& m : world_from_object) {
+    for (const Vec3f& column : {m.x, m.y, m.z}) grow(largest, column);
+    grow(offset, m.t);
+  }
+  return 3.0 * largest * farthest + offset <= double(kMaxCoordinate);
+}
+
 TriangleMesh fuzzed_mesh(FuzzedData& data, const TriangleMesh* topology) {
   TriangleMesh mesh;
   mesh.name = "/mesh";
@@ -77,7 +94,7 @@ GridMesh fuzzed_grids(FuzzedData& data, const GridMesh* topology) {
   const TrackForm form = fuzzed_form(data);
   mesh.segments = form.segments;
   mesh.degree = form.degree;
-  const std::uint32_t side = controls_of(form) > 33 ? 3 : 11;
+  const std::uint32_t side = controls_of(form) > 33 ? 2 : controls_of(form) > 5 ? 4 : 11;
   const std::size_t count = topology ? topology->grids.size() : 1 + data.below(2);
   std::size_t values = 0;
   for (std::size_t i = 0; i < count; ++i) {

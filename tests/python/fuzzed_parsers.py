@@ -40,7 +40,27 @@ from msbvh.stage.stage_metadata import LARGEST_RATE, frames_per_second, start_ti
 from pxr import Usd
 
 _PIECES = (
-    *("0", "1", "10", "-", "+", ".", ":", "x", ",", " ", "e", "1e300", "-1e308", "1e-320", "nan", "inf", "#", "###", "##.##"),
+    *(
+        "0",
+        "1",
+        "10",
+        "-",
+        "+",
+        ".",
+        ":",
+        "x",
+        ",",
+        " ",
+        "e",
+        "1e300",
+        "-1e308",
+        "1e-320",
+        "nan",
+        "inf",
+        "#",
+        "###",
+        "##.##",
+    ),
     *("9" * 30, "0" * 5000, "px", "s", "\u0663", "\u00b2", "_", "0x", "a/", ".exr", "\n", "\0", "\ud800"),
 )
 _TYPES = (
@@ -115,8 +135,28 @@ def _damage(content: bytearray, data: bytes) -> None:
     section, where counts are."""
     (contents,) = struct.unpack_from("<q", content, 16)
     starts = [struct.unpack_from("<q", content, contents + 8 + 32 * i + 16)[0] for i in range(6)]
-    places = [*range(8, 32, 8), *range(contents, contents + 200, 8), *(start + 8 * i for start in starts for i in range(8))]
-    sizes = (0, 1, 8, 127, 255, 2**31 - 1, 2**31, 2**32, 2**40, 2**61, 2**63 - 1, 2**63, 2**64 - 1, len(content), contents)
+    places = [
+        *range(8, 32, 8),
+        *range(contents, contents + 200, 8),
+        *(start + 8 * i for start in starts for i in range(8)),
+    ]
+    sizes = (
+        0,
+        1,
+        8,
+        127,
+        255,
+        2**31 - 1,
+        2**31,
+        2**32,
+        2**40,
+        2**61,
+        2**63 - 1,
+        2**63,
+        2**64 - 1,
+        len(content),
+        contents,
+    )
     for at in range(0, len(data) - 1, 2):
         place = places[data[at] % len(places)] if data[at] < 224 else (data[at] * 256 + data[at + 1]) % len(content)
         number = sizes[data[at + 1] % len(sizes)] if data[at + 1] < 192 else data[at + 1] - 192
@@ -161,8 +201,15 @@ def stage_texts(data: bytes) -> None:
     assert not found.startswith("WRONG"), found
 
 
+def stages(data: bytes) -> None:
+    """A stage that hypothesis makes of the bytes: read and rendered."""
+    from fuzzed_stages import one_input
+
+    one_input(data)
+
+
 ENTRIES: dict[str, Callable[[bytes], None]] = {
-    entry.__name__: entry for entry in (frame_specs, options, crate_tables, stage_numbers, stage_texts)
+    entry.__name__: entry for entry in (frame_specs, options, crate_tables, stage_numbers, stage_texts, stages)
 }
 
 

@@ -210,7 +210,12 @@ SCHEMAS: dict[str, tuple[str, ...]] = {
     "BlendShape": ("uniform vector3f[] offsets", "uniform int[] pointIndices", "uniform vector3f[] normalOffsets"),
     "GeomSubset": ("uniform token elementType", "uniform token familyName", "int[] indices"),
     "Material": (),
-    "Shader": ("uniform token info:id", "color3f inputs:diffuseColor", "float inputs:opacity", "float inputs:displacement"),
+    "Shader": (
+        "uniform token info:id",
+        "color3f inputs:diffuseColor",
+        "float inputs:opacity",
+        "float inputs:displacement",
+    ),
     "RenderSettings": ("int2 resolution", "float pixelAspectRatio", "token aspectRatioConformPolicy"),
     "Nonsense": (),
 }
@@ -296,7 +301,8 @@ def _scalar(kind: str) -> st.SearchStrategy[str]:
         size = int(kind[6])
         sound = [f"({', '.join(str(int(r == c)) for c in range(size))})" for r in range(size)]
         return st.one_of(
-            st.just(f"({', '.join(sound)})"), st.lists(_tuples(_numbers, size), min_size=size, max_size=size).map(lambda rows: f"({', '.join(rows)})")
+            st.just(f"({', '.join(sound)})"),
+            st.lists(_tuples(_numbers, size), min_size=size, max_size=size).map(lambda rows: f"({', '.join(rows)})"),
         )
     if kind.startswith("quat"):
         return st.one_of(st.just("(1, 0, 0, 0)"), _tuples(_numbers, 4))
@@ -322,7 +328,9 @@ def _attribute(draw: st.DrawFn, declaration: str) -> tuple[str, str]:
         kind = draw(st.sampled_from(TYPES)) + draw(st.sampled_from(("", "[]")))
     start = " ".join([*head, kind, name])
     if draw(st.integers(0, 3)) == 0:
-        times = draw(st.lists(st.one_of(st.integers(8, 12), st.floats(9, 11, width=32)), min_size=1, max_size=4, unique=True))
+        times = draw(
+            st.lists(st.one_of(st.integers(8, 12), st.floats(9, 11, width=32)), min_size=1, max_size=4, unique=True)
+        )
         samples = ", ".join(f"{time:g}: {draw(st.one_of(_value(kind), st.just('None')))}" for time in sorted(times))
         return name, f"{start}.timeSamples = {{ {samples} }}"
     line = f"{start} = {draw(_value(kind))}"
@@ -400,7 +408,7 @@ def stages(draw: st.DrawFn) -> str:
         if draw(st.integers(0, 9)) == 9:
             header.append(f"{name} = {draw(_numbers)}")
     prims = [draw(_prim(f"P{i}", 2)) for i in range(draw(st.integers(1, 3)))]
-    world = "def Xform \"World\" {\n" + "\n".join(prims) + "\n}"
+    world = 'def Xform "World" {\n' + "\n".join(prims) + "\n}"
     return f"#usda 1.0\n({'; '.join(header)})\n{_CAMERA}{_LOOKS}{world}\n"
 
 
@@ -412,9 +420,20 @@ def check(text: str) -> str:
     return found.partition(":")[0]
 
 
+@settings(deadline=None, database=None, suppress_health_check=list(HealthCheck))
+@given(stages())
+def _any_stage(text: str) -> None:
+    check(text)
+
+
+def one_input(data: bytes) -> None:
+    """The stage that the bytes stand for: of a fuzzer."""
+    _any_stage.hypothesis.fuzz_one_input(data)
+
+
 def main(first: int, count: int) -> None:
     """A line for each stage; the last one says what is wrong, with the smallest stage for which it is."""
-    number = 0
+    number, failing = 0, ""
 
     @settings(
         max_examples=count,
@@ -427,16 +446,20 @@ def main(first: int, count: int) -> None:
     @seed(first)
     @given(stages())
     def read_and_render(text: str) -> None:
-        nonlocal number
+        nonlocal number, failing
         print(json.dumps({"seed": first + number}), flush=True)
-        kind = check(text)
+        try:
+            kind = check(text)
+        except AssertionError:
+            failing = text  # The last one is the smallest.
+            raise
         print(json.dumps({"seed": first + number, "outcome": kind}), flush=True)
         number += 1
 
     try:
         read_and_render()
     except AssertionError as wrong:
-        print(json.dumps({"seed": first, "outcome": f"WRONG: {wrong}", "notes": getattr(wrong, "__notes__", [])}), flush=True)
+        print(json.dumps({"seed": first, "outcome": str(wrong), "stage": failing}), flush=True)
 
 
 if __name__ == "__main__":
