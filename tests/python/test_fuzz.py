@@ -58,6 +58,12 @@ def test_frames_that_cannot_be_counted_are_too_many(specs):
         frame_jobs(["a.###.exr"], specs)
 
 
+def test_a_time_code_of_many_digits_takes_time_in_proportion():
+    """Two ways to split a run of digits would be tried for each digit: hours."""
+    with pytest.raises(FrameError, match="found '0"):
+        frame_jobs(["a.###.exr"], "0" * 300_000 + "#")
+
+
 def test_a_number_of_thousands_of_digits_is_a_slip():
     with pytest.raises(Exception, match="expected numbers of threads such as 1,0"):
         Numbers().convert("9" * 5000, None, None)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 MAX_FRAMES = 1_000_000
 """More frames than this in one command are a slip of the finger."""
 
-_NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _PLACEHOLDER = re.compile(r"[^#]*(#+(?:\.#+)?)[^#]*")
 
 
