@@ -21,7 +21,8 @@ namespace {
 // That are built and verified: surfaces near the camera are cut to millions.
 constexpr std::size_t kMostTriangles = 20'000;
 
-// Refinement, displacement and sampling stay small, so that the same inputs are tried often.
+// Refinement, displacement and sampling stay small, so that many inputs are tried: surfaces reach up to the
+// camera's near plane, where edges are millions of pixels long.
 TranslatorSettings fuzzed_settings(FuzzedData& data) {
   TranslatorSettings settings;
   settings.width = settings.height = data.one_of({32u, 1u, 64u});
@@ -32,7 +33,7 @@ TranslatorSettings fuzzed_settings(FuzzedData& data) {
   settings.choice.segments = data.one_of({0u, 0u, 0u, 4u});
   settings.keep_faces = data.coin();
   settings.measure_shape = data.rarely();
-  settings.edge_length_pixels = data.one_of({16.0, 0.0, 64.0});
+  settings.edge_length_pixels = data.one_of({1e4, 0.0, 1e6, 1e5});
   settings.curves = data.coin() ? CurveStyle::kRibbon : CurveStyle::kTube;
   settings.displaced =
       data.one_of({Displaced::kByMemory, Displaced::kNot, Displaced::kAsTriangles, Displaced::kAsPatches});

@@ -10,11 +10,17 @@ namespace {
 // Controls that arrays are made for, whatever a broken form says.
 std::uint32_t controls_of(const TrackForm& form) { return is_valid_form(form) ? form.controls() : 2; }
 
-// Radii: some of them 0, some as large as all the rest together.
+// Radii: some of them 0, some as large as the set is. Much larger ones that change are no round curves: what
+// is drawn is the union of the balls at both ends of each part.
 std::vector<RoundVertex> round_vertices(FuzzedData& data, std::size_t count) {
   const std::vector<Vec3f> places = data.points(count);
-  const float widest = float(data.one_of({0.1, 1.0, 0.0, 1e-6, 1e6, 1e-30}));
-  const std::vector<float> radii = data.reals(count, 0.0f, widest);
+  double reach = 0.0;
+  for (std::size_t i = 1; i < count; ++i) {
+    const Vec3f d = abs(places[i] - places[0]);
+    if (is_finite(d)) reach = std::max({reach, double(d.x), double(d.y), double(d.z)});
+  }
+  const double widest = std::min(0x1p59, reach) * data.one_of({0.1, 0.3, 0.0, 1e-6, 1e-3});
+  const std::vector<float> radii = data.reals(count, 0.0f, float(widest));
   std::vector<RoundVertex> vertices(count);
   for (std::size_t i = 0; i < count; ++i) vertices[i] = {places[i], radii[i]};
   return vertices;
@@ -24,7 +30,7 @@ std::vector<RoundVertex> round_vertices(FuzzedData& data, std::size_t count) {
 
 TrackForm fuzzed_form(FuzzedData& data) {
   TrackForm form;
-  form.segments = data.one_of({0u, 1u, 2u, 4u, 8u, 16u, 1u, 128u});
+  form.segments = data.rarely() ? kMaxSegments : data.one_of({0u, 1u, 2u, 4u, 8u, 16u, 1u, 2u});
   if (form.moving()) form.degree = 1 + data.below(3);
   if (data.wrong()) form.segments = data.one_of({3u, 256u, 0xffffffffu, 0x80000000u});
   if (data.wrong()) form.degree = data.one_of({0u, 4u, 2u, 0xffffffffu});
@@ -94,7 +100,7 @@ GridMesh fuzzed_grids(FuzzedData& data, const GridMesh* topology) {
   const TrackForm form = fuzzed_form(data);
   mesh.segments = form.segments;
   mesh.degree = form.degree;
-  const std::uint32_t side = controls_of(form) > 33 ? 2 : controls_of(form) > 5 ? 4 : 11;
+  const std::uint32_t side = controls_of(form) > 33 ? 2 : controls_of(form) > 5 ? 3 : 9;
   const std::size_t count = topology ? topology->grids.size() : 1 + data.below(2);
   std::size_t values = 0;
   for (std::size_t i = 0; i < count; ++i) {
