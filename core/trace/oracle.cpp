@@ -24,12 +24,12 @@ constexpr double kRounding = 0x1p-53;
 constexpr double kUnderflow = 0x1p-148, kNoUnderflow = 0x1p-100;
 constexpr double kLeastArea = 0x1p-126;  // whose reciprocal is finite
 
-// Whether double precision tells its sign: each product and the difference are rounded once, and the
-// coordinates that go in are, after two roundings of terms no larger than `size`.
-bool has_sign(const Vec2d& a, const Vec2d& b, double size) {
+// What double precision loses of cross2(): each product and the difference are rounded once, and so are the
+// coordinates that go in, after two roundings of terms no larger than `size`.
+double lost_of_cross2(const Vec2d& a, const Vec2d& b, double size) {
   const double products = std::abs(a.x * b.y) + std::abs(a.y * b.x);
   const double inputs = size * (std::abs(a.x) + std::abs(a.y) + std::abs(b.x) + std::abs(b.y));
-  return std::abs(cross2(a, b)) > kRounding * (2.0 * products + 4.0 * inputs) + 4.0 * kUnderflow;
+  return kRounding * (2.0 * products + 4.0 * inputs) + 4.0 * kUnderflow;
 }
 
 double distance_to_segment(const Vec2d& a, const Vec2d& b) {
@@ -66,10 +66,13 @@ class ShearedTriangle {
         area != 0.0 && ((w[0] >= 0 && w[1] >= 0 && w[2] >= 0) || (w[0] <= 0 && w[1] <= 0 && w[2] <= 0));
     const double edge = std::min({distance_to_segment(p_[0], p_[1]), distance_to_segment(p_[1], p_[2]),
                                   distance_to_segment(p_[2], p_[0])});
-    // In a triangle far away all weights may have one sign by rounding alone. No hit is lost: corners of what
-    // is hit lie no farther from the ray than its edges are long, so that signs are out of doubt by 2^30.
-    const bool decided =
-        has_sign(p_[1], p_[2], size_) && has_sign(p_[2], p_[0], size_) && has_sign(p_[0], p_[1], size_);
+    // Of a triangle far away, or in a line with the ray, all weights may have one sign by rounding alone. No
+    // hit is lost: corners of what is hit lie no farther from the ray than its edges are long, so that signs
+    // are out of doubt by 2^30.
+    const double lost_weights[3] = {lost_of_cross2(p_[1], p_[2], size_), lost_of_cross2(p_[2], p_[0], size_),
+                                    lost_of_cross2(p_[0], p_[1], size_)};
+    const bool decided = std::abs(w[0]) > lost_weights[0] && std::abs(w[1]) > lost_weights[1] &&
+                         std::abs(w[2]) > lost_weights[2];
     verdict.clear = verdict.hit && edge > error_ && decided;
     verdict.possible = verdict.hit || edge <= error_;
     if (!verdict.possible) return verdict;
@@ -77,7 +80,7 @@ class ShearedTriangle {
     const double lost = lost_to_underflow(area);
     verdict.t_lo = t_min - t_error_ - lost;
     verdict.t_hi = t_max + t_error_ + lost;
-    if (area == 0.0) return verdict;
+    if (std::abs(area) <= lost_weights[0] + lost_weights[1] + lost_weights[2]) return verdict;
     verdict.u = w[1] / area;
     verdict.v = w[2] / area;
     verdict.t = (w[0] * t_[0] + w[1] * t_[1] + w[2] * t_[2]) / area;

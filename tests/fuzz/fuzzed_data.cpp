@@ -148,7 +148,7 @@ Affine3f FuzzedData::map() {
   const float scale = kind == 1 ? real32() : kind == 2 ? float(size()) : 1.0f;
   const float angle = float(unit() * 6.3);
   map.x = {scale * std::cos(angle), scale * std::sin(angle), 0.0f};
-  map.y = {-scale * std::sin(angle), scale * std::cos(angle), kind == 3 ? real32() : 0.0f};
+  map.y = {-scale * std::sin(angle), scale * std::cos(angle), kind == 3 ? float(4.0 * unit() - 2.0) : 0.0f};
   map.z = {0.0f, 0.0f, kind == 4 ? 0.0f : scale};
   map.t = {real32(), real32(), real32()};
   if (kind == 5) map.y = map.x;  // of rank 2

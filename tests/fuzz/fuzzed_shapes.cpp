@@ -10,9 +10,9 @@ namespace {
 // Controls that arrays are made for, whatever a broken form says.
 std::uint32_t controls_of(const TrackForm& form) { return is_valid_form(form) ? form.controls() : 2; }
 
-// Radii: some of them 0, some as large as the set is. Much larger ones that change are no round curves: what
-// is drawn is the union of the balls at both ends of each part.
-std::vector<RoundVertex> round_vertices(FuzzedData& data, std::size_t count) {
+// Radii: some of them 0, some as large as the set is. `alike`: of one control, all the same. Tubes whose
+// radius changes by more than they are long are drawn as their ends' balls alone.
+std::vector<RoundVertex> round_vertices(FuzzedData& data, std::size_t count, std::size_t alike = 1) {
   const std::vector<Vec3f> places = data.points(count);
   double reach = 0.0;
   for (std::size_t i = 1; i < count; ++i) {
@@ -20,9 +20,9 @@ std::vector<RoundVertex> round_vertices(FuzzedData& data, std::size_t count) {
     if (is_finite(d)) reach = std::max({reach, double(d.x), double(d.y), double(d.z)});
   }
   const double widest = std::min(0x1p59, reach) * data.one_of({0.1, 0.3, 0.0, 1e-6, 1e-3});
-  const std::vector<float> radii = data.reals(count, 0.0f, float(widest));
+  const std::vector<float> radii = data.reals(count / alike + 1, 0.0f, float(widest));
   std::vector<RoundVertex> vertices(count);
-  for (std::size_t i = 0; i < count; ++i) vertices[i] = {places[i], radii[i]};
+  for (std::size_t i = 0; i < count; ++i) vertices[i] = {places[i], radii[i / alike]};
   return vertices;
 }
 
@@ -142,7 +142,8 @@ CurveSet fuzzed_curves(FuzzedData& data, const CurveSet* topology) {
     if (data.wrong()) curves.loops.push_back({data.below(spans), data.one_of({spans, 0u, 0xffffffffu})});
   }
   const std::size_t values = std::size_t(controls_of(form)) * curves.vertex_count;
-  curves.vertices = round_vertices(data, values + (data.wrong() ? 1 : 0));
+  const bool tube = curves.shape == CurveShape::kTube;
+  curves.vertices = round_vertices(data, values + (data.wrong() ? 1 : 0), tube ? curves.vertex_count : 1);
   if (curves.shape == CurveShape::kOriented || data.wrong()) curves.normals = data.points(values);
   return curves;
 }

@@ -105,6 +105,27 @@ TEST_CASE("a cage without faces is refused by name, before OpenSubdiv writes to 
   CHECK_THROWS_WITH_AS(validate(cage), "/cage: faceVertexCounts: found no faces; expected some", Error);
 }
 
+TEST_CASE(
+    "a face that visits a vertex twice is refused by name, before OpenSubdiv writes beyond its memory") {
+  Cage cage;
+  cage.name = "/cage";
+  cage.vertex_count = 5;
+  cage.face_vertex_counts = {4, 4};
+  cage.face_vertex_indices = {0, 1, 2, 3, 4, 1, 4, 0};
+  CHECK_THROWS_WITH_AS(validate(cage),
+                       "/cage: faceVertexIndices: face 1 has vertex 4 twice; expected distinct vertices",
+                       Error);
+}
+
+TEST_CASE("the oracle takes any distance on a triangle that lies in a line with the ray") {
+  const Accel accel = accel_of(triangle({0.577340066f, 1, 0.99999994f}, {0.558736145f, 1, 0.99999994f},
+                                        {0.633379281f, 1, 0.99999994f}));
+  const Ray ray{.org = {0.586813211f, 1, 0.99999994f},
+                .dir = {-0.406468391f, 1.1920929e-07f, 1.78813934e-07f}};
+  const Hit hit{.t = 5e-12f, .u = 0.34f, .v = 0.28f, .triangle = 0, .geometry = mesh_id(0)};
+  CHECK(!judge_intersection(accel.bvh(), ray, hit));
+}
+
 TEST_CASE("the power heuristic is a share for densities of any size") {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   CHECK(power_heuristic(1.0f, 1.0f) == 0.5f);
