@@ -10,16 +10,23 @@ namespace {
 // Controls that arrays are made for, whatever a broken form says.
 std::uint32_t controls_of(const TrackForm& form) { return is_valid_form(form) ? form.controls() : 2; }
 
+// Tests of curves have the fourth power of coordinates in them, which overflows far below kMaxCoordinate.
+constexpr float kMostRound = 0x1p24f;
+
 // Radii: some of them 0, some as large as the set is. `alike`: of one control, all the same. Tubes whose
 // radius changes by more than they are long are drawn as their ends' balls alone.
 std::vector<RoundVertex> round_vertices(FuzzedData& data, std::size_t count, std::size_t alike = 1) {
-  const std::vector<Vec3f> places = data.points(count);
+  std::vector<Vec3f> places = data.points(count);
+  if (!data.broken()) {
+    const Vec3f most{kMostRound, kMostRound, kMostRound};
+    for (Vec3f& p : places) p = min(max(p, -most), most);
+  }
   double reach = 0.0;
   for (std::size_t i = 1; i < count; ++i) {
     const Vec3f d = abs(places[i] - places[0]);
     if (is_finite(d)) reach = std::max({reach, double(d.x), double(d.y), double(d.z)});
   }
-  const double widest = std::min(0x1p59, reach) * data.one_of({0.1, 0.3, 0.0, 1e-6, 1e-3});
+  const double widest = std::min(0x1p59, reach) * data.one_of({0.01, 0.03, 0.0, 1e-6, 1e-3});
   const std::vector<float> radii = data.reals(count / alike + 1, 0.0f, float(widest));
   std::vector<RoundVertex> vertices(count);
   for (std::size_t i = 0; i < count; ++i) vertices[i] = {places[i], radii[i / alike]};
