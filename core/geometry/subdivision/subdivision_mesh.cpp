@@ -61,8 +61,8 @@ void check_valences(const Cage& mesh) {
   }
 }
 
-// OpenSubdiv 3.5 takes some faces that visit a vertex twice, and then writes to memory that is not its own
-// when it prepares the surface around creases there.
+// OpenSubdiv 3.5 takes some faces that visit a vertex twice, and reads and writes beyond its memory when it
+// prepares surfaces beside them, at creases above all (docs/design/bad_input.md).
 void check_distinct(const Cage& mesh) {
   std::vector<std::uint32_t> corners;
   auto first = mesh.face_vertex_indices.begin();
