@@ -64,6 +64,12 @@ def test_a_time_code_of_many_digits_takes_time_in_proportion():
         frame_jobs(["a.###.exr"], "0" * 300_000 + "#")
 
 
+def test_a_stride_against_the_range_is_found_however_small():
+    """Their product underflows to 0."""
+    with pytest.raises(FrameError, match="the end is below the start, against the stride's sign"):
+        frame_jobs(["a.###.exr"], "1e-300:0x1e-300")
+
+
 def test_a_number_of_thousands_of_digits_is_a_slip():
     with pytest.raises(Exception, match="expected numbers of threads such as 1,0"):
         Numbers().convert("9" * 5000, None, None)

@@ -72,7 +72,7 @@ def _parse_frame_spec(spec: str) -> FrameRange:
     stride = _parse_time_code(stride_text, spec)
     if stride == 0.0:
         raise FrameError(f"invalid FrameSpec '{spec}': the stride is zero")
-    if (end - start) * stride < 0.0:
+    if end != start and (end > start) != (stride > 0.0):
         side = "below" if stride > 0.0 else "above"
         raise FrameError(f"invalid FrameSpec '{spec}': the end is {side} the start, against the stride's sign")
     return FrameRange(start, end, stride)
