@@ -21,84 +21,10 @@ constexpr std::size_t kGrain = 1024;
 using Fate = TransformFitter::Fate;
 using Verdict = TransformFitter::Verdict;
 
-FitSettings coarser(const InstanceTarget& target) {
-  FitSettings settings = target.settings;
-  settings.tolerance *= target.outside_tolerance;
-  return settings;
-}
-
-MapTarget map_target(const InstanceTarget& target) {
-  return {target.prototype_origin, target.world_origin, target.box};
-}
-
-// Judges each instance: one that is outside of the picture, as it will be drawn, by the coarser tolerance. What it draws is
-// in the hull of the box under each control of its track.
-class Judge {
- public:
-  Judge(const InstanceChain& chain, const InstanceTarget& target)
-      : chain_(chain),
-        target_(target),
-        fitter_(chain, map_target(target), target.measure, target.settings),
-        corners_(corners_of(target.box)),
-        centre_(chain.at(0.5, 0.5)) {
-    if (!target.view) return;
-    outside_.resize(chain.count());
-    // Most of what is in the picture is in it at the shutter's centre, and asks no more.
-    bool may_be_outside = false;
-    for (std::size_t i = 0; i < chain.count() && !may_be_outside; ++i) may_be_outside = is_beside_centre(i);
-    if (may_be_outside) coarse_.emplace(chain, map_target(target), target.measure, coarser(target));
-  }
-
-  // Thread-safe for different instances.
-  Verdict judge(std::size_t i) {
-    if (coarse_ && is_beside_centre(i)) {
-      const Verdict verdict = coarse_->judge(i);
-      if (verdict.fate == Fate::kDrawn && verdict.error <= coarser(target_).tolerance && is_outside(i, verdict)) {
-        outside_[i] = 1;
-        return verdict;
-      }
-    }
-    return fitter_.judge(i);
-  }
-
-  const TransformFitter& fitter() const { return fitter_; }
-  bool is_outside(std::size_t i) const { return !outside_.empty() && outside_[i] != 0; }
-  bool all_outside(const std::vector<Verdict>& verdicts) const {
-    for (std::size_t i = 0; i < verdicts.size(); ++i) {
-      if (verdicts[i].fate == Fate::kDrawn && !is_outside(i)) return false;
-    }
-    return true;
-  }
-  double tolerance(std::size_t i) const {
-    return is_outside(i) ? coarser(target_).tolerance : target_.settings.tolerance;
-  }
-
- private:
-  bool is_beside_centre(std::size_t i) const {
-    const Affine3d map = rebased(centre_.map(i), target_.prototype_origin, target_.world_origin);
-    return is_representable(map) && target_.view->misses(bounds_of(corners_, map));
-  }
-  bool is_outside(std::size_t i, const Verdict& verdict) const {
-    std::vector<Affine3f> controls(fitter_.form(verdict.track).controls());
-    coarse_->controls(i, verdict.track, controls.data());
-    Box3d box;
-    for (const Affine3f& map : controls) box.grow(bounds_of(corners_, Affine3d(map)));
-    return target_.view->misses(box);
-  }
-
-  const InstanceChain& chain_;
-  const InstanceTarget& target_;
-  TransformFitter fitter_;
-  std::optional<TransformFitter> coarse_;
-  BoxCorners corners_;
-  InstanceChain::Instant centre_;
-  std::vector<std::uint8_t> outside_;  // not of bool: threads write neighbours
-};
-
-std::vector<Verdict> judge(const InstanceChain& chain, Judge& judge) {
+std::vector<Verdict> judge(const InstanceChain& chain, const TransformFitter& fitter) {
   std::vector<Verdict> verdicts(chain.count());
   parallel_for_ranges(verdicts.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) verdicts[i] = judge.judge(i);
+    for (std::size_t i = begin; i < end; ++i) verdicts[i] = fitter.judge(i);
   });
   return verdicts;
 }
