@@ -90,13 +90,14 @@ bool misses(const ViewVolume& view, const Box3d& box, const InstanceSet& set) {
 
 class Sweep {
  public:
-  explicit Sweep(Scene& scene) : scene_(scene) {}
+  explicit Sweep(Scene& scene) : scene_(scene), left_(scene.prototypes.size()) {}
 
   template <typename Leaves>
   void instances(Unreached why, Leaves leaves) {
     std::erase_if(scene_.instances, [&](const InstanceSet& set) {
       if (!leaves(set)) return false;
       add({set.name, why, instance_count(set)}, set.prototype);
+      left_[set.prototype] = true;
       return true;
     });
   }
@@ -110,11 +111,11 @@ class Sweep {
     });
   }
 
-  void unplaced_prototypes() {
-    std::vector<bool> placed(scene_.prototypes.size());
-    for (const InstanceSet& set : scene_.instances) placed[set.prototype] = true;
-    for (std::size_t i = 0; i < placed.size(); ++i) {
-      if (placed[i]) continue;
+  // Those that nothing places any more.
+  void prototypes() {
+    for (const InstanceSet& set : scene_.instances) left_[set.prototype] = false;
+    for (std::size_t i = 0; i < left_.size(); ++i) {
+      if (!left_[i]) continue;
       for (const GeometryId id : scene_.prototypes[i].geometry) empty(scene_, id);
       scene_.prototypes[i].geometry.clear();
     }
@@ -137,6 +138,7 @@ class Sweep {
 
   Scene& scene_;
   std::uint32_t prototype_ = kNone;  // of the last one found
+  std::vector<bool> left_;           // by prototype: whether sets of it have left
   std::vector<LeftOut> found_;
 };
 
@@ -156,7 +158,7 @@ std::vector<LeftOut> leave_out_unreached(Scene& scene, std::uint32_t width, std:
     sweep.instances(Unreached::kOutsidePicture,
                     [&](const InstanceSet& set) { return misses(view, boxes[set.prototype], set); });
   }
-  sweep.unplaced_prototypes();
+  sweep.prototypes();
   return std::move(sweep).found();
 }
 
