@@ -108,5 +108,14 @@ TEST_SUITE("view volume") {
     camera.window.resize(1);
     camera.lens = {{10.0f, 1.0f}};
     CHECK_FALSE(ViewVolume(camera, 64, 64).misses(beside));
+    // One that pulls its focus close sees far aside at the end alone.
+    const Box3d aside{{60, -1, -11}, {62, 1, -10}};
+    camera.segments = 1;
+    camera.world_from_camera.assign(2, Affine3f{});
+    camera.window.assign(2, ScreenWindow{});
+    camera.lens = {{10.0f, 100.0f}, {10.0f, 100.0f}};
+    CHECK(ViewVolume(camera, 64, 64).misses(aside));
+    camera.lens[1].focus_distance = 1.0f;
+    CHECK_FALSE(ViewVolume(camera, 64, 64).misses(aside));
   }
 }
