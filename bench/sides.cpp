@@ -28,29 +28,30 @@ const std::vector<std::string>& OurSide::modes() const {
 
 void OurSide::trace(std::size_t mode, RayKind kind, std::size_t begin, std::size_t end, float* t) const {
   const std::span<const Ray> rays = rays_.subspan(begin, end - begin);
-  mode == kSingle ? trace_single(*tracer_, kind, rays, t) : trace_many(*tracer_, kind, rays, t);
+  mode == kSingle ? trace_single(kind, rays, t) : trace_many(kind, rays, t);
 }
 
-void trace_single(const Tracer& tracer, RayKind kind, std::span<const Ray> rays, float* t) {
+void OurSide::trace_single(RayKind kind, std::span<const Ray> rays, float* t) const {
   if (kind == RayKind::kShadow) {
-    for (std::size_t i = 0; i < rays.size(); ++i) t[i] = tracer.occluded(rays[i]) ? 0.0f : kInfinity;
+    for (std::size_t i = 0; i < rays.size(); ++i) t[i] = tracer_->occluded(rays[i]) ? 0.0f : kInfinity;
     return;
   }
   for (std::size_t i = 0; i < rays.size(); ++i) {
     Hit hit;
-    t[i] = tracer.intersect(rays[i], hit) ? hit.t : kInfinity;
+    t[i] = tracer_->intersect(rays[i], hit) ? hit.t : kInfinity;
   }
 }
 
-void trace_many(const Tracer& tracer, RayKind kind, std::span<const Ray> rays, float* t) {
+// As a renderer that has many rays at hand asks.
+void OurSide::trace_many(RayKind kind, std::span<const Ray> rays, float* t) const {
   if (kind == RayKind::kShadow) {
     const auto occluded = std::make_unique<bool[]>(rays.size());
-    tracer.occluded(rays, occluded.get());
+    tracer_->occluded(rays, occluded.get());
     for (std::size_t i = 0; i < rays.size(); ++i) t[i] = occluded[i] ? 0.0f : kInfinity;
     return;
   }
   std::vector<Hit> hits(rays.size());
-  tracer.intersect(rays, hits.data());
+  tracer_->intersect(rays, hits.data());
   for (std::size_t i = 0; i < rays.size(); ++i) t[i] = hits[i].found() ? hits[i].t : kInfinity;
 }
 

@@ -30,10 +30,6 @@ class Side {
   virtual void trace(std::size_t mode, RayKind kind, std::size_t begin, std::size_t end, float* t) const = 0;
 };
 
-// t as in Side::trace, one ray at a time; and as a renderer that has many rays at hand asks.
-void trace_single(const Tracer& tracer, RayKind kind, std::span<const Ray> rays, float* t);
-void trace_many(const Tracer& tracer, RayKind kind, std::span<const Ray> rays, float* t);
-
 class OurSide : public Side {
  public:
   enum Mode : std::size_t { kSingle, kMany };
@@ -55,6 +51,9 @@ class OurSide : public Side {
   const TreeLayout layout;
 
  private:
+  void trace_single(RayKind kind, std::span<const Ray> rays, float* t) const;
+  void trace_many(RayKind kind, std::span<const Ray> rays, float* t) const;
+
   std::shared_ptr<const Scene> scene_;
   std::span<const Ray> rays_;
   std::unique_ptr<Trees> trees_;

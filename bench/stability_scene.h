@@ -1,4 +1,4 @@
-// What the stability bench traces: closed shapes, tubes and points, in motions and at places that break renderers.
+// What the stability bench traces: closed shapes in motions and at places that break renderers.
 // Seeded: the same cell is the same scene on any machine.
 #pragma once
 
@@ -15,8 +15,7 @@ namespace msbvh::bench {
 
 struct StabilityShape {
   const char* name;
-  const char* what;  // one line, for people
-  bool round;        // tubes or points, at whose middle rays are aimed; else closed, and rays start inside
+  const char* what;    // one line, for people
   bool curved_tracks;  // whether it can move on tracks of degree 2 and 3
 };
 std::span<const StabilityShape> stability_shapes();
@@ -25,17 +24,16 @@ struct StabilityMotion {
   const char* name;
   const char* what;
   Vec3d (*at)(const Vec3d& centre, double u);  // of a shape about 2 units across, around the origin
-  bool bends;  // folds a tube more tightly than its radius allows
 };
 std::span<const StabilityMotion> stability_motions();
 
-// The shape is 2 * scale across, around (position, position, -position). Never so far away that the shape is smaller
-// than what single precision rounds there.
+// The shape is 2 * scale across, around (position, position, -position). Never so far away that the shape is
+// smaller than what single precision rounds there.
 struct StabilityPlace {
   double position, scale;
 };
 std::span<const StabilityPlace> stability_places();
-std::span<const TrackForm> stability_forms();  // 2 to 129 linear keys, two quadratics, two cubics
+std::span<const TrackForm> stability_forms();  // 2, 9, 33 and 129 linear keys, two quadratics, two cubics
 
 struct StabilityCell {
   std::string shape, motion;

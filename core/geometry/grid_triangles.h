@@ -6,8 +6,8 @@
 
 namespace msbvh {
 
-// Triangle i is triangle i of the grids, on the same track. Each grid has vertices of its own: those of neighbours
-// lie in one place. Throws Error for more vertices than 32 bits count.
+// Triangle i is triangle i of the grids, on the same track. Each grid has vertices of its own: those of
+// neighbours lie in one place. Throws Error for more vertices than 32 bits count.
 TriangleMesh triangles_of(const GridMesh& grids);
 
 }  // namespace msbvh

@@ -98,8 +98,9 @@ class Aimer {
 }  // namespace
 
 const char* aim_name(Aim aim) {
-  constexpr const char* kNames[] = {"anywhere", "at edges", "at vertices", "along faces", "from surfaces",
-                                    "in planes of boxes", "at curves and points"};
+  constexpr const char* kNames[] = {
+      "anywhere",      "at edges",           "at vertices",         "along faces",
+      "from surfaces", "in planes of boxes", "at curves and points"};
   return kNames[static_cast<std::size_t>(aim)];
 }
 

@@ -11,10 +11,10 @@
 namespace msbvh {
 
 enum class Aim : std::uint8_t {
-  kAnywhere,     // between two points of the scene's box
-  kEdges,        // at a point of a triangle's edge
-  kVertices,     // at a vertex
-  kAlongFaces,   // at a point of a triangle, in its plane
+  kAnywhere,      // between two points of the scene's box
+  kEdges,         // at a point of a triangle's edge
+  kVertices,      // at a vertex
+  kAlongFaces,    // at a point of a triangle, in its plane
   kFromSurfaces,  // from a point of a triangle, in any direction
   kInPlanes,      // through a vertex in a plane of two axes, in which boxes end there; half of them along one
   kRound          // at curves and points: at their middle, and past their rim
@@ -23,8 +23,8 @@ inline constexpr Aim kAims[] = {Aim::kAnywhere,     Aim::kEdges,    Aim::kVertic
                                 Aim::kFromSurfaces, Aim::kInPlanes, Aim::kRound};
 const char* aim_name(Aim aim);  // "anywhere", "at edges", ...
 
-// `count` rays, or none where the aim finds nothing to aim at: no triangles, no curves and points, or an empty
-// tree. Times are random, half of them at keys and next to them. A fourth of the rays ends at random.
+// `count` rays, or none where the aim finds nothing to aim at: no triangles, no curves and points, or an
+// empty tree. Times are random, half of them at keys and next to them. A fourth of the rays ends at random.
 std::vector<Ray> aimed_rays(const Bvh& world, Aim aim, std::size_t count, std::uint64_t seed);
 
 }  // namespace msbvh

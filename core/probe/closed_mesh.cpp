@@ -30,8 +30,9 @@ double solid_angle(const std::array<Vec3d, 3>& v) {
   return 2.0 * std::atan2(dot(v[0], cross(v[1], v[2])), below);
 }
 
-// The largest number that goes into where the mesh and a ray from the point are: what a kernel rounds is a share
-// of it. Keys may be far larger than what lies between them, and a map that is nearly singular magnifies.
+// The largest number that goes into where the mesh and a ray from the point are: what a kernel rounds is a
+// share of it. Keys may be far larger than what lies between them, and a map that is nearly singular
+// magnifies.
 double rounded_size(const ShownMesh& shown, const MeshPose& pose, const Vec3d& point) {
   const TriangleMesh& mesh = *shown.mesh;
   double size = 0.0;

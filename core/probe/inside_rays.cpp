@@ -1,5 +1,6 @@
 #include "core/probe/inside_rays.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -103,6 +104,17 @@ void add_inside_rays(const ShownMeshes& all, const ShownMesh& shown, std::size_t
     out.aims.push_back(aim);
     out.from.push_back(&shown);
   }
+}
+
+InsideRays inside_rays(const ShownMeshes& all, const std::vector<const ShownMesh*>& closed,
+                       std::size_t starts, std::size_t count, std::uint64_t seed) {
+  ProbeRandom random(seed);
+  InsideRays rays;
+  for (const ShownMesh* shown : closed) {
+    for (std::size_t i = 0; i < starts; ++i)
+      add_inside_rays(all, *shown, std::max<std::size_t>(1, count / (closed.size() * starts)), random, rays);
+  }
+  return rays;
 }
 
 }  // namespace msbvh

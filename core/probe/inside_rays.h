@@ -1,4 +1,5 @@
-// Rays that none of a closed mesh may let out: each starts at a point that the mesh surrounds, or goes through it.
+// Rays that none of a closed mesh may let out: each starts at a point that the mesh surrounds, or goes
+// through it.
 #pragma once
 
 #include <cstddef>
@@ -31,10 +32,14 @@ struct InsideRays {
   std::vector<const ShownMesh*> from;
 };
 
-// Appends `count` rays of all aims in turn that meet in a point inside of the mesh at a random time (half of them at
-// keys and next to them); none where the mesh is not there then, or no point inside is found. The point is farther
-// from the surface than what a kernel rounds, so that a ray without a hit is a leak.
+// Appends `count` rays of all aims in turn that meet in a point inside of the mesh at a random time (half of
+// them at keys and next to them); none where the mesh is not there then, or no point inside is found. The
+// point is farther from the surface than what a kernel rounds, so that a ray without a hit is a leak.
 void add_inside_rays(const ShownMeshes& all, const ShownMesh& shown, std::size_t count, ProbeRandom& random,
                      InsideRays& out);
+
+// About `count` rays from `starts` points and times in each of the meshes. The same for a seed.
+InsideRays inside_rays(const ShownMeshes& all, const std::vector<const ShownMesh*>& closed,
+                       std::size_t starts, std::size_t count, std::uint64_t seed);
 
 }  // namespace msbvh

@@ -9,13 +9,16 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/probe/aimed_rays.h"
+#include "core/probe/closed_mesh.h"
 #include "core/probe/inside_rays.h"
+#include "core/probe/tracer_under_test.h"
 #include "core/trace/oracle.h"
 
 namespace msbvh {
 namespace {
 
-// Closed meshes that rays start in, spread evenly over all that are shown; and places in each that they start at.
+// Closed meshes that rays start in, spread evenly over all that are shown; and places in each that they start
+// at.
 constexpr std::size_t kMostMeshes = 64, kStarts = 8;
 
 std::string describe(const Ray& ray) {
@@ -76,12 +79,10 @@ void judge(const Bvh& world, const Tracer& tracer, const std::vector<Ray>& rays,
   }
 }
 
-void find_leaks(const Bvh& world, const Tracer& tracer, const InsideRays& inside, ProbeResult& result) {
-  compare_ways(world, tracer, inside.rays, result);
-  std::vector<Hit> hits(inside.rays.size());
-  tracer.intersect(inside.rays, hits.data());
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (hits[i].found()) continue;
+void find_leaks(const Bvh& world, InstructionSet set, const InsideRays& inside, ProbeResult& result) {
+  compare_ways(world, Tracer(world, set), inside.rays, result);
+  constexpr std::size_t kOne = 0;  // the other ways are compared with it
+  for (const std::size_t i : lost_rays(OurTracerUnderTest(world, set), kOne, inside.rays)) {
     note(result, inside.rays[i],
          std::string(inside_aim_name(inside.aims[i])) + ", it gets out of " + inside.from[i]->mesh->name);
   }
@@ -100,18 +101,11 @@ std::vector<const ShownMesh*> closed_ones(const ShownMeshes& all, ProbeReport& r
   return closed;
 }
 
-// Spread evenly over the closed meshes.
-InsideRays rays_in(const ShownMeshes& all, const std::vector<const ShownMesh*>& closed, std::size_t count,
-                   std::uint64_t seed) {
-  ProbeRandom random(seed);
-  InsideRays rays;
-  const std::size_t meshes = std::min(closed.size(), kMostMeshes);
-  for (std::size_t i = 0; i < meshes; ++i) {
-    const ShownMesh& shown = *closed[i * closed.size() / meshes];
-    for (std::size_t start = 0; start < kStarts; ++start)
-      add_inside_rays(all, shown, std::max<std::size_t>(1, count / (meshes * kStarts)), random, rays);
-  }
-  return rays;
+// Spread evenly over all.
+std::vector<const ShownMesh*> at_most(std::size_t count, const std::vector<const ShownMesh*>& meshes) {
+  std::vector<const ShownMesh*> chosen(std::min(count, meshes.size()));
+  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = meshes[i * meshes.size() / chosen.size()];
+  return chosen;
 }
 
 }  // namespace
@@ -136,11 +130,12 @@ ProbeReport probe(const Bvh& world, const ProbeSettings& settings, const ProbePr
     }
   }
   const ShownMeshes shown(world);
-  const InsideRays inside = rays_in(shown, closed_ones(shown, report), settings.rays, settings.seed);
+  const InsideRays inside = inside_rays(shown, at_most(kMostMeshes, closed_ones(shown, report)), kStarts,
+                                        settings.rays, settings.seed);
   for (const InstructionSet set : sets) {
     ProbeResult& result =
         report.results.emplace_back(ProbeResult{"rays from inside closed meshes", set, inside.rays.size()});
-    find_leaks(world, Tracer(world, set), inside, result);
+    find_leaks(world, set, inside, result);
     finished_one();
   }
   return report;

@@ -5,6 +5,7 @@
 #include "core/geometry/curve_set.h"
 #include "core/geometry/point_set.h"
 #include "core/trace/pose.h"
+#include "core/trace/ray.h"
 
 namespace msbvh {
 namespace {

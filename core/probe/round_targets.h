@@ -12,8 +12,8 @@
 
 namespace msbvh {
 
-// A point of the world in the middle of a curve or a sphere. `along` is the direction that a curve runs in, zero
-// where it runs nowhere and for spheres.
+// A point of the world in the middle of a curve or a sphere. `along` is the direction that a curve runs in,
+// zero where it runs nowhere and for spheres.
 struct RoundTarget {
   Vec3d centre, along;
   double radius;  // of the largest of the map's columns where it is an instance's: at least the drawn one
@@ -25,8 +25,8 @@ class RoundTargets {
   explicit RoundTargets(const Bvh& world);
 
   bool empty() const { return sets_.empty(); }
-  // Somewhere on the centre line of a random span, often at its ends; or a random point. None where it is not there
-  // at this time. Not to be called when empty().
+  // Somewhere on the centre line of a random span, often at its ends; or a random point. None where it is not
+  // there at this time. Not to be called when empty().
   std::optional<RoundTarget> pick(float time, ProbeRandom& random) const;
 
  private:
