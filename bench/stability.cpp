@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -47,8 +48,15 @@ using OfAims = std::array<std::size_t, std::size(kInsideAims)>;
 struct Found {
   std::size_t leaks = 0;
   OfAims of_aims{};
+  std::size_t at_keys = 0;
   std::size_t wrong = 0;
 };
+
+// Half of the times are: core/probe/probe_random.h.
+bool is_at_key(const Ray& ray) {
+  const double key = double(ray.time) * kMaxSegments;
+  return std::abs(key - std::round(key)) < 1e-4;
+}
 
 // Those of the worst way stay.
 void count_leaks(const TracerUnderTest& tracer, const InsideRays& inside, Found& found) {
@@ -57,7 +65,11 @@ void count_leaks(const TracerUnderTest& tracer, const InsideRays& inside, Found&
     if (lost.size() <= found.leaks) continue;
     found.leaks = lost.size();
     found.of_aims = {};
-    for (const std::size_t i : lost) ++found.of_aims[static_cast<std::size_t>(inside.aims[i])];
+    found.at_keys = 0;
+    for (const std::size_t i : lost) {
+      ++found.of_aims[static_cast<std::size_t>(inside.aims[i])];
+      found.at_keys += is_at_key(inside.rays[i]);
+    }
   }
 }
 
@@ -97,6 +109,7 @@ class CellRun {
     row.add("position", cell_.place.position);
     row.add("scale", cell_.place.scale);
     row.add("rays", inside_.rays.size());
+    row.add("rays_at_keys", static_cast<std::size_t>(std::ranges::count_if(inside_.rays, is_at_key)));
     row.add("judged", judged_);
     write(row, "", ours);
     write(row, "peer_", peer);
@@ -141,6 +154,7 @@ class CellRun {
       row.add((side + key).c_str(), found ? static_cast<double>((*found).*figure) : kNotMeasured);
     };
     add("leaks", &Found::leaks);
+    add("leaks_at_keys", &Found::at_keys);
     add("wrong", &Found::wrong);
     for (const InsideAim aim : kInsideAims) {
       const double leaks =

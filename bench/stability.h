@@ -12,7 +12,7 @@
 namespace msbvh::bench {
 
 struct StabilitySettings {
-  std::size_t rays = 100'000;  // about; of all aims of core/probe/inside_rays.h in turn
+  std::size_t rays = 10'000;  // about; of all aims of core/probe/inside_rays.h in turn
   std::uint32_t seed = 1;
   double oracle_tests = 2e6;  // primitives that the oracle tests for a cell and a side; one ray at least
   const PeerLibrary* peer = nullptr;   // with its robust flag

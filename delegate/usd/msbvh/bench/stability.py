@@ -40,7 +40,7 @@ class StabilitySettings:
     @property
     def rays(self) -> int:
         """About so many a row."""
-        return 3_000 if self.quick else 100_000
+        return 3_000 if self.quick else 10_000
 
     @property
     def oracle_tests(self) -> float:
