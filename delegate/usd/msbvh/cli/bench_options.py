@@ -74,7 +74,7 @@ STABILITY: Sequence[Decorator] = (
         "--stability",
         is_flag=True,
         help="Count the rays that get out of closed moving shapes instead of rays a second: ours, and with --peer embree"
-        " Embree's. About 15 minutes on two cores; with --quick seconds. --scenes: shapes, or ball-129 for one number of"
+        " Embree's. About 10 minutes on two cores; with --quick 20 seconds. --scenes: shapes, or ball-129 for one number of"
         " keys.",
     ),
 )
