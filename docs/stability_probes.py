@@ -23,16 +23,16 @@ Made by `{command}`: msbvh {msbvh}{commit}{peer}, {processor},
 point that the shape surrounds at the ray's time, farther from the surface than what single precision rounds, or on the
 surface and goes through that point: a ray that hits nothing is a leak. Rays take six aims in turn. Half of the times are
 random, half are at keys and at their neighbours in single precision. Both sides get the same triangles and the same rays. We
-are asked in each of {ways} ways by each instruction set of this machine, a peer one ray at a time and in packets of 16, with its robust
-flag, built in high quality, denormals flushed as it asks; a figure is that of the worst of a side's ways. Figures are
-leaks per million rays; "-" was not measured: a peer has linear keys alone.
+are asked in four ways (one ray or many, closest or any hit) by each instruction set of this machine; a peer one ray at a time
+and in packets of 16, with its robust flag, built in high quality, denormals flushed as it asks. A figure is that of the worst
+of a side's ways: leaks per million rays, "-" where nothing was measured, since a peer has linear keys alone.
 """
 
-LIMITS = """**How to read it.** Each row weighs the same, and these rows are hard on purpose: shapes at 10^7, motion of 24 times a shape's
-size within a shutter, and four aims of six at places where a tracer is likeliest to lose a ray. A picture has fewer such rays,
-so these shares are not what a frame loses. Zero leaks of {rays:,} rays are no proof: docs/design/watertight.md has that. Why
-Embree loses what it loses was not looked into. Where a shape has next to no volume, or is small beside what single precision resolves there, no start is
-safely inside, and a row has fewer rays.
+LIMITS = """**How to read it.** Each row weighs the same, and these rows are hard on purpose: shapes at 10^7, motion of 24 times a
+shape's size within a shutter, and four aims of six at places where a tracer is likeliest to lose a ray. A picture has fewer
+such rays: these shares are not what a frame loses. Zero leaks of {rays:,} rays are no proof: docs/design/watertight.md has
+that. Why Embree loses what it loses was not looked into. Where a shape has next to no volume, or is small beside what single
+precision resolves there, no start is safely inside, and a row has fewer rays.
 """
 
 
@@ -94,7 +94,6 @@ def _head(report: Report) -> str:
         motions=kinds("motion"),
         forms=kinds("keys", "degree"),
         places=kinds("position", "scale"),
-        ways="four",
     )
 
 
@@ -122,10 +121,8 @@ def reading(report: Report) -> Iterator[str]:
         yield f"Its worst row: {name(worst)}: {_million([worst], 'peer_leaks')} of a million."
     for row in beside:
         if (row["shape"], row["motion"], row["keys"], row["position"]) == ("dense", "flight", 129, 1e4):
-            yield (
-                f"A closed sphere of 9024 triangles with 129 keys at position 1e4, flying and turning: {_million([row], 'peer_leaks')}"
-                " of a million."
-            )
+            share = _million([row], "peer_leaks")
+            yield f"A closed sphere of 9024 triangles with 129 keys at position 1e4, flying and turning: {share} of a million."
     still = sorted({row["keys"] for row in beside} - {row["keys"] for row in leaking})
     if still:
         yield f"It loses none with {' and '.join(map(str, still))} keys."

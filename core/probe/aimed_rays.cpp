@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "core/probe/probe_random.h"
-#include "core/probe/round_targets.h"
 #include "core/probe/shown.h"
 
 namespace msbvh {
@@ -22,22 +21,18 @@ Box3d box_of(const Bvh& world) {
 class Aimer {
  public:
   Aimer(const Bvh& world, Aim aim, std::uint64_t seed)
-      : shown_(world), round_(world), aim_(aim), random_(seed), box_(box_of(world)), around_(box_) {
+      : shown_(world), aim_(aim), random_(seed), box_(box_of(world)), around_(box_) {
     const Vec3d room = (box_.hi - box_.lo) * 0.5;
     around_.grow(box_.lo - room);
     around_.grow(box_.hi + room);
   }
 
-  bool has_targets() const {
-    if (aim_ == Aim::kRound) return !round_.empty();
-    return aim_ == Aim::kAnywhere || shown_.triangle_count() > 0;
-  }
+  bool has_targets() const { return aim_ == Aim::kAnywhere || shown_.triangle_count() > 0; }
 
   // None: what was to be aimed at is not there at this time.
   std::optional<Ray> next() {
     const float time = random_.time();
     if (aim_ == Aim::kAnywhere) return ray(random_.in_box(around_), random_.in_box(box_), time);
-    if (aim_ == Aim::kRound) return at_round(time);
     const auto [shown, triangle] = shown_.triangle(random_.below(shown_.triangle_count()));
     const std::optional<MeshPose> pose = shown_.pose(*shown, double(time));
     if (!pose) return std::nullopt;
@@ -45,17 +40,10 @@ class Aimer {
   }
 
  private:
-  std::optional<Ray> at_round(float time) {
-    const std::optional<RoundTarget> target = round_.pick(time, random_);
-    if (!target) return std::nullopt;
-    const double aside = random_.below(2) == 0 ? 0.0 : target->radius * random_.uniform(0.0, 1.2);
-    return ray(random_.in_box(around_), target->centre + random_.direction() * aside, time);
-  }
   Ray at_triangle(const std::array<Vec3d, 3>& c, float time) {
     const std::size_t k = random_.below(3);
     const Vec3d &a = c[k], &b = c[(k + 1) % 3];
     if (aim_ == Aim::kVertices) return ray(random_.in_box(around_), a, time);
-    if (aim_ == Aim::kInPlanes) return in_plane(a, time);
     if (aim_ == Aim::kEdges) return ray(random_.in_box(around_), a + (b - a) * random_.uniform(), time);
     const Vec3d inside =
         a + (b - a) * random_.uniform(0.0, 0.5) + (c[(k + 2) % 3] - a) * random_.uniform(0.0, 0.5);
@@ -67,17 +55,6 @@ class Aimer {
     return ray(inside - along * (random_.uniform(0.0, 1.0) * length(around_.hi - around_.lo) / size), inside,
                time);
   }
-  Ray in_plane(const Vec3d& through, float time) {
-    const auto axis = static_cast<int>(random_.below(3)), other = (axis + 1) % 3;
-    const bool along_axis = random_.below(2) == 0;
-    Vec3d from = random_.in_box(around_);
-    from[axis] = through[axis];
-    if (along_axis) from[other] = through[other];
-    Ray result = ray(from, through, time);
-    result.dir[axis] = 0.0f;
-    if (along_axis) result.dir[other] = 0.0f;
-    return result;
-  }
   Ray ray(const Vec3d& from, const Vec3d& to, float time) {
     Ray result;
     result.org = Vec3f(from);
@@ -88,7 +65,6 @@ class Aimer {
   }
 
   const ShownMeshes shown_;
-  const RoundTargets round_;
   const Aim aim_;
   ProbeRandom random_;
   const Box3d box_;
@@ -98,9 +74,7 @@ class Aimer {
 }  // namespace
 
 const char* aim_name(Aim aim) {
-  constexpr const char* kNames[] = {
-      "anywhere",      "at edges",           "at vertices",         "along faces",
-      "from surfaces", "in planes of boxes", "at curves and points"};
+  constexpr const char* kNames[] = {"anywhere", "at edges", "at vertices", "along faces", "from surfaces"};
   return kNames[static_cast<std::size_t>(aim)];
 }
 

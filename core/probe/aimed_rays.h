@@ -11,20 +11,18 @@
 namespace msbvh {
 
 enum class Aim : std::uint8_t {
-  kAnywhere,      // between two points of the scene's box
-  kEdges,         // at a point of a triangle's edge
-  kVertices,      // at a vertex
-  kAlongFaces,    // at a point of a triangle, in its plane
-  kFromSurfaces,  // from a point of a triangle, in any direction
-  kInPlanes,      // through a vertex in a plane of two axes, in which boxes end there; half of them along one
-  kRound          // at curves and points: at their middle, and past their rim
+  kAnywhere,     // between two points of the scene's box
+  kEdges,        // at a point of a triangle's edge
+  kVertices,     // at a vertex
+  kAlongFaces,   // at a point of a triangle, in its plane
+  kFromSurfaces  // from a point of a triangle, in any direction
 };
-inline constexpr Aim kAims[] = {Aim::kAnywhere,     Aim::kEdges,    Aim::kVertices, Aim::kAlongFaces,
-                                Aim::kFromSurfaces, Aim::kInPlanes, Aim::kRound};
+inline constexpr Aim kAims[] = {Aim::kAnywhere, Aim::kEdges, Aim::kVertices, Aim::kAlongFaces,
+                                Aim::kFromSurfaces};
 const char* aim_name(Aim aim);  // "anywhere", "at edges", ...
 
-// `count` rays, or none where the aim finds nothing to aim at: no triangles, no curves and points, or an
-// empty tree. Times are random, half of them at keys and next to them. A fourth of the rays ends at random.
+// `count` rays, or none where the aim finds nothing to aim at: no triangles, or an empty tree. Times are
+// random, half of them at keys and next to them. A fourth of the rays ends at random.
 std::vector<Ray> aimed_rays(const Bvh& world, Aim aim, std::size_t count, std::uint64_t seed);
 
 }  // namespace msbvh

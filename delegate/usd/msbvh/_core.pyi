@@ -461,7 +461,7 @@ def stability_motions() -> dict[str, str]:
 def stability_run(
     cell: StabilityCell, *, rays: int, seed: int, oracle_tests: float, peer: str, peer_folder: str
 ) -> str:
-    """A row as JSON (bench/stability.h); ``peer`` and ``peer_folder`` as in bench_run. Raises ValueError for a cell that
+    """A row as JSON (bench/stability.h); ``peer`` and ``peer_folder`` as in bench_run. Raises Error for a cell that
     cannot be. Without the GIL; a signal's exception ends it between two measurements."""
 
 def arm_crash_line(line: str) -> None: ...

@@ -77,18 +77,20 @@ def run(
     if peer is None:
         note("bench: no peer beside us: Embree is measured with --peer embree (pip install embreex==4.4.*)")
     about = {**host(), "peer": peer.name if peer else None, "seed": settings.seed, "quick": settings.quick}
-    arguments = {
-        "rays": settings.rays,
-        "seed": settings.seed,
-        "oracle_tests": settings.oracle_tests,
-        "peer": str(peer.library) if peer else "",
-        "peer_folder": str(peer.folder) if peer else "",
-    }
+    library, folder = (str(peer.library), str(peer.folder)) if peer else ("", "")
     every = cells(settings)
     rows: list[Row] = []
     for done, cell in enumerate(every):
         progress(done / len(every))
-        rows.append(json.loads(_core.stability_run(cell, **arguments)))
+        row = _core.stability_run(
+            cell,
+            rays=settings.rays,
+            seed=settings.seed,
+            oracle_tests=settings.oracle_tests,
+            peer=library,
+            peer_folder=folder,
+        )
+        rows.append(json.loads(row))
     progress(1.0)
     what = {"scenes": list(settings.scenes), "rays": settings.rays}
     return {"machine": {**about, **what, "load_average": load, "seconds": time.monotonic() - begin}, "rows": rows}
