@@ -19,7 +19,7 @@ from .rays import find_peer, host
 
 Row = dict[str, Any]
 
-QUICK_MOTIONS = ("rotation", "inversion")
+QUICK_MOTIONS = ("flight", "inversion")
 QUICK_FORMS = ((1, 1), (128, 1), (2, 3))
 """(segments, degree)."""
 QUICK_PLACES = ((0.0, 1e-6), (1e4, 1.0), (1e7, 1e3))
