@@ -33,7 +33,7 @@ constexpr StabilityMotion kMotions[] = {
      [](const Vec3d& p, double u) {
        return p + Vec3d{40.0, -25.0, 10.0} * (u - 0.5);
      }},
-    {"flight", "the same, turning by 2 radians",
+    {"flight", "by 24 times its size, turning by 2 radians",
      [](const Vec3d& p, double u) {
        return turn(p, 2.0 * (u - 0.5)) + Vec3d{40.0, -25.0, 10.0} * (u - 0.5);
      }},

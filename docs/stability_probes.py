@@ -17,7 +17,7 @@ AIMS = ("in any direction", "at edges", "at vertices", "along faces", "from surf
 HEAD = """## Rays from inside of closed moving shapes
 
 Made by `{command}`: msbvh {msbvh}{commit}{peer}, {processor},
-{instruction_set}, seed {seed}; {minutes:.0f} minutes. {alone}
+{instruction_set}, seed {seed}; {minutes:.1f} minutes. {alone}
 
 {rays:,} rays in {rows} rows: {shapes} shapes, {motions} motions, {forms} kinds of track, {places} places. Each ray starts at a
 point that the shape surrounds at the ray's time, farther from the surface than what single precision rounds, or on the
@@ -142,7 +142,7 @@ def by_place_and_keys(rows: Sequence[Row]) -> str:
     places = sorted({(row["position"], row["scale"]) for row in rows})
 
     def heading(form: tuple[int, int]) -> str:
-        return f"{form[1]} keys: ours, Embree" if form[0] == 1 else f"degree {form[0]}: ours, Embree"
+        return f"{form[1]} keys: ours, Embree" if form[0] == 1 else f"two pieces of degree {form[0]}: ours, Embree"
 
     def line(place: tuple[float, float]) -> list[str]:
         here = [row for row in rows if (row["position"], row["scale"]) == place]
