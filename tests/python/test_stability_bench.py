@@ -84,7 +84,7 @@ def test_a_cell_that_cannot_be_is_refused() -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (("--scenes", "pear*"), 1, "matches nothing; expected globs of ball, shell"),
+        (("--scenes", "pear*"), 1, "matches nothing; expected globs of ball, dense, shell"),
         (("--builder", "mbvh"), 2, "--builder and --stability exclude each other"),
         (("--threads", 1), 2, "--threads and --stability exclude each other"),
         (("--frames",), 2, "--stability and --frames exclude each other"),

@@ -73,12 +73,12 @@ def run(
     """Measures; {"machine": ..., "rows": [...]}. `note` hears that our column stands alone. Raises SceneError where the
     peer that is asked for is not there."""
     load, begin = os.getloadavg()[0], time.monotonic()
+    every = cells(settings)
     peer = find_peer(settings.peer) if settings.peer else None
     if peer is None:
         note("bench: no peer beside us: Embree is measured with --peer embree (pip install embreex==4.4.*)")
     about = {**host(), "peer": peer.name if peer else None, "seed": settings.seed, "quick": settings.quick}
     library, folder = (str(peer.library), str(peer.folder)) if peer else ("", "")
-    every = cells(settings)
     rows: list[Row] = []
     for done, cell in enumerate(every):
         progress(done / len(every))
