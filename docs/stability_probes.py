@@ -17,7 +17,7 @@ AIMS = ("in any direction", "at edges", "at vertices", "along faces", "from surf
 HEAD = """## Rays from inside of closed moving shapes
 
 Made by `{command}`: msbvh {msbvh}{commit}{peer}, {processor},
-{instruction_set}, seed {seed}; {minutes:.1f} minutes. {alone}
+{instruction_set}, seed {seed}; {minutes:.1f} minutes.{alone}
 
 {rays:,} rays in {rows} rows: {shapes} shapes, {motions} motions, {forms} kinds of track, {places} places. Each ray starts at a
 point that the shape surrounds at the ray's time, farther from the surface than what single precision rounds, or on the
@@ -83,7 +83,7 @@ def _head(report: Report) -> str:
         commit=f" ({machine['commit']})" if machine["commit"] else "",
         msbvh=machine["msbvh"],
         peer=f", beside {peer}" if peer else "",
-        alone="" if peer else "**Embree was not found: our column stands alone.**",
+        alone="" if peer else " **Embree was not found: our column stands alone.**",
         processor=machine["processor"],
         instruction_set=machine["instruction_set"],
         seed=machine["seed"],
