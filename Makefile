@@ -6,7 +6,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup render test lint sanitize fuzz bench accuracy soak clean FORCE
+.PHONY: help setup render test lint sanitize fuzz bench accuracy stability soak clean FORCE
 
 PYTHON ?= python3
 JOBS ?= $(shell nproc)
@@ -124,6 +124,10 @@ accuracy: setup  ## what each step of accuracy costs on six scenes: to docs/accu
 	  --config-settings=cmake.define.MSBVH_BUILD_TESTS=ON --config-settings=cmake.define.MSBVH_BUILD_BENCH=ON \
 	  --editable '.[test,accuracy]'
 	@$(BIN)/python docs/make_accuracy.py $(OPTIONS)
+
+# Embree as in `make bench`. Needs a clean tree. OPTIONS: `--probes` or `--mutants` makes one section anew.
+stability: setup  ## rays that get out of moving shapes, ours and Embree's, and deliberate defects: to docs/stability.md
+	@$(BIN)/python docs/make_stability.py $(OPTIONS)
 
 # Each check is remembered by commit: the same command goes on after an interruption. OPTIONS: `--list`, `--only GLOB`.
 soak: setup $(STAMPS)/fuzzers  ## every long check whole, for hours; goes on where it was interrupted; result in docs/soak.md

@@ -21,6 +21,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
+#include "core/geometry/grid_triangles.h"
 #include "tests/support/cages.h"
 
 namespace {

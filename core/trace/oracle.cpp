@@ -235,6 +235,22 @@ std::optional<std::string> judge_intersection(const Bvh& bvh, const Ray& ray, co
   return text.empty() ? std::nullopt : std::optional(text);
 }
 
+std::optional<std::string> judge_distance(const Bvh& bvh, const Ray& ray, float t) {
+  const bool found = !std::isinf(t);
+  bool answered = !found;
+  std::ostringstream wrong;
+  wrong.precision(9);
+  visit_all(bvh, ray, [&](const Id& id, const Verdict& v) {
+    answered |= v.t_lo <= t && t <= v.t_hi;
+    const double limit = found ? t : ray.tfar;
+    if (v.clear && v.t_lo > ray.tnear && v.t_hi < limit)
+      wrong << describe(id) << " lies at t = " << v.t << ", before " << limit << ", and was not found. ";
+  });
+  if (!answered) wrong << "a hit at t = " << t << ", where nothing lies. ";
+  const std::string text = wrong.str();
+  return text.empty() ? std::nullopt : std::optional(text);
+}
+
 std::optional<std::string> judge_occlusion(const Bvh& bvh, const Ray& ray, bool occluded) {
   bool clear = false, possible = false;
   visit_all(bvh, ray, [&](const Id&, const Verdict& v) {
