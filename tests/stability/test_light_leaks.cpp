@@ -3,7 +3,7 @@
 #include <string>
 
 #include "core/base/parallel.h"
-#include "tests/render/shells.h"
+#include "tests/stability/shells.h"
 #include "tests/support/soak.h"
 
 namespace msbvh {
