@@ -254,8 +254,9 @@ class Judge {
       const auto own = local_time(bvh_.time_remap_of(instance), u);
       const auto inside = local_time(&instance.object->time_remap, u);
       if (!own || !inside) return;
-      const Affine3f map = track_as(r, [&](std::uint32_t c) { return maps[c]; }, instance.form,
-                                    locate(float(*own), instance.form.segments));
+      const Affine3f map = track_as(
+          r, [&](std::uint32_t c) { return maps[c]; }, instance.form,
+          locate(float(*own), instance.form.segments));
       const Box3f box = box_as(r, place, float(*inside)), outer = box_as(r, slot, u);
       judge(holds_image(outer, map, box), false, u, "instance", block.owner);
     });

@@ -1,9 +1,10 @@
 // Whether the boxes of a tree hold what they bound, at given times, by exact arithmetic: no tolerance.
 //
 // What is judged is what traversal sees: boxes, vertices and matrices interpolated in single precision as the
-// kernels do, with and without fused operations. On floats that makes a comparison exact. A triangle that is in
-// several leaves is in their boxes together (tests/stability/exact_parts.h). Of curves, balls at dyadic places
-// along the centre line are judged; what instances show, by the corners of the object's box under the matrix.
+// kernels do, with and without fused operations. On floats that makes a comparison exact. A triangle that is
+// in several leaves is in their boxes together (tests/stability/exact_parts.h). Of curves, balls at dyadic
+// places along the centre line are judged; what instances show, by the corners of the object's box under the
+// matrix.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
-// Parts of a triangle in barycentric coordinates, cut by planes without a rounding. A corner is never computed:
-// it is where two lines cross, and on which side of a third one it lies is the sign of a determinant of what
-// was given (tests/support/exact.h).
+// Parts of a triangle in barycentric coordinates, cut by planes without a rounding. A corner is never
+// computed: it is where two lines cross, and on which side of a third one it lies is the sign of a
+// determinant of what was given (tests/support/exact.h).
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// Tracks as the kernels evaluate them, to the bit: THE linear interpolation (core/base/lerp.h) with the last two
-// operations fused (AVX2, AVX-512) or not (SSE4, and core/base/lerp.h itself).
+// Tracks as the kernels evaluate them, to the bit: THE linear interpolation (core/base/lerp.h) with the last
+// two operations fused (AVX2, AVX-512) or not (SSE4, and core/base/lerp.h itself).
 #pragma once
 
 #include <array>
@@ -28,8 +28,7 @@ inline Box3f lerp_as(Rounding r, const Box3f& a, const Box3f& b, float w) {
   return {lerp_as(r, a.lo, b.lo, w), lerp_as(r, a.hi, b.hi, w)};
 }
 inline Affine3f lerp_as(Rounding r, const Affine3f& a, const Affine3f& b, float w) {
-  return {lerp_as(r, a.x, b.x, w), lerp_as(r, a.y, b.y, w), lerp_as(r, a.z, b.z, w),
-          lerp_as(r, a.t, b.t, w)};
+  return {lerp_as(r, a.x, b.x, w), lerp_as(r, a.y, b.y, w), lerp_as(r, a.z, b.z, w), lerp_as(r, a.t, b.t, w)};
 }
 inline RoundVertex lerp_as(Rounding r, const RoundVertex& a, const RoundVertex& b, float w) {
   RoundVertex v = a;
@@ -62,7 +61,8 @@ inline Box3f box_as(Rounding r, const Slot& slot, float u) {
   const SegmentTime at = slot.slice.whole() || !slot.form.moving()
                              ? locate(u, slot.form.segments)
                              : SegmentTime{0, locate(u, slot.slice.count).w};
-  return track_as(r, [&](std::uint32_t i) { return slot.controls[i]; }, slot.form, at);
+  return track_as(
+      r, [&](std::uint32_t i) { return slot.controls[i]; }, slot.form, at);
 }
 
 }  // namespace msbvh::stability

@@ -1,5 +1,5 @@
-// Boxes hold what they bound: at the keys, at the floats beside them and anywhere between, after splits, refits
-// and re-braiding, among tracks of different key counts, in either layout. Judged by exact arithmetic
+// Boxes hold what they bound: at the keys, at the floats beside them and anywhere between, after splits,
+// refits and re-braiding, among tracks of different key counts, in either layout. Judged by exact arithmetic
 // (tests/stability/box_judge.h): nothing is widened by a tolerance.
 #include <array>
 #include <doctest/doctest.h>
@@ -140,8 +140,8 @@ const std::vector<Content>& contents() {
       {"refitted", refitted},
       {"instances", [](const TrackForm& f, const Vec3d& at,
                        const BuildSettings& s) { return instanced(f, at, s, false); }},
-      {"instances under time remaps", [](const TrackForm& f, const Vec3d& at,
-                                         const BuildSettings& s) { return instanced(f, at, s, true); }},
+      {"instances under time remaps",
+       [](const TrackForm& f, const Vec3d& at, const BuildSettings& s) { return instanced(f, at, s, true); }},
       {"displaced patches", patches},
       {"curves and points", round_things},
   };
@@ -228,7 +228,8 @@ CutVerdict judge_reference(Random& random) {
         corners[k] = track_as(
             r, [&](std::uint32_t c) { return mesh->control_positions(c)[k]; }, mesh->form(),
             locate(u, mesh->segments));
-      const Box3f box = track_as(r, [&](std::uint32_t c) { return boxes[c]; }, form, locate(u, form.segments));
+      const Box3f box = track_as(
+          r, [&](std::uint32_t c) { return boxes[c]; }, form, locate(u, form.segments));
       for (const Line& side : sides_of(corners, box)) {
         for (std::size_t i = 0; i < part.corners(); ++i) {
           ++verdict.corners;

@@ -1,11 +1,11 @@
-// Exact arithmetic on floats, for judges that know no tolerance: numbers as sums of doubles that do not overlap
-// (expansions). J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
-// Predicates", Discrete & Computational Geometry 18, 1997.
+// Exact arithmetic on floats, for judges that know no tolerance: numbers as sums of doubles that do not
+// overlap (expansions). J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust
+// Geometric Predicates", Discrete & Computational Geometry 18, 1997.
 //
 // Why not a library's rationals: all that is asked here are signs of sums of products of at most three
-// differences of floats, without a division. Such a product is a sum of 16 doubles at most, between 2^-447 and
-// 2^387: far from where doubles overflow or lose bits, so that every step is exact. A check in plain doubles
-// with its error bound answers nearly always; rationals would be a dependency, and slower.
+// differences of floats, without a division. Such a product is a sum of 16 doubles at most, between 2^-447
+// and 2^387: far from where doubles overflow or lose bits, so that every step is exact. A check in plain
+// doubles with its error bound answers nearly always; rationals would be a dependency, and slower.
 #pragma once
 
 #include <array>
