@@ -106,7 +106,8 @@ Built instanced(const TrackForm& form, const Vec3d& at, const BuildSettings& set
 Built patches(const TrackForm& form, const Vec3d& at, const BuildSettings& settings) {
   Built built;
   for (const auto& cage : {cube_cage(), octahedron_cage()}) {
-    const DiceSettings dicing{.level = 2, .displacement = bumps(0.08, 0.6, at)};
+    DiceSettings dicing{.level = 2};
+    if (form.degree == 1) dicing.displacement = bumps(0.08, 0.6, at);  // others are not displaced
     built.accel.add_grids(dice(moved(cage, form, rotation({1, 1, 0}, 0.8), at), dicing));
   }
   BuildSettings cutting = settings;  // as many fragments as may be
@@ -142,7 +143,7 @@ const std::vector<Content>& contents() {
                        const BuildSettings& s) { return instanced(f, at, s, false); }},
       {"instances under time remaps",
        [](const TrackForm& f, const Vec3d& at, const BuildSettings& s) { return instanced(f, at, s, true); }},
-      {"displaced patches", patches},
+      {"patches", patches},
       {"curves and points", round_things},
   };
   return kContents;

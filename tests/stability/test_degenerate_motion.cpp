@@ -46,7 +46,8 @@ struct Corner {
 struct VertexMotion {
   const char* name;
   Vec3d (*at)(const Corner&, double u);
-  double radius = 1.0;  // of the triangles, in whose multiples rays start from them
+  double radius = 1.0;      // of the triangles, in whose multiples rays start from them
+  bool underflows = false;  // so small that hits are not claimed: docs/design/watertight.md, section 5
 };
 
 const VertexMotion kVertexMotions[] = {
@@ -76,16 +77,26 @@ const VertexMotion kVertexMotions[] = {
        const Vec3d p = c.here();
        return Vec3d{p.x, p.y, p.z * 1e-40 * (u - 0.3)};
      }},
+    {"tiny",
+     [](const Corner& c, double u) {
+       return c.turned({1, 2, 3}, 1.0, u) * 1e-10;
+     },
+     1e-10},
+    {"huge",
+     [](const Corner& c, double u) {
+       return c.turned({1, 2, 3}, 1.0, u) * 1e12;
+     },
+     1e12},
+    {"so small that products underflow",
+     [](const Corner& c, double u) {
+       return c.turned({1, 2, 3}, 1.0, u) * 1e-21;
+     },
+     1e-21, true},
     {"denormal keys",
      [](const Corner& c, double u) {
        return c.turned({1, 2, 3}, 1.0, u) * 1e-39;
      },
-     1e-39},
-    {"small, that squares underflow",
-     [](const Corner& c, double u) {
-       return c.turned({1, 2, 3}, 1.0, u) * 1e-21;
-     },
-     1e-21},
+     1e-39, true},
     {"half a turn",
      [](const Corner& c, double u) {
        return c.turned({0, 0, 1}, kPi, u);
@@ -190,6 +201,7 @@ struct Subject {
   std::vector<Affine3f> maps;  // of the one instance, if it has one
   TrackForm form;              // of the maps, or of the mesh
   double radius = 1.0, judged_from = 0.0;
+  bool judged = true;
   std::vector<std::shared_ptr<Accel>> objects{};
 
   Vec3d aim(Random& random, float time) const {
@@ -201,7 +213,7 @@ struct Subject {
   }
   // Not as close to a time where the map is singular: there its inverse is nothing but rounding.
   bool is_judged(float time) const {
-    if (judged_from == 0.0) return true;
+    if (judged_from == 0.0) return judged;
     const Affine3d map(evaluate(maps, form, time));
     return std::abs(map.determinant()) > judged_from;
   }
@@ -211,6 +223,7 @@ Subject subject_of(const VertexMotion& motion, const TrackForm& form, const Vec3
                    const BuildSettings& settings) {
   Subject subject{
       .accel = {}, .mesh = nullptr, .maps = {}, .form = form, .radius = motion.radius, .judged_from = 0.0};
+  subject.judged = !motion.underflows;
   subject.mesh = std::make_shared<TriangleMesh>(moved_freely(motion, form, at));
   subject.accel.add_mesh(subject.mesh);
   subject.accel.commit(settings);
