@@ -293,7 +293,7 @@ void check_shell(std::uint64_t seed, Findings& out) {
 TEST_SUITE("slow") {
   TEST_CASE(
       "soak: a billion rays from inside of random closed shells: none gets out, and the oracle agrees") {
-    const std::uint64_t wanted = test::soak_count(5'000'000, 1'000'000'000);
+    const std::uint64_t wanted = test::soak_count(10'000'000, 1'000'000'000);
     constexpr std::size_t kShellsAtOnce = 64;
     Findings found;
     for (std::uint64_t first = 1; found.rays < wanted; first += kShellsAtOnce)

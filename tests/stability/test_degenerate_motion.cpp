@@ -344,11 +344,11 @@ void report(const char* check, const Count& count) {
 TEST_SUITE("slow") {
   // The strides have no factor in common with the number of builders and layouts: each motion meets them all.
   TEST_CASE("soak: degenerate motion of vertices: boxes hold and hits are those of the oracle") {
-    report("degenerate motion", check_motions(kVertexMotions, test::soak_count(5, 1),
+    report("degenerate motion", check_motions(kVertexMotions, test::soak_count(3, 1),
                                               static_cast<int>(test::soak_count(24, 2000))));
   }
   TEST_CASE("soak: instances singular at one time, and turned half and whole: boxes hold, hits are right") {
     report("degenerate instances",
-           check_motions(kMapMotions, test::soak_count(5, 1), static_cast<int>(test::soak_count(24, 2000))));
+           check_motions(kMapMotions, test::soak_count(3, 1), static_cast<int>(test::soak_count(24, 2000))));
   }
 }

@@ -364,7 +364,7 @@ Tally check_concave(double scale, std::uint64_t paths) {
 // A hundred million paths whole: half of them off bodies.
 void check_scale(double scale) {
   CAPTURE(scale);
-  const std::uint64_t wanted = test::soak_count(60'000, 100'000'000);
+  const std::uint64_t wanted = test::soak_count(300'000, 100'000'000);
   constexpr std::uint64_t kConvex = std::size(kBodies) * std::size(kForms) * std::size(kPlaces);
   const Acne acne = check_bodies(scale, wanted / 2 / kConvex);
   const Tally grids = check_displaced(scale, wanted / 4 / 6), shells = check_concave(scale, wanted / 4 / 15);
