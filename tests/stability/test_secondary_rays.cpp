@@ -12,7 +12,6 @@
 
 #include "bench/moved_mesh.h"
 #include "core/api/scene_trees.h"
-#include "core/base/parallel.h"
 #include "core/motion/affine_track.h"
 #include "tests/stability/shells.h"
 #include "tests/stability/walker.h"
@@ -22,6 +21,8 @@
 namespace msbvh {
 namespace {
 using procedural::Random;
+using shells::in_parallel;
+using shells::kPathsAtOnce;
 using shells::Tally;
 
 // Where a body is and how large, and on what tracks it moves.
@@ -243,17 +244,6 @@ void leave_body(const Stage& stage, double scale, Random& random, Acne& acne) {
     ++acne.rays;
     acne.found += stage.accel().occluded(leave(surface, direction, ray.time));
   }
-}
-
-constexpr std::uint64_t kPathsAtOnce = 512;
-
-template <class Result, class Work>
-Result in_parallel(std::uint64_t paths, const Work& work) {
-  std::vector<Result> results((paths + kPathsAtOnce - 1) / kPathsAtOnce);
-  parallel_for(results.size(), [&](std::size_t i) { results[i] = work(i); });
-  Result sum;
-  for (const Result& r : results) sum += r;
-  return sum;
 }
 
 const TrackForm kForms[] = {{0, 1}, {1, 1}, {8, 1}, {1, 2}, {2, 3}};

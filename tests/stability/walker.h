@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "bench/procedural.h"
 #include "core/api/accel.h"
+#include "core/base/parallel.h"
 #include "core/bvh/bvh.h"
 #include "core/shade/surface_hit.h"
 
@@ -79,5 +81,17 @@ class Walker {
   procedural::Random random_;
   Tally tally_;
 };
+
+inline constexpr std::uint64_t kPathsAtOnce = 512;
+
+// `work(i)` is of kPathsAtOnce paths, with a seed of their own.
+template <class Result, class Work>
+Result in_parallel(std::uint64_t paths, const Work& work) {
+  std::vector<Result> results((paths + kPathsAtOnce - 1) / kPathsAtOnce);
+  parallel_for(results.size(), [&](std::size_t i) { results[i] = work(i); });
+  Result sum;
+  for (const Result& r : results) sum += r;
+  return sum;
+}
 
 }  // namespace msbvh::shells
