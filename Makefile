@@ -99,10 +99,12 @@ lint: setup  ## formatting of C++ and Python, ruff's rules, mypy's types
 sanitize: setup  ## a sample of the C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@cmake -S . -B build/sanitize -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO='-O1 -g1' \
 	  -DMSBVH_SANITIZE=address,undefined -DMSBVH_NATIVE_KERNELS=ON > build/sanitize.log
-	@cmake --build build/sanitize --target test_unit test_property test_render test_memory fuzz >> build/sanitize.log || \
+	@cmake --build build/sanitize --target test_unit test_property test_stability test_render \
+	  test_memory fuzz >> build/sanitize.log || \
 	  { tail -n 60 build/sanitize.log; exit 1; }
 	@for kind in unit render memory; do build/sanitize/tests/test_$$kind --test-suite-exclude=slow || exit 1; done
-	@build/sanitize/tests/test_property --test-suite-exclude=slow --test-case-exclude='$(LONG_CASES)'
+	@for kind in property stability; do \
+	  build/sanitize/tests/test_$$kind --test-suite-exclude=slow --test-case-exclude='$(LONG_CASES)' || exit 1; done
 	@ctest --test-dir build/sanitize --output-on-failure --no-tests=error -R '^fuzz\.'
 
 # OPTIONS: `--seconds N` for each target (60), `--only GLOB`, `--list`.
