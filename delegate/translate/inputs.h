@@ -233,6 +233,7 @@ struct CameraInput {
   std::vector<double> periods01{};  // as of TransformSamples
   float near_clip = 1.0f;           // the nearest and the farthest of all samples
   float far_clip = 1.0e6f;
+  std::vector<ClippingPlane> clipping_planes{};  // those of checked_planes() (frame/clipping_planes.h)
 };
 
 struct LightInput {

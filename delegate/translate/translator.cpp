@@ -85,7 +85,7 @@ struct Translator::Data {
   Data(const CameraInput& camera, const TranslatorSettings& settings_, std::shared_ptr<RefinementCache> kept)
       : settings(settings_),
         fit{settings.motion_tolerance_pixels, settings.max_segments, settings.choice},
-        origin(frame_origin(camera)),
+        origin(settings.origin ? *settings.origin : frame_origin(camera)),
         measure(camera, origin, settings.width, settings.height),
         refinements(kept ? std::move(kept) : std::make_shared<RefinementCache>()) {}
 

@@ -1,10 +1,6 @@
-// delegate/translate/frame: motions, levels, whole frames and their pictures, with motions of its own in
-// place of a host's.
-#include <atomic>
+// delegate/translate/frame: motions, levels and whole frames, with motions of its own in place of a host's.
 #include <cmath>
-#include <condition_variable>
 #include <doctest/doctest.h>
-#include <mutex>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -15,8 +11,6 @@
 #include "delegate/translate/frame/assemble.h"
 #include "delegate/translate/frame/motions.h"
 #include "delegate/translate/frame/placed_levels.h"
-#include "delegate/translate/frame/render_job.h"
-#include "delegate/translate/frame/sample_sum.h"
 #include "tests/unit/translate_inputs.h"
 
 using namespace msbvh;
@@ -66,42 +60,6 @@ FrameShape shape_of(const testing::MeshFixture& mesh, MotionPointer motion) {
 
 AssembledFrame assembled(const FrameInput& frame) {
   return assemble_frame(frame, testing::settings_of(), NoTextures());
-}
-
-struct LastPicture : PictureSink {
-  void show(const Image& picture, std::uint32_t count, bool last) override {
-    const std::scoped_lock lock(mutex);
-    shown = picture;
-    samples.push_back(count);
-    finished = last;
-    changed.notify_all();
-  }
-  void failed(const std::string& why) override {
-    const std::scoped_lock lock(mutex);
-    fault = why;
-    finished = true;
-    changed.notify_all();
-  }
-  void wait() {
-    std::unique_lock lock(mutex);
-    changed.wait(lock, [this] { return finished; });
-  }
-
-  std::mutex mutex;
-  std::condition_variable changed;
-  Image shown;
-  std::vector<std::uint32_t> samples;
-  bool finished = false;
-  std::string fault;
-};
-
-RenderSettings small_settings(std::uint32_t spp) {
-  RenderSettings settings;
-  settings.width = 16;
-  settings.height = 12;
-  settings.spp = spp;
-  settings.threads = 1;
-  return settings;
 }
 
 }  // namespace
@@ -329,93 +287,4 @@ TEST_CASE("a shape whose transform is no number is named, the rest is there") {
   REQUIRE(frame.diagnostics.size() == 1);
   CHECK(frame.diagnostics[0].path == "/bad");
   CHECK(frame.diagnostics[0].severity == Severity::kError);
-}
-
-TEST_CASE("ranges of samples make the picture of all") {
-  testing::MeshFixture mesh;
-  FrameGroup world;
-  world.shapes = {shape_of(mesh, rotor(0.3))};
-  const AssembledFrame frame = assembled(frame_of(world));
-  RenderSettings settings = small_settings(24);
-  settings.aovs = {Aov::kCameraDepth, Aov::kPrimId, Aov::kNormal};
-  Renderer renderer;
-  renderer.commit(frame.scene, settings);
-  const Image whole = renderer.render();
-  SampleSum sum;
-  for (SampleRange range = next_samples(0, 24); range.count > 0; range = next_samples(sum.samples(), 24))
-    sum.add(renderer.render(range), range.count);
-  CHECK(sum.samples() == 24);
-  const Image summed = sum.picture();
-  for (std::size_t i = 0; i < whole.rgba.size(); ++i)
-    CHECK(double(summed.rgba[i]) == doctest::Approx(double(whole.rgba[i])).epsilon(1e-5));
-  CHECK(summed.aovs[0].values == whole.aovs[0].values);
-  CHECK(summed.aovs[1].ids == whole.aovs[1].ids);
-  settings.aovs = {};
-  renderer.commit(frame.scene, settings);
-  const Image other = renderer.render(SampleRange{0, 1});
-  CHECK_THROWS_AS(sum.add(other, 1), Error);
-}
-
-TEST_CASE("samples come one, one, two, four, then a block at a time") {
-  std::vector<std::uint32_t> counts;
-  for (std::uint32_t done = 0; done < 70;) {
-    counts.push_back(next_samples(done, 70).count);
-    done += counts.back();
-  }
-  CHECK(counts == std::vector<std::uint32_t>{1, 1, 2, 4, 8, 16, 16, 16, 6});
-  CHECK(next_samples(70, 70).count == 0);
-  CHECK(with_depth({Aov::kNormal}) == std::vector{Aov::kNormal});
-  CHECK(with_depth({Aov::kPrimId}) == std::vector{Aov::kPrimId, Aov::kCameraDepth});
-}
-
-TEST_CASE("a job shows more and more samples, and ends converged") {
-  testing::MeshFixture mesh;
-  FrameGroup world;
-  world.shapes = {shape_of(mesh, at(0))};
-  const AssembledFrame frame = assembled(frame_of(world));
-  LastPicture sink;
-  RenderJob job(sink);
-  CHECK_FALSE(job.status().converged);
-  job.start(frame.scene, small_settings(5));
-  sink.wait();
-  job.stop();
-  CHECK(sink.samples == std::vector<std::uint32_t>{1, 2, 4, 5});
-  CHECK(sink.fault.empty());
-  CHECK(job.status().converged);
-  CHECK(job.status().samples == 5);
-  const Image first = sink.shown;
-  sink.finished = false;
-  job.restart();
-  sink.wait();
-  CHECK(sink.shown.rgba == first.rgba);
-}
-
-TEST_CASE("a job that is stopped or paused shows nothing more, and one that fails says why") {
-  testing::MeshFixture mesh;
-  FrameGroup world;
-  world.shapes = {shape_of(mesh, at(0))};
-  const AssembledFrame frame = assembled(frame_of(world));
-  LastPicture sink;
-  RenderJob job(sink);
-  job.pause();
-  job.start(frame.scene, small_settings(1000000));
-  while (job.status().samples == 0) std::this_thread::yield();
-  const std::uint32_t samples = job.status().samples;
-  CHECK(job.status().paused);
-  CHECK(samples == 1);  // it waits after its first step
-  job.resume();
-  while (job.status().samples == samples) std::this_thread::yield();
-  job.stop();
-  const std::size_t shown = sink.samples.size();
-  CHECK(job.status().stopped);
-  CHECK_FALSE(job.status().converged);
-  CHECK(sink.samples.size() == shown);
-
-  auto broken = std::make_shared<Scene>(*frame.scene);
-  broken->meshes[0].shape.triangles[0] = {90, 91, 92};
-  job.start(broken, small_settings(4));
-  sink.wait();
-  CHECK_FALSE(sink.fault.empty());
-  job.start(frame.scene, small_settings(2));  // it goes on
-  job.stop();
 }

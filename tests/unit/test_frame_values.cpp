@@ -1,4 +1,5 @@
 // delegate/translate/frame: shutters, intervals, cameras and primvars as front-ends look them up.
+#include <array>
 #include <cmath>
 #include <doctest/doctest.h>
 #include <limits>
@@ -8,9 +9,12 @@
 
 #include "core/base/error.h"
 #include "delegate/translate/frame/camera_moments.h"
+#include "delegate/translate/frame/clipping_planes.h"
 #include "delegate/translate/frame/intervals.h"
+#include "delegate/translate/frame/motion_scale.h"
 #include "delegate/translate/frame/primvar_policy.h"
 #include "delegate/translate/frame/shutter.h"
+#include "delegate/translate/sample/even_times.h"
 #include "tests/unit/translate_inputs.h"
 
 using namespace msbvh;
@@ -249,4 +253,43 @@ TEST_CASE("samples of a primvar that cannot be interpolated give way to the fram
   CHECK(said.size() == 2);
   CHECK(settled(broken, {{0.0, broken}, {1.0, frame}}) == 0);
   CHECK(said.size() == 2);
+}
+
+TEST_CASE("clipping planes have unit normals; what is no plane is left out") {
+  std::vector<Diagnostic> said;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<std::array<double, 4>> given{
+      {0, 3, 4, 10}, {0, 0, 0, -1}, {nan, 0, 1, 0}, {1e200, 0, 0, -2e200}, {1e-30, 0, 0, 1e30}};
+  const std::vector<ClippingPlane> planes = checked_planes("/cam", given, said);
+  REQUIRE(planes.size() == 2);
+  CHECK(planes[0].normal == Vec3f{0.0f, 0.6f, 0.8f});
+  CHECK(planes[0].offset == 2.0f);
+  CHECK(planes[1].normal == Vec3f{1, 0, 0});
+  CHECK(planes[1].offset == -2.0f);
+  REQUIRE(said.size() == 3);
+  CHECK(said[0].message ==
+        "found (0, 0, 0, -1), expected finite numbers of which the first three are a direction; left out");
+  CHECK(said[1].path == "/cam");
+}
+
+TEST_CASE("a scale of motion is a finite number, else the inherited one, with a word") {
+  std::vector<Diagnostic> said;
+  CHECK(checked_scale({"/mesh"}, 0.5, 2.0, said) == 0.5);
+  CHECK(checked_scale({"/mesh"}, 0.0, 2.0, said) == 0.0);
+  const double least = -std::numeric_limits<double>::infinity();
+  CHECK(checked_scale({"/mesh", "motion:velocityScale", least}, -1.0, 2.0, said) == -1.0);
+  CHECK(said.empty());
+  CHECK(checked_scale({"/mesh"}, -1.0, 2.0, said) == 2.0);
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].attribute == "motion:blurScale");
+  CHECK(said[0].message == "found -1, expected a finite number of at least 0; took 2");
+  CHECK(checked_scale({"/mesh", "motion:velocityScale", least}, std::nan(""), 1.0, said) == 1.0);
+  CHECK(said[1].message == "found nan, expected a finite number; took 1");
+}
+
+TEST_CASE("a held camera has breakpoints before its jumps too") {
+  const std::vector<double> jumps{0.0, 0.25, 0.5};
+  CHECK(course_breakpoints01(jumps, false) == jumps);
+  CHECK(course_breakpoints01(jumps, true) ==
+        std::vector{0.0, 0.25 - kBeforeJump01, 0.25, 0.5 - kBeforeJump01, 0.5});
 }

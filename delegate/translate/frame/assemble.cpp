@@ -5,6 +5,7 @@
 #include "delegate/translate/box_corners.h"
 #include "delegate/translate/frame/bound_materials.h"
 #include "delegate/translate/frame/camera_moments.h"
+#include "delegate/translate/frame/held_parts.h"
 #include "delegate/translate/frame/primvar_policy.h"
 #include "delegate/translate/sample/sampler.h"
 #include "delegate/translate/transform_samples.h"
@@ -42,22 +43,41 @@ class Assembler {
     }
   }
 
+  // In parts, where what holds changes within the shutter.
   template <typename Add>
   void add_shape(const FrameShape& shape, const PixelSize& pixel, const Add& add) {
-    MeshInput mesh = shape.mesh;
-    const Box3d box = box_of(mesh);
+    const Box3d box = box_of(shape.mesh);
     const std::vector<MotionSamples> samples =
-        sample_motion(*shape.motion, std::span(&box, 1), pixel, tolerance_, false);
+        sample_motion(*shape.motion, std::span(&box, 1), pixel, tolerance_, shape.motion->held());
     if (samples.empty() || !samples.front().usable) {
-      said_.push_back({Severity::kError, mesh.path, "xformOpOrder",
+      said_.push_back({Severity::kError, shape.mesh.path, "xformOpOrder",
                        "found a matrix with an element that is not finite or larger than 2^60; expected "
                        "finite numbers"});
       return;
     }
-    mesh.world_from_object = samples.front().of(0);
+    const TransformSamples motion = samples.front().of(0);
+    if (!holds_values(shape)) return add_part(shape, motion, add);
+    PrimLog log(said_, shape.mesh.path);
+    const ShapeParts parts = parts_of(shape, log);
+    for (const FrameShape& part : parts.shapes) add_part(part, motion, add);
+  }
+
+  template <typename Add>
+  void add_part(const FrameShape& shape, const TransformSamples& motion, const Add& add) {
+    MeshInput mesh = shape.mesh;
+    mesh.world_from_object = motion;
     std::vector<int> face_materials;
     materials_.bind(shape, mesh, face_materials);
+    settle(mesh);
     add(mesh);
+  }
+
+  void settle(MeshInput& mesh) {
+    PrimLog log(said_, mesh.path);
+    settle_samples(mesh.display_color, "primvars:displayColor", log);
+    settle_samples(mesh.display_opacity, "primvars:displayOpacity", log);
+    settle_samples(mesh.round.widths, "widths", log);
+    for (NamedPrimvar& each : mesh.named_primvars) settle_samples(each.primvar, "primvars:" + each.name, log);
   }
 
   // A prototype, followed as closely as that instance asks for which is seen largest.
@@ -147,7 +167,7 @@ class Assembler {
     const double frame01 = input_.shutter.clamped_frame01();
     std::size_t count = 0;
     for (const FrameLight& light : input_.lights) {
-      const std::vector<double> times01 = light_times01(*light.motion, false);
+      const std::vector<double> times01 = light_times01(*light.motion, light.motion->held());
       for (std::uint32_t place = 0; place < light.motion->count(); ++place) {
         LightInput placed = placed_light(light.kind, light.light, *light.motion, place, times01, frame01);
         placed.light.name = light.path;

@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "delegate/translate/look/shader_values.h"
+#include "delegate/translate/sample/even_times.h"
 
 namespace msbvh::translate {
 namespace {
@@ -111,6 +112,15 @@ std::vector<Lens> lenses_of(const std::string& path, const Optics& at_frame, std
                 text(at_frame.f_stop)));
   }
   return lenses;
+}
+
+std::vector<double> course_breakpoints01(std::span<const double> breakpoints01, bool held) {
+  std::vector<double> all(breakpoints01.begin(), breakpoints01.end());
+  for (const double time01 : breakpoints01) {
+    if (held && time01 > kBeforeJump01) all.push_back(time01 - kBeforeJump01);
+  }
+  std::ranges::sort(all);
+  return all;
 }
 
 CameraInput camera_input(const std::string& path, const CameraMoment& at_frame,

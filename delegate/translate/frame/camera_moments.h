@@ -51,6 +51,10 @@ void check_optics(const std::string& path, const Optics& optics, const ClipRange
 std::vector<Lens> lenses_of(const std::string& path, const Optics& at_frame, std::span<const Optics> over,
                             std::vector<Diagnostic>& diagnostics);
 
+// Of a camera that may change its course at these times: with the instants before them where it is `held`,
+// since it jumps there.
+std::vector<double> course_breakpoints01(std::span<const double> breakpoints01, bool held);
+
 // `over` are moments at increasing times, dense as CameraInput wants them; one where nothing changes. Throws
 // Error for optics that make no image.
 CameraInput camera_input(const std::string& path, const CameraMoment& at_frame,

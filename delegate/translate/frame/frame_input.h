@@ -4,7 +4,9 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "delegate/translate/frame/intervals.h"
@@ -18,10 +20,30 @@
 
 namespace msbvh::translate {
 
+// Integers over the shutter, each sample held until the next and the first one before it too. Fewer than two:
+// the frame's hold throughout.
+struct HeldIndices {
+  std::vector<std::pair<double, std::span<const int>>> samples{};  // at increasing time01
+};
+
+// What of a primvar is held.
+struct HeldPrimvar {
+  HeldIndices indices{};
+  bool values = false;  // each sample until the next, as on a held stage
+};
+
+// What of a shape is held and changes within the shutter. Where values are given here, those in the shape are
+// the frame's.
+struct HeldShapeValues {
+  HeldIndices holes{}, normals_indices{};
+  HeldPrimvar display_color{}, display_opacity{};
+};
+
 // Faces that have a material of their own.
 struct BoundSubset {
   FaceSubset faces;
   std::string material{};  // path of the material; empty: none
+  HeldIndices held{};      // of the faces
 };
 
 // A mesh, curves or points, without its transform.
@@ -32,6 +54,7 @@ struct FrameShape {
   MotionPointer motion{};  // one thing: into the world or its group's space
   std::string material{};  // path; empty: displayColor shows
   std::vector<BoundSubset> subsets{};
+  HeldShapeValues held{};
 };
 
 // Shapes that are placed together.

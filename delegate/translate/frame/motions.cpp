@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/base/lerp.h"
+#include "delegate/translate/frame/held_values.h"
 #include "delegate/translate/sample/even_times.h"
 
 namespace msbvh::translate {
@@ -44,11 +45,12 @@ std::vector<double> few_times01(const MotionSource& motion) {
   if (motion.still()) return {0.0};
   double fastest = 0.0;
   for (std::uint32_t i = 0; i < motion.count(); ++i) fastest = std::max(fastest, motion.turns(i).rate());
-  return dense_times01(Density::kGlance, fastest, motion.breakpoints01(), false);
+  return dense_times01(Density::kGlance, fastest, motion.breakpoints01(), motion.held());
 }
 
-SampledMotion::SampledMotion(std::vector<double> times01, std::vector<Matrix4d> matrices, std::size_t count)
-    : times01_(std::move(times01)), matrices_(std::move(matrices)), count_(count) {
+SampledMotion::SampledMotion(std::vector<double> times01, std::vector<Matrix4d> matrices, std::size_t count,
+                             bool held)
+    : times01_(std::move(times01)), matrices_(std::move(matrices)), count_(count), held_(held) {
   if (times01_.empty() || matrices_.size() != times01_.size() * count_) {
     throw Error("matrices: found " + std::to_string(matrices_.size()) + "; expected " +
                 std::to_string(count_) + " at each of " + std::to_string(times01_.size()) + " times");
@@ -78,7 +80,7 @@ void SampledMotion::evaluate(std::span<const double> times01, std::span<const st
     const auto after = std::size_t(std::ranges::upper_bound(times01_, times01[t]) - times01_.begin());
     const std::size_t first = after == 0 ? 0 : after - 1, second = std::min(after, times01_.size() - 1);
     const double length = times01_[second] - times01_[first];
-    const double w = length > 0.0 ? (times01[t] - times01_[first]) / length : 0.0;
+    const double w = length > 0.0 && !held_ ? (times01[t] - times01_[first]) / length : 0.0;
     for (std::size_t i = 0; i < which.size(); ++i) {
       const Matrix4d& a = matrices_[first * count_ + which[i]];
       const Matrix4d& b = matrices_[second * count_ + which[i]];
@@ -88,11 +90,18 @@ void SampledMotion::evaluate(std::span<const double> times01, std::span<const st
   }
 }
 
-EvaluatedMotion::EvaluatedMotion(std::size_t count, bool still, std::vector<double> breakpoints01,
+EvaluatedMotion::EvaluatedMotion(std::size_t count, bool still, std::vector<double> times01,
                                  Evaluate evaluate, Turns turns)
     : count_(count), still_(still), evaluate_(std::move(evaluate)), turns_(std::move(turns)) {
-  std::ranges::copy_if(breakpoints01, std::back_inserter(breakpoints01_), inside);
-  std::ranges::sort(breakpoints01_);
+  std::ranges::sort(times01);
+  if (!still_ && holds_between(times01, evaluate_))
+    breakpoints01_ = jumps01([&](double a, double b) { return evaluate_(a) == evaluate_(b); });
+  held_ = !breakpoints01_.empty();
+  if (held_) {
+    turns_ = {};
+  } else {
+    std::ranges::copy_if(times01, std::back_inserter(breakpoints01_), inside);
+  }
 }
 
 void EvaluatedMotion::evaluate(std::span<const double> times01, std::span<const std::uint32_t> which,
@@ -111,6 +120,12 @@ std::vector<double> NestedMotion::breakpoints01() const {
   std::ranges::sort(both);
   both.erase(std::unique(both.begin(), both.end()), both.end());
   return both;
+}
+
+// Of one stage, whatever moves is held or not. What does not move is either.
+bool NestedMotion::held() const {
+  const auto follows = [](const MotionSource& each) { return each.held() || each.still(); };
+  return (inner_->held() || outer_->held()) && follows(*inner_) && follows(*outer_);
 }
 
 Turns NestedMotion::turns(std::uint32_t which) const {

@@ -12,18 +12,20 @@ namespace msbvh::translate {
 
 using MotionPointer = std::shared_ptr<const MotionSource>;
 
-// Matrices at a few times, linear by element between them and held outside: what a host gives that evaluates
-// nothing in between.
+// Matrices at a few times, linear by element between them (`held`: each until the next) and held outside:
+// what a host gives that evaluates nothing in between.
 class SampledMotion : public MotionSource {
  public:
   // `matrices` are [time][count] at increasing times. Throws Error for another number of them.
-  SampledMotion(std::vector<double> times01, std::vector<Matrix4d> matrices, std::size_t count = 1);
+  SampledMotion(std::vector<double> times01, std::vector<Matrix4d> matrices, std::size_t count = 1,
+                bool held = false);
   static MotionPointer still(const Matrix4d& matrix);
 
   std::size_t count() const override { return count_; }
   // Compares values.
   bool still() const override;
   std::vector<double> breakpoints01() const override;
+  bool held() const override { return held_; }
   Turns turns(std::uint32_t) const override { return {}; }  // lines do not turn
   void evaluate(std::span<const double> times01, std::span<const std::uint32_t> which,
                 std::span<Matrix4d> out) const override;
@@ -32,6 +34,7 @@ class SampledMotion : public MotionSource {
   std::vector<double> times01_;
   std::vector<Matrix4d> matrices_;
   std::size_t count_;
+  bool held_;
 };
 
 // Matrices that can be had at any time.
@@ -40,13 +43,16 @@ class EvaluatedMotion : public MotionSource {
   // Of all things at a time; less than `count` of them are an element that is no number each.
   using Evaluate = std::function<std::vector<Matrix4d>(double time01)>;
 
-  // `breakpoints01` lie inside the shutter. `turns`: of each thing, where anybody knows.
-  EvaluatedMotion(std::size_t count, bool still, std::vector<double> breakpoints01, Evaluate evaluate,
+  // `turns`: of each thing, where anybody knows. Where the values turn out to be held between `times01`, they
+  // jump where jumps01() (held_values.h) finds it; else those of `times01` that lie inside the shutter are
+  // breakpoints.
+  EvaluatedMotion(std::size_t count, bool still, std::vector<double> times01, Evaluate evaluate,
                   Turns turns = {});
 
   std::size_t count() const override { return count_; }
   bool still() const override { return still_; }
   std::vector<double> breakpoints01() const override { return breakpoints01_; }
+  bool held() const override { return held_; }
   Turns turns(std::uint32_t) const override { return turns_; }
   void evaluate(std::span<const double> times01, std::span<const std::uint32_t> which,
                 std::span<Matrix4d> out) const override;
@@ -54,6 +60,7 @@ class EvaluatedMotion : public MotionSource {
  private:
   std::size_t count_;
   bool still_;
+  bool held_ = false;
   std::vector<double> breakpoints01_;
   Evaluate evaluate_;
   Turns turns_;
@@ -68,6 +75,7 @@ class NestedMotion : public MotionSource {
   std::size_t count() const override { return inner_->count() * outer_->count(); }
   bool still() const override { return inner_->still() && outer_->still(); }
   std::vector<double> breakpoints01() const override;
+  bool held() const override;
   Turns turns(std::uint32_t which) const override;
   void evaluate(std::span<const double> times01, std::span<const std::uint32_t> which,
                 std::span<Matrix4d> out) const override;
@@ -85,6 +93,7 @@ class SelectedMotion : public MotionSource {
   std::size_t count() const override { return selected_.size(); }
   bool still() const override { return every_->still(); }
   std::vector<double> breakpoints01() const override { return every_->breakpoints01(); }
+  bool held() const override { return every_->held(); }
   Turns turns(std::uint32_t which) const override { return every_->turns(selected_[which]); }
   void evaluate(std::span<const double> times01, std::span<const std::uint32_t> which,
                 std::span<Matrix4d> out) const override;

@@ -99,7 +99,7 @@ std::vector<Choice> choices_of(const PlacedLevel& level, const std::vector<Insta
   }
   const PixelSize size = pixel_size(level, outer, box, how.measure);
   for (MotionSamples& samples :
-       sample_motion(*level.motion, std::span(&box, 1), size, how.tolerance_pixels, false)) {
+       sample_motion(*level.motion, std::span(&box, 1), size, how.tolerance_pixels, level.motion->held())) {
     if (samples.usable) {
       choices.push_back(choice_of(std::move(samples)));
     } else {

@@ -43,13 +43,13 @@ void RenderJob::start(std::shared_ptr<const Scene> scene, const RenderSettings& 
   changed_.notify_all();
 }
 
-void RenderJob::stop() {
+void RenderJob::stop(bool wait) {
   std::unique_lock lock(mutex_);
   order_.reset();
-  cancel_ = true;
+  cancel_ = status_.stopped = true;
   changed_.notify_all();
+  if (busy_ && !wait) return;
   changed_.wait(lock, [this] { return !busy_; });
-  status_.stopped = true;
   status_.building = status_.tracing = false;
 }
 
@@ -138,6 +138,7 @@ void RenderJob::render(const Order& order) {
     status_.wanted = settings_.spp;
     status_.statistics = renderer_.statistics();
   }
+  show_preview();
   while (step()) wait_while_paused();
 }
 
@@ -147,23 +148,43 @@ void RenderJob::wait_while_paused() {
   if (cancel_) throw Cancelled();
 }
 
+void RenderJob::show(const Image& picture, std::uint32_t samples, bool last) {
+  sink_.show(picture, samples, last);
+  const std::scoped_lock lock(mutex_);
+  if (status_.first_picture_seconds == 0.0) status_.first_picture_seconds = seconds_since(began_);
+}
+
+// Notes the share of all samples that is done.
+bool RenderJob::go_on(double done) {
+  const std::scoped_lock lock(mutex_);
+  status_.fraction = done;
+  return !cancel_;
+}
+
+void RenderJob::show_preview() {
+  const std::uint32_t divisor = preview_divisor(settings_.width, settings_.height, seconds_a_sample_);
+  if (divisor == 1) return;
+  const Image small = renderer_.preview(settings_.width / divisor, settings_.height / divisor,
+                                        [this](double) { return !cancelled(); });
+  show(enlarged(small, settings_.width, settings_.height), 0, false);
+}
+
 // Whether there are samples left.
 bool RenderJob::step() {
   const SampleRange range = next_samples(sum_.samples(), settings_.spp);
   if (range.count == 0) return false;
-  const Image picture = renderer_.render(range, [&](double done) {
-    const std::scoped_lock lock(mutex_);
-    status_.fraction = (range.first + done * range.count) / settings_.spp;
-    return !cancel_;
-  });
+  const Image picture = renderer_.render(
+      range, [&](double done) { return go_on((range.first + done * range.count) / settings_.spp); });
+  const RenderStatistics& found = renderer_.statistics();
+  seconds_a_sample_ = found.trace_seconds / double(found.camera_rays);
   sum_.add(picture, range.count);
   const bool last = sum_.samples() >= settings_.spp;
-  sink_.show(sum_.picture(), sum_.samples(), last);
+  show(sum_.picture(), sum_.samples(), last);
   const std::scoped_lock lock(mutex_);
   status_.samples = sum_.samples();
   status_.fraction = double(sum_.samples()) / settings_.spp;
   status_.converged = last;
-  status_.statistics = renderer_.statistics();
+  status_.statistics = found;
   return !last;
 }
 

@@ -1,4 +1,5 @@
-// Renders a Scene on a thread of its own, a few samples at a time, and shows the picture after each step.
+// Renders a Scene on a thread of its own, a few samples at a time, and shows the picture after each step;
+// before the first one, where that takes long, a picture of fewer pixels.
 //
 //            start()                       all samples taken
 //   idle ------------> building -> tracing ------------------> idle (converged)
@@ -21,6 +22,7 @@
 #include <thread>
 
 #include "core/api/renderer.h"
+#include "delegate/translate/frame/preview.h"
 #include "delegate/translate/frame/sample_sum.h"
 
 namespace msbvh::translate {
@@ -30,7 +32,8 @@ class PictureSink {
  public:
   virtual ~PictureSink() = default;
 
-  // The picture of the first `samples` samples of each pixel; `last`: there will be no better one.
+  // The picture of the first `samples` samples of each pixel, 0: of one sample of fewer pixels (preview.h);
+  // `last`: there will be no better one.
   virtual void show(const Image& picture, std::uint32_t samples, bool last) = 0;
   // What could not be rendered, in one line; there will be no picture.
   virtual void failed(const std::string& why) = 0;
@@ -39,7 +42,8 @@ class PictureSink {
 struct JobStatus {
   std::uint32_t samples = 0, wanted = 0;  // of each pixel
   double fraction = 0.0;                  // of all samples, those under way included
-  double seconds = 0.0;                   // since start(), without pauses; until it ended
+  double seconds = 0.0;                   // since start(); until it ended
+  double first_picture_seconds = 0.0;     // from start() to the first picture that was shown; 0: none yet
   bool building = false, tracing = false, paused = false, stopped = false, converged = false;
   RenderStatistics statistics{};  // of the last commit and the last step
 };
@@ -52,8 +56,9 @@ class RenderJob {
 
   // Stops what is under way; the trees of the last scene are kept as settings.build says.
   void start(std::shared_ptr<const Scene> scene, const RenderSettings& settings);
-  // Returns when the thread no longer works, nor shows. Samples stay where they are shown.
-  void stop();
+  // Returns when the thread no longer works, nor shows; `wait` false: at once, while it ends what it is at.
+  // Samples stay where they are shown.
+  void stop(bool wait = true);
   void pause();
   void resume();
   // After stop(), or in the middle: the same again.
@@ -72,6 +77,9 @@ class RenderJob {
 
   void work();
   void render(const Order& order);
+  void show_preview();
+  void show(const Image& picture, std::uint32_t samples, bool last);
+  bool go_on(double done);
   bool step();
   bool cancelled() const;
   void wait_while_paused();
@@ -87,7 +95,8 @@ class RenderJob {
   Renderer renderer_;
   RenderSettings settings_;
   SampleSum sum_;
-  std::thread thread_;  // last: starts when the rest is ready
+  double seconds_a_sample_ = kAssumedSampleSeconds;  // of one pixel, in the last step
+  std::thread thread_;                               // last: starts when the rest is ready
 };
 
 }  // namespace msbvh::translate

@@ -220,6 +220,8 @@ class Translator:
         lenses: F32 | None = None,
         near_clip: float,
         far_clip: float,
+        clips: F32 | None = None,
+        clipping_planes: F32 | None = None,
         width: int,
         height: int,
         motion_tolerance: float = 0.1,
@@ -240,6 +242,7 @@ class Translator:
         ``bends01``: where its motion may change its course; None: at every time. ``periods01``: shares of the
         shutter after which it may repeat.
         ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
+        ``clipping_planes`` [P, 4]: of checked_planes().
         ``keep_faces``: for the AOV elementId. ``measure_shape``: whether TrackReport.shape_error_pixels is.
         ``edge_length``: about how long edges of a subdivided surface are in pixels;
         0: cages are drawn as polygons. ``displacement``: what surfaces become whose

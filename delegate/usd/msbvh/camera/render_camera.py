@@ -9,7 +9,7 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from .. import _core
-from .._core import BEFORE_JUMP01, LARGEST_ELEMENT, Density, PixelSize, Turns, dense_times01, image_height
+from .._core import LARGEST_ELEMENT, Density, PixelSize, Turns, dense_times01, image_height
 from ..base.errors import Diagnostics, SceneError
 from ..base.image_metadata import world_to_camera, world_to_ndc
 from ..motion.boxes import Box
@@ -60,6 +60,8 @@ class RenderCamera:
     far_clip: float
     clips: np.ndarray | None
     """float32[T, 2]: near and far, where they change; None: the same throughout."""
+    clipping_planes: np.ndarray
+    """float32[P, 4]: unit normal and offset, in camera space; what lies below any of them is not seen."""
     width: int
     height: int
     frame_matrix: np.ndarray
@@ -131,7 +133,8 @@ def _read(
     report_too_fast(course.turns, str(prim.GetPath()), diagnostics)
     values_at = CameraValues(camera).at
 
-    warn_of_change(camera.GetProjectionAttr(), "", own, diagnostics)
+    for attribute in (camera.GetProjectionAttr(), camera.GetClippingPlanesAttr()):
+        warn_of_change(attribute, "", own, diagnostics)
     projection = values_at(code).projection
 
     def camera_at(code: Usd.TimeCode) -> Gf.Camera:
@@ -221,12 +224,6 @@ class Course:
     held: bool
     """Values jump at the breakpoints."""
 
-    @property
-    def breakpoints_with_jumps01(self) -> list[float]:
-        """The breakpoints; of a held stage with the instants before them."""
-        before = [time - BEFORE_JUMP01 for time in self.breakpoints01 if self.held and time > BEFORE_JUMP01]
-        return sorted([*self.breakpoints01, *before])
-
     def times01(self) -> list[float]:
         """Where the camera is evaluated: one time for a closed shutter."""
         if not self.shutter.moving:
@@ -294,18 +291,26 @@ def _sampled(
         times01=np.array(times01[:keep]),
         world_from_camera=matrices[:keep],
         windows=windows[:keep],
-        breakpoints01=np.array(course.breakpoints_with_jumps01),
+        breakpoints01=np.array(_core.course_breakpoints01(course.breakpoints01, course.held)),
         periods01=np.array(course.turns.periods01),
         lenses=lenses[:keep],
         near_clip=float(clips[:, 0].min()),
         far_clip=float(clips[:, 1].max()),
         clips=None if (clips == clips[0]).all() else clips,
+        clipping_planes=_planes(path, at_frame, diagnostics),
         width=width,
         height=height,
         frame_matrix=np.array(at_frame.transform),
         frame_window=window,
         pixel_aspect_ratio=pixel_aspect,
     )
+
+
+def _planes(path: str, camera: Gf.Camera, diagnostics: Diagnostics) -> np.ndarray:
+    given = np.array([list(plane) for plane in camera.clippingPlanes], np.float64).reshape(-1, 4)
+    planes, said = _core.checked_planes(path, given)
+    diagnostics.take(said)
+    return planes
 
 
 def _check_optics(path: str, camera: Gf.Camera) -> None:

@@ -255,6 +255,7 @@ class _FrameReader:
             "near_clip": camera.near_clip,
             "far_clip": camera.far_clip,
             "clips": camera.clips,
+            "clipping_planes": camera.clipping_planes,
             "width": camera.width,
             "height": camera.height,
             "motion_tolerance": settings.motion_tolerance,

@@ -102,6 +102,7 @@ DOUBLES = Kind(
 )
 DOUBLE2S = Kind("double2[]", Vt.Vec2dArray, _number_arrays(Vt.Vec2dArray, Vt.Vec2fArray, Vt.Vec2hArray, Vt.Vec2iArray))
 FLOAT3S = Kind("float3[]", Vt.Vec3fArray, _number_arrays(Vt.Vec3fArray, *_TRIPLE_ARRAYS))
+FLOAT4S = Kind("float4[]", Vt.Vec4fArray, _number_arrays(Vt.Vec4fArray, Vt.Vec4dArray, Vt.Vec4hArray, Vt.Vec4iArray))
 HALF3S = Kind("half3[]", Vt.Vec3hArray, _number_arrays(Vt.Vec3hArray))
 QUATERNIONS = Kind("quatf[]", Vt.QuatfArray, dict.fromkeys((Vt.QuathArray, Vt.QuatdArray), _numbers(Vt.QuatfArray)))
 MATRICES = Kind("matrix4d[]", Vt.Matrix4dArray)
