@@ -1,6 +1,8 @@
 // What differs between the versions of OpenUSD that this delegate is built for: the one header with guards.
 // Named steps of HD_API_VERSION (pxr/imaging/hd/version.h):
 //
+//    68  24.08  SampleFOO() take the interval; 69: geometry subsets are child prims
+//    73  24.11  SampleComputedPrimvarValues() takes the interval
 //    74  24.11  HdRendererPlugin::IsSupported(bool) is pure virtual (from 46 on)
 //    83  25.11  IsSupported(HdRendererCreateArgs const&, std::string*) too
 //    90  26.03  GetSceneIndexInputArgs() says which motion scene indices keep
@@ -11,9 +13,12 @@
 #include <pxr/imaging/hd/version.h>
 #include <pxr/pxr.h>
 
-#if HD_API_VERSION < 57
-#error "hdMsbvh needs OpenUSD 23.08 or later (HD_API_VERSION 57); it is meant for 24.08 to 26.x"
+#if HD_API_VERSION < 69
+#error "hdMsbvh needs OpenUSD 24.08 or later (HD_API_VERSION 69)"
 #endif
+
+// Whether computed primvars are sampled over the shutter that we say; else over the scene delegate's own.
+#define MSBVH_COMPUTES_OVER_INTERVAL (HD_API_VERSION >= 73)
 
 // How a host asks whether the renderer can run.
 #define MSBVH_SUPPORTED_BY_SCHEMA (HD_API_VERSION >= 103)

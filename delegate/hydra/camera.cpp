@@ -1,6 +1,7 @@
 #include "delegate/hydra/camera.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <pxr/base/gf/camera.h>
 #include <pxr/imaging/hd/cameraSchema.h>
@@ -8,6 +9,8 @@
 #include "core/base/error.h"
 #include "delegate/hydra/motion_source.h"
 #include "delegate/hydra/render_param.h"
+#include "delegate/translate/frame/clipping_planes.h"
+#include "delegate/translate/frame/held_values.h"
 #include "delegate/translate/sample/even_times.h"
 
 namespace msbvh::hydra {
@@ -85,6 +88,18 @@ class MovingOptics {
     return found;
   }
 
+  // Whether each sample holds until the next.
+  bool held(const Shutter& shutter) const {
+    return std::any_of(numbers_.begin(), numbers_.end(), [&](const auto& number) {
+      if (!number.first) return false;
+      std::vector<double> offsets;
+      for (const float offset : contributing_offsets(*number.first, shutter))
+        offsets.push_back(double(offset));
+      return translate::holds_between(
+          offsets, [&](double offset) { return number.first->GetTypedValue(float(offset)); });
+    });
+  }
+
   // `still` has the values of what is not sampled.
   CameraMoment at(double time01, const Shutter& shutter, const CameraMoment& still) const {
     const auto offset = float(shutter.frames_at(time01));
@@ -129,11 +144,13 @@ std::vector<CameraMoment> moments_over(HdSceneDelegate& delegate, const SdfPath&
   const std::vector<double> zooms = optics.breakpoints01(shutter);
   breakpoints01.insert(breakpoints01.end(), zooms.begin(), zooms.end());
   breakpoints01 = inside_shutter(std::move(breakpoints01));
+  const bool held = motion->held() || optics.held(shutter);
   std::vector<double> times01{0.0};
   if (shutter.moving() && (!motion->still() || !zooms.empty())) {
     const double turns = motion->turns(0).rate();
-    times01 = translate::dense_times01(translate::Density::kCamera, turns, breakpoints01, false);
+    times01 = translate::dense_times01(translate::Density::kCamera, turns, breakpoints01, held);
   }
+  breakpoints01 = translate::course_breakpoints01(breakpoints01, held);
   const std::vector<translate::Matrix4d> matrices = translate::matrices_at(*motion, times01);
   std::vector<CameraMoment> moments;
   for (std::size_t i = 0; i < times01.size(); ++i) {
@@ -141,6 +158,13 @@ std::vector<CameraMoment> moments_over(HdSceneDelegate& delegate, const SdfPath&
     moments.back().world_from_camera = matrices[i];
   }
   return moments;
+}
+
+void add_planes(const HdRenderPassState& state, translate::CameraInput& camera, Diagnostics& said) {
+  std::vector<std::array<double, 4>> planes;
+  for (const GfVec4d& plane : state.GetClipPlanes())
+    planes.push_back({plane[0], plane[1], plane[2], plane[3]});
+  camera.clipping_planes = translate::checked_planes(camera.path, planes, said);
 }
 
 // Of hosts that set matrices and no camera.
@@ -217,12 +241,14 @@ translate::CameraInput camera_input(const HdRenderPassState& state, const Shutte
   const std::string path = camera->GetId().GetString();
   const CameraMoment at_frame = synced_moment(*camera);
   const Camera* ours = camera_of(state);
-  if (!ours || !ours->delegate())
-    return translate::camera_input(path, at_frame, std::span(&at_frame, 1), {}, image.framing, said);
-  std::vector<double> breakpoints01;
-  const std::vector<CameraMoment> moments =
-      moments_over(*ours->delegate(), camera->GetId(), shutter, at_frame, breakpoints01);
-  return translate::camera_input(path, at_frame, moments, breakpoints01, image.framing, said);
+  std::optional<std::vector<double>> breakpoints01;
+  std::vector<CameraMoment> moments{at_frame};
+  if (ours && ours->delegate())
+    moments = moments_over(*ours->delegate(), camera->GetId(), shutter, at_frame, breakpoints01.emplace());
+  translate::CameraInput input =
+      translate::camera_input(path, at_frame, moments, breakpoints01, image.framing, said);
+  add_planes(state, input, said);
+  return input;
 }
 
 }  // namespace msbvh::hydra

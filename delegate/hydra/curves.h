@@ -17,7 +17,8 @@ class CurvesShape : public Shape {
 
  protected:
   void sync_topology(HdSceneDelegate& delegate) override;
-  void describe(translate::MeshInput& mesh) const override;
+  void describe(translate::FrameShape& shape) const override;
+  bool pull_topology(HdSceneDelegate& delegate, const Shutter& shutter) override;
 
  private:
   HdBasisCurvesTopology topology_;

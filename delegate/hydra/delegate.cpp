@@ -36,10 +36,10 @@ bool is_light(const TfToken& type) {
 
 Delegate::Delegate(const HdRenderSettingsMap& settings) : HdRenderDelegate(settings) {
   _PopulateDefaultSettings(setting_descriptors());
-  param_.on_stop([this] { job_.stop(); });
 }
 
-Delegate::~Delegate() { job_.stop(); }
+// Passes that outlive it render nothing more.
+Delegate::~Delegate() { jobs_->stop(); }
 
 const TfTokenVector& Delegate::GetSupportedRprimTypes() const {
   static const TfTokenVector types{HdPrimTypeTokens->mesh, HdPrimTypeTokens->basisCurves,
@@ -66,7 +66,7 @@ HdRenderSettingDescriptorList Delegate::GetRenderSettingDescriptors() const { re
 
 // percentDone, fractionDone, totalClockTime and peakMemory as husk reads them; the rest are ours.
 VtDictionary Delegate::GetRenderStats() const {
-  const translate::JobStatus status = job_.status();
+  const translate::JobStatus status = jobs_->status();
   const RenderStatistics& found = status.statistics;
   const Edits edits = param_.edits();
   VtDictionary stats;
@@ -78,6 +78,7 @@ VtDictionary Delegate::GetRenderStats() const {
   stats["percentDone"] = 100.0 * status.fraction;
   stats["fractionDone"] = status.fraction;
   stats["totalClockTime"] = status.seconds;
+  stats["firstPictureSeconds"] = status.first_picture_seconds;
   stats["peakMemory"] = peak_memory();
   stats["cameraRays"] = std::int64_t(found.camera_rays);
   stats["rays"] = std::int64_t(found.rays.rays());
@@ -100,28 +101,25 @@ VtDictionary Delegate::GetRenderStats() const {
 }
 
 bool Delegate::Pause() {
-  job_.pause();
+  jobs_->pause();
   return true;
 }
 
 bool Delegate::Resume() {
-  job_.resume();
+  jobs_->resume();
   return true;
 }
 
-bool Delegate::IsStopped() const {
-  const translate::JobStatus status = job_.status();
-  return !status.building && !status.tracing;
-}
+bool Delegate::IsStopped() const { return jobs_->idle(); }
 
-// Always blocks, for the length of a tile at most.
-bool Delegate::Stop(bool) {
-  job_.stop();
+// Blocking takes the length of a tile, or of a step in building a tree.
+bool Delegate::Stop(bool blocking) {
+  jobs_->stop(blocking);
   return true;
 }
 
 bool Delegate::Restart() {
-  job_.restart();
+  jobs_->restart();
   return true;
 }
 

@@ -7,9 +7,8 @@
 #include <pxr/imaging/hd/resourceRegistry.h>
 
 #include "delegate/hydra/frame_builder.h"
-#include "delegate/hydra/picture_writer.h"
+#include "delegate/hydra/jobs.h"
 #include "delegate/hydra/render_param.h"
-#include "delegate/translate/frame/render_job.h"
 
 namespace msbvh::hydra {
 
@@ -20,8 +19,6 @@ class Delegate : public HdRenderDelegate {
   ~Delegate() override;
 
   RenderParam& param() { return param_; }
-  translate::RenderJob& job() { return job_; }
-  PictureWriter& writer() { return writer_; }
   FrameBuilder& builder() { return builder_; }
   void count_scene() { ++scenes_; }
 
@@ -34,7 +31,7 @@ class Delegate : public HdRenderDelegate {
   VtDictionary GetRenderStats() const override;
 
   bool IsPauseSupported() const override { return true; }
-  bool IsPaused() const override { return job_.status().paused; }
+  bool IsPaused() const override { return jobs_->paused(); }
   bool Pause() override;
   bool Resume() override;
   bool IsStopSupported() const override { return true; }
@@ -60,12 +57,11 @@ class Delegate : public HdRenderDelegate {
   HdAovDescriptor GetDefaultAovDescriptor(const TfToken& name) const override;
 
  private:
-  mutable RenderParam param_;
+  std::shared_ptr<Jobs> jobs_ = std::make_shared<Jobs>();
+  mutable RenderParam param_{jobs_};
   HdResourceRegistrySharedPtr registry_ = std::make_shared<HdResourceRegistry>();
   FrameBuilder builder_{param_};
-  PictureWriter writer_{param_};
   std::atomic<std::uint64_t> scenes_{0};
-  translate::RenderJob job_{writer_};  // last: its thread ends before the rest goes
 };
 
 }  // namespace msbvh::hydra

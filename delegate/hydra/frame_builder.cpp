@@ -8,6 +8,7 @@
 #include "delegate/hydra/light.h"
 #include "delegate/hydra/material.h"
 #include "delegate/hydra/shape.h"
+#include "delegate/translate/frame/kept_origin.h"
 
 namespace msbvh::hydra {
 namespace {
@@ -35,7 +36,7 @@ void tell(const Diagnostics& diagnostics, RenderParam& param) {
   }
 }
 
-std::vector<Shape*> FrameBuilder::drawn_shapes(const PassView& view) const {
+std::vector<Shape*> FrameBuilder::wanted_shapes(const PassView& view) const {
   std::vector<Shape*> drawn;
   const HdRprimCollection& collection = view.collection;
   for (Shape* shape : param_.shapes()) {
@@ -44,7 +45,7 @@ std::vector<Shape*> FrameBuilder::drawn_shapes(const PassView& view) const {
         tags.empty() || std::find(tags.begin(), tags.end(), shape->render_tag()) != tags.end();
     const bool collected = below_any(shape->path(), collection.GetRootPaths()) &&
                            !below_any(shape->path(), collection.GetExcludePaths());
-    if (shape->visible() && tagged && collected) drawn.push_back(shape);
+    if (tagged && collected) drawn.push_back(shape);
   }
   return drawn;
 }
@@ -67,8 +68,13 @@ void FrameBuilder::add_instanced(const Shape& shape, HdRenderIndex& index, const
   group.path = shape.instancer().GetString();
   group.shapes.push_back(shape.frame_shape(said_));
   group.levels = std::move(placed.levels);
+  group.visible = placed.shown;
   colors_.push_back(std::move(placed.colors));
   group.display_color.values = colors_.back();
+  for (auto& [time01, colors] : placed.color_samples) {
+    colors_.push_back(std::move(colors));
+    group.display_color.samples.push_back({time01, colors_.back()});
+  }
 }
 
 void FrameBuilder::add_shapes(const std::vector<Shape*>& shapes, HdRenderIndex& index, const Shutter& shutter,
@@ -80,6 +86,7 @@ void FrameBuilder::add_shapes(const std::vector<Shape*>& shapes, HdRenderIndex& 
   colors_.clear();
   frame.groups.emplace_back();  // the world
   for (Shape* shape : shapes) {
+    if (!shape->visible()) continue;
     if (shape->has_categories()) {
       said_.push_back({Severity::kWarning, shape->path().GetString(), "",
                        "light linking is not supported yet; every light reaches it", true});
@@ -112,10 +119,12 @@ translate::AssembledFrame FrameBuilder::build(const PassView& view, const ImageF
     if (!material->network().nodes.empty())
       frame.materials.push_back({material->GetId().GetString(), material->network()});
   }
-  add_shapes(drawn_shapes(view), view.index, shutter, frame);
+  add_shapes(wanted_shapes(view), view.index, shutter, frame);
   add_lights(shutter, frame);
-  translate::AssembledFrame assembled =
-      translate::assemble_frame(frame, settings.translate, textures_, refinements_);
+  translate::TranslatorSettings how = settings.translate;
+  how.origin = translate::kept_origin(origin_, frame.camera, how.width, how.height);
+  translate::AssembledFrame assembled = translate::assemble_frame(frame, how, textures_, refinements_);
+  origin_ = assembled.origin;
   assembled.diagnostics.insert(assembled.diagnostics.begin(), said_.begin(), said_.end());
   return assembled;
 }

@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <memory>
+#include <optional>
 #include <pxr/imaging/hd/renderPassState.h>
 #include <pxr/imaging/hd/rprimCollection.h>
 #include <vector>
@@ -36,7 +37,8 @@ class FrameBuilder {
                                   const Settings& settings);
 
  private:
-  std::vector<Shape*> drawn_shapes(const PassView& view) const;
+  // By collection and render tags, hidden ones included.
+  std::vector<Shape*> wanted_shapes(const PassView& view) const;
   void add_shapes(const std::vector<Shape*>& shapes, HdRenderIndex& index, const Shutter& shutter,
                   translate::FrameInput& frame);
   void add_instanced(const Shape& shape, HdRenderIndex& index, const Shutter& shutter,
@@ -53,6 +55,7 @@ class FrameBuilder {
   RenderParam& param_;
   Textures textures_;
   std::shared_ptr<RefinementCache> refinements_ = std::make_shared<RefinementCache>();
+  std::optional<Vec3d> origin_;  // of the last frame's world
   std::vector<Known> known_;
   std::deque<std::vector<Vec3f>> colors_;  // that the frame borrows
   Diagnostics said_;

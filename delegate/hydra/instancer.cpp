@@ -52,6 +52,8 @@ void Instancer::pull(const Shutter& shutter, Diagnostics& said) {
   shutter_ = shutter;
   HdSceneDelegate& delegate = *GetDelegate();
   whole_ = instancer_motion(delegate, GetId(), shutter_);
+  shown_ = shutter_.moving() ? timed_visibility(delegate, GetId(), shutter_) : std::nullopt;
+  matrices_ = instance_matrices(delegate, GetId(), shutter_);
   pull_arrays(delegate, said);
   read_ = true;
   stale_ = 0;
@@ -67,6 +69,7 @@ void Instancer::pull_arrays(HdSceneDelegate& delegate, Diagnostics& said) {
   scales_ = vectors(HdInstancerTokens->instanceScales);
   colors_ = has_own_colors(delegate, GetId()) ? vectors(HdTokens->displayColor) : TypedValues<VtVec3fArray>{};
   const TfToken& turned = HdInstancerTokens->instanceRotations;
+  if (!colors_.samples.empty()) hold_frame(colors_, path, "primvars:displayColor", said);
   rotations_ = typed<VtQuatfArray>(timed_primvar(delegate, GetId(), turned, shutter_, false), shutter_, path,
                                    turned.GetString(), said);
   velocities_ = accelerations_ = angular_velocities_ = {};
@@ -90,51 +93,66 @@ void Instancer::pull_arrays(HdSceneDelegate& delegate, Diagnostics& said) {
 }
 
 PlacedLevel Instancer::own_level(const VtIntArray& indices, Diagnostics& said) const {
-  if (!arrays_) {
-    std::vector<std::uint32_t> selected(indices.cbegin(), indices.cend());
-    return {std::make_shared<translate::SelectedMotion>(matrices_, std::move(selected)), nullptr, {}};
+  if (arrays_) {
+    if (matrices_) {
+      said.push_back({Severity::kWarning, GetId().GetString(), "hydra:instanceTransforms",
+                      "found matrices beside translations, rotations or scales; placed by the latter alone"});
+    }
+    return {nullptr, arrays_, {indices.cbegin(), indices.cend()}};
   }
-  if (matrices_) {
-    said.push_back({Severity::kWarning, GetId().GetString(), "hydra:instanceTransforms",
-                    "found matrices beside translations, rotations or scales; placed by the latter alone"});
+  if (!matrices_) {  // as many as there are indices, all in one place
+    const std::vector<translate::Matrix4d> in_place(indices.size(), matrix_of(GfMatrix4d(1.0)));
+    return {
+        std::make_shared<translate::SampledMotion>(std::vector{0.0}, in_place, indices.size()), nullptr, {}};
   }
-  return {nullptr, arrays_, {indices.cbegin(), indices.cend()}};
+  std::vector<std::uint32_t> selected(indices.cbegin(), indices.cend());
+  return {std::make_shared<translate::SelectedMotion>(matrices_, std::move(selected)), nullptr, {}};
+}
+
+// What is wrong with the indices of a prototype's instances; empty: nothing.
+std::string Instancer::fault_of(const VtIntArray& indices) const {
+  if (std::any_of(indices.cbegin(), indices.cend(), [](int index) { return index < 0; }))
+    return "found a negative index, expected none";
+  const std::size_t known = arrays_ ? count_ : matrices_ ? matrices_->count() : indices.size();
+  const std::size_t largest = largest_index(indices);
+  if (largest < known || (!arrays_ && !matrices_)) return "";
+  return message("found index ", largest, ", expected less than ", known, ", the number of its instances");
 }
 
 Placed Instancer::place(const SdfPath& prototype, const Shutter& shutter, Diagnostics& said) {
   pull(shutter, said);
-  HdSceneDelegate& delegate = *GetDelegate();
-  const std::string path = GetId().GetString();
-  VtIntArray indices = delegate.GetInstanceIndices(GetId(), prototype);
-  const bool below = std::any_of(indices.cbegin(), indices.cend(), [](int index) { return index < 0; });
+  VtIntArray indices = GetDelegate()->GetInstanceIndices(GetId(), prototype);
   Placed placed;
-  placed.visible = visible_;
-  if (indices.empty() || below || (arrays_ && largest_index(indices) >= count_)) {
-    if (!indices.empty()) {
-      said.push_back(
-          {Severity::kError, path, "instanceIndices",
-           message("found ", below ? "a negative index" : "an index too large", ", expected less than ",
-                   count_, "; its instances of ", prototype.GetString(), " are left out")});
-    }
+  placed.visible = !indices.empty() && (shown_ ? !shown_->empty() : visible_);
+  placed.shown = shown_;
+  const std::string fault = fault_of(indices);
+  if (!fault.empty()) {
+    said.push_back({Severity::kError, GetId().GetString(), "instanceIndices",
+                    fault + "; its instances of " + prototype.GetString() + " are left out"});
     placed.visible = false;
-    return placed;
   }
-  matrices_ = instance_matrices(delegate, GetId(), largest_index(indices) + 1, shutter_);
-  if (!arrays_ && !matrices_) {  // as many as there are indices, all in one place
-    matrices_ = std::make_shared<translate::SampledMotion>(
-        std::vector{0.0}, std::vector(largest_index(indices) + 1, matrix_of(GfMatrix4d(1.0))),
-        largest_index(indices) + 1);
-  }
+  if (!placed.visible) return placed;
   placed.levels.push_back(own_level(indices, said));
   placed.levels.push_back({whole_, nullptr, {}});
-  for (const int index : indices) {
-    if (std::size_t(index) < colors_.at_frame.size())
-      placed.colors.push_back(span_of(colors_.at_frame)[std::size_t(index)]);
-  }
-  if (placed.colors.size() != indices.size()) placed.colors.clear();
+  add_colors(indices, placed);
   placed.indices.push_back(std::move(indices));
   add_parents(placed, shutter, said);
   return placed;
+}
+
+void Instancer::add_colors(const VtIntArray& indices, Placed& placed) const {
+  const auto picked = [&](const VtVec3fArray& every) {
+    std::vector<Vec3f> colors;
+    for (const int index : indices) {
+      if (std::size_t(index) < every.size()) colors.push_back(span_of(every)[std::size_t(index)]);
+    }
+    if (colors.size() != indices.size()) colors.clear();
+    return colors;
+  };
+  placed.colors = picked(colors_.at_frame);
+  if (placed.colors.empty() || !colors_.varies) return;
+  for (const auto& [time01, colors] : colors_.samples)
+    placed.color_samples.emplace_back(time01, picked(colors));
 }
 
 void Instancer::add_parents(Placed& placed, const Shutter& shutter, Diagnostics& said) {
@@ -145,15 +163,25 @@ void Instancer::add_parents(Placed& placed, const Shutter& shutter, Diagnostics&
   const std::size_t inner_count = placed.count(), outer_count = outer.count();
   placed.visible = placed.visible && outer.visible;
   if (!placed.visible) return;
-  std::vector<Vec3f> colors;
-  for (std::size_t i = 0; i < outer_count; ++i) {
-    if (!placed.colors.empty()) {
-      colors.insert(colors.end(), placed.colors.begin(), placed.colors.end());
-    } else if (!outer.colors.empty()) {
-      colors.insert(colors.end(), inner_count, outer.colors[i]);
+  placed.shown = translate::common_intervals(placed.shown, outer.shown);
+  const bool own = !placed.colors.empty();
+  // Every outer instance has all inner ones.
+  const auto spread = [&](const std::vector<Vec3f>& from) {
+    std::vector<Vec3f> colors;
+    for (std::size_t i = 0; i < outer_count && !from.empty(); ++i) {
+      if (own) {
+        colors.insert(colors.end(), from.begin(), from.end());
+      } else {
+        colors.insert(colors.end(), inner_count, from[i]);
+      }
     }
-  }
-  placed.colors = std::move(colors);
+    return colors;
+  };
+  std::vector<std::pair<double, std::vector<Vec3f>>> samples;
+  for (const auto& [time01, colors] : own ? placed.color_samples : outer.color_samples)
+    samples.emplace_back(time01, spread(colors));
+  placed.colors = spread(own ? placed.colors : outer.colors);
+  placed.color_samples = std::move(samples);
   placed.levels.insert(placed.levels.end(), outer.levels.begin(), outer.levels.end());
   placed.indices.insert(placed.indices.end(), outer.indices.begin(), outer.indices.end());
 }

@@ -1,6 +1,7 @@
 #include "delegate/hydra/mesh.h"
 
 #include <algorithm>
+#include <pxr/imaging/hd/geomSubsetSchema.h>
 #include <pxr/imaging/hd/meshSchema.h>
 #include <pxr/imaging/hd/meshTopologySchema.h>
 #include <pxr/imaging/pxOsd/tokens.h>
@@ -11,15 +12,8 @@
 namespace msbvh::hydra {
 namespace {
 
-// Integers are held until the next sample: the one after the shutter says nothing.
-bool changes(const HdIntArrayDataSourceHandle& source, const Shutter& shutter) {
-  if (!source) return false;
-  const std::vector<float> offsets = contributing_offsets(*source, shutter);
-  if (offsets.empty()) return false;
-  const VtIntArray first = source->GetTypedValue(offsets.front());
-  return std::any_of(offsets.begin(), offsets.end(), [&](float offset) {
-    return double(offset) <= shutter.close_frames && source->GetTypedValue(offset) != first;
-  });
+void append(VtIntArray& faces, const VtIntArray& more) {
+  for (const int face : more) faces.push_back(face);
 }
 
 void set_if_given(std::string& rule, const TfToken& token) {
@@ -32,25 +26,54 @@ void MeshShape::sync_topology(HdSceneDelegate& delegate) {
   topology_ = delegate.GetMeshTopology(path());
   tags_ = delegate.GetSubdivTags(path());
   holes_ = topology_.GetHoleIndices();
-  for (const int face : topology_.GetInvisibleFaces()) holes_.push_back(face);
+  append(holes_, topology_.GetInvisibleFaces());
 }
 
-bool MeshShape::topology_varies(HdSceneDelegate& delegate, const Shutter& shutter) const {
+bool MeshShape::pull_topology(HdSceneDelegate& delegate, const Shutter& shutter) {
+  held_holes_.clear();
+  parts_.assign(topology_.GetGeomSubsets().size(), {});
   const HdContainerDataSourceHandle prim = scene_index_prim(delegate, path());
-  if (!prim) return false;
+  if (!prim || !shutter.moving()) return false;
+  pull_held(delegate, shutter);
   HdMeshTopologySchema topology = HdMeshSchema::GetFromParent(prim).GetTopology();
   if (!topology) return false;
-  return changes(topology.GetFaceVertexCounts(), shutter) ||
-         changes(topology.GetFaceVertexIndices(), shutter);
+  held_holes_ = timed_ints(topology.GetHoleIndices(), shutter);
+  for (auto& [time01, faces] : held_holes_) append(faces, topology_.GetInvisibleFaces());
+  return changes_within(topology.GetFaceVertexCounts(), shutter) ||
+         changes_within(topology.GetFaceVertexIndices(), shutter);
+}
+
+// A subset is a prim of its own.
+void MeshShape::pull_held(HdSceneDelegate& delegate, const Shutter& shutter) {
+  const HdGeomSubsets& subsets = topology_.GetGeomSubsets();
+  for (std::size_t i = 0; i < subsets.size(); ++i) {
+    const HdContainerDataSourceHandle prim = scene_index_prim(delegate, subsets[i].id);
+    if (prim) parts_[i] = timed_ints(HdGeomSubsetSchema::GetFromParent(prim).GetIndices(), shutter);
+  }
 }
 
 bool MeshShape::wants_normals() const { return topology_.GetScheme() == PxOsdOpenSubdivTokens->none; }
 
-void MeshShape::describe(translate::MeshInput& mesh) const {
+void MeshShape::describe(translate::FrameShape& shape) const {
+  translate::MeshInput& mesh = shape.mesh;
   mesh.face_vertex_counts = span_of(topology_.GetFaceVertexCounts());
   mesh.face_vertex_indices = span_of(topology_.GetFaceVertexIndices());
   mesh.hole_indices = span_of(holes_);
+  shape.held.holes = held_indices(held_holes_);
   mesh.left_handed = topology_.GetOrientation() == PxOsdOpenSubdivTokens->leftHanded;
+  describe_subdivision(mesh);
+  const HdGeomSubsets& subsets = topology_.GetGeomSubsets();
+  for (std::size_t i = 0; i < subsets.size(); ++i) {
+    const HdGeomSubset& part = subsets[i];
+    if (part.type != HdGeomSubset::TypeFaceSet || part.materialId.IsEmpty()) continue;
+    const translate::HeldIndices held =
+        i < parts_.size() ? held_indices(parts_[i]) : translate::HeldIndices();
+    shape.subsets.push_back(
+        {{part.id.GetString(), span_of(part.indices)}, part.materialId.GetString(), held});
+  }
+}
+
+void MeshShape::describe_subdivision(translate::MeshInput& mesh) const {
   translate::SubdivisionInput& rules = mesh.subdivision;
   set_if_given(rules.scheme, topology_.GetScheme());
   mesh.computed_normals = rules.scheme == "none" ? translate::Normals::kFaceted : translate::Normals::kSmooth;

@@ -16,15 +16,19 @@ class MeshShape : public Shape {
 
  protected:
   void sync_topology(HdSceneDelegate& delegate) override;
-  bool topology_varies(HdSceneDelegate& delegate, const Shutter& shutter) const override;
-  void describe(translate::MeshInput& mesh) const override;
-  const HdGeomSubsets* subsets() const override { return &topology_.GetGeomSubsets(); }
+  bool pull_topology(HdSceneDelegate& delegate, const Shutter& shutter) override;
+  void describe(translate::FrameShape& shape) const override;
   bool wants_normals() const override;
 
  private:
+  void pull_held(HdSceneDelegate& delegate, const Shutter& shutter);
+  void describe_subdivision(translate::MeshInput& mesh) const;
+
   HdMeshTopology topology_;
   PxOsdSubdivTags tags_;
-  VtIntArray holes_;  // and faces that are invisible
+  VtIntArray holes_;              // and faces that are invisible
+  TimedInts held_holes_;          // over the shutter, likewise
+  std::vector<TimedInts> parts_;  // of each subset, its faces over the shutter
 };
 
 class Mesh : public HdMesh {

@@ -99,18 +99,19 @@ MotionPointer instancer_motion(HdSceneDelegate& delegate, const SdfPath& path, c
   return from_samples(samples, shutter);
 }
 
-MotionPointer instance_matrices(HdSceneDelegate& delegate, const SdfPath& path, std::size_t count,
-                                const Shutter& shutter) {
+MotionPointer instance_matrices(HdSceneDelegate& delegate, const SdfPath& path, const Shutter& shutter) {
   const TfToken& name = HdInstancerTokens->instanceTransforms;
   if (const HdContainerDataSourceHandle prim = scene_index_prim(delegate, path)) {
     HdPrimvarSchema primvar = HdPrimvarsSchema::GetFromParent(prim).GetPrimvar(name);
     const HdSampledDataSourceHandle source = primvar ? primvar.GetPrimvarValue() : nullptr;
-    return source ? evaluated(source, count, shutter, every_matrix) : nullptr;
+    const std::size_t count = source ? every_matrix(source->GetValue(0.0f)).size() : 0;
+    return count > 0 ? evaluated(source, count, shutter, every_matrix) : nullptr;
   }
   const TimedValues samples = timed_primvar(delegate, path, name, shutter, false);
+  const std::size_t count = every_matrix(samples.at_frame).size();
   std::vector<double> times;
   std::vector<Matrix4d> matrices;
-  for (std::size_t i = 0; i < samples.values.size(); ++i) {
+  for (std::size_t i = 0; count > 0 && i < samples.values.size(); ++i) {
     std::vector<Matrix4d> found = every_matrix(samples.values[i]);
     if (found.size() < count) continue;
     times.push_back(shutter.time01(double(samples.offsets[i])));

@@ -23,8 +23,8 @@ MotionPointer transform_motion(HdSceneDelegate& delegate, const SdfPath& path, c
 // The same of an instancer as a whole.
 MotionPointer instancer_motion(HdSceneDelegate& delegate, const SdfPath& path, const Shutter& shutter);
 
-// An instancer's own matrices, `hydra:instanceTransforms`: as many things as `count`. Null where it has none.
-MotionPointer instance_matrices(HdSceneDelegate& delegate, const SdfPath& path, std::size_t count,
-                                const Shutter& shutter);
+// An instancer's own matrices, `hydra:instanceTransforms`: as many things as it has at the frame. Null where
+// it has none.
+MotionPointer instance_matrices(HdSceneDelegate& delegate, const SdfPath& path, const Shutter& shutter);
 
 }  // namespace msbvh::hydra

@@ -59,6 +59,11 @@ void PictureWriter::unbind() {
   targets_.clear();
 }
 
+void PictureWriter::forget(const RenderBuffer& buffer) {
+  const std::scoped_lock lock(mutex_);
+  std::erase_if(targets_, [&](const Target& target) { return target.buffer == &buffer; });
+}
+
 void PictureWriter::give_up() {
   const std::scoped_lock lock(mutex_);
   for (const Target& target : targets_) target.buffer->set_converged(true);
@@ -83,8 +88,20 @@ void PictureWriter::show(const Image& picture, std::uint32_t, bool last) {
 }
 
 void PictureWriter::failed(const std::string& why) {
-  if (param_.is_news(why)) TF_WARN("%s; nothing is rendered", why.c_str());
+  {
+    const std::scoped_lock lock(mutex_);
+    failure_ = why;
+  }
   give_up();
+}
+
+void PictureWriter::tell_failure() {
+  std::string why;
+  {
+    const std::scoped_lock lock(mutex_);
+    std::swap(why, failure_);
+  }
+  if (!why.empty() && param_.is_news(why)) TF_WARN("%s; nothing is rendered", why.c_str());
 }
 
 }  // namespace msbvh::hydra

@@ -5,6 +5,7 @@
 #include <pxr/base/gf/rect2i.h>
 #include <pxr/imaging/hd/aov.h>
 #include <pxr/imaging/hd/renderIndex.h>
+#include <string>
 #include <vector>
 
 #include "delegate/hydra/render_param.h"
@@ -27,11 +28,15 @@ class PictureWriter : public translate::PictureSink {
   // While nothing renders. Clears the buffers; those of AOVs that there are not stay so, with a warning.
   void bind(const HdRenderPassAovBindingVector& bindings, HdRenderIndex& index, const GfRect2i& data_window);
   void unbind();
+  void forget(const RenderBuffer& buffer);
   // Nothing better will come.
   void give_up();
 
+  // On the render thread, which warns of nothing itself (jobs.h).
   void show(const Image& picture, std::uint32_t samples, bool last) override;
   void failed(const std::string& why) override;
+  // As a warning of the host, on its thread.
+  void tell_failure();
 
  private:
   struct Target {
@@ -42,6 +47,7 @@ class PictureWriter : public translate::PictureSink {
   RenderParam& param_;
   std::mutex mutex_;
   std::vector<Target> targets_;
+  std::string failure_;  // that has not been told
   GfRect2i data_window_{};
 };
 

@@ -7,7 +7,8 @@
 
 namespace msbvh::hydra {
 
-void PointsShape::describe(translate::MeshInput& mesh) const {
+void PointsShape::describe(translate::FrameShape& shape) const {
+  translate::MeshInput& mesh = shape.mesh;
   mesh.round.kind = translate::RoundInput::Kind::kPoints;
   mesh.round.widths = primvar_input<float>(widths().values, widths().interpolation);
 }

@@ -16,7 +16,7 @@ class PointsShape : public Shape {
 
  protected:
   void sync_topology(HdSceneDelegate&) override {}
-  void describe(translate::MeshInput& mesh) const override;
+  void describe(translate::FrameShape& shape) const override;
 };
 
 class Points : public HdPoints {

@@ -8,6 +8,7 @@
 #include <pxr/base/gf/vec3f.h>
 #include <pxr/base/gf/vec4f.h>
 
+#include "delegate/hydra/jobs.h"
 #include "delegate/hydra/render_param.h"
 
 namespace msbvh::hydra {
@@ -70,14 +71,14 @@ bool is_supported(HdFormat format) {
 void RenderBuffer::Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits) {
   if (*bits & DirtyDescription) {
     auto& shared = *static_cast<RenderParam*>(param);
-    shared.stop_rendering();
+    shared.jobs()->forget(*this);
     shared.note_buffer();
   }
   HdRenderBuffer::Sync(delegate, param, bits);
 }
 
 void RenderBuffer::Finalize(HdRenderParam* param) {
-  static_cast<RenderParam*>(param)->stop_rendering();
+  static_cast<RenderParam*>(param)->jobs()->forget(*this);
   HdRenderBuffer::Finalize(param);
 }
 

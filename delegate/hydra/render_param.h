@@ -5,10 +5,9 @@
 // nothing: it raises a counter, and the next execution of a render pass makes the next Scene.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <pxr/imaging/hd/renderDelegate.h>
@@ -16,6 +15,7 @@
 #include <pxr/usd/sdf/path.h>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "delegate/hydra/api_version.h"
@@ -23,6 +23,7 @@
 
 namespace msbvh::hydra {
 
+class Jobs;
 class Shape;
 class Light;
 class Material;
@@ -43,6 +44,8 @@ struct Edits {
 
 class RenderParam : public HdRenderParam {
  public:
+  explicit RenderParam(std::shared_ptr<Jobs> jobs) : jobs_(std::move(jobs)) {}
+
   // From Sync and Finalize, on any thread.
   void note_shape(Shape& shape, HdDirtyBits bits);
   void forget_shape(Shape& shape);
@@ -66,11 +69,8 @@ class RenderParam : public HdRenderParam {
   std::optional<Shutter> last_shutter() const;
   void set_last_shutter(const Shutter& shutter);
 
-  // The render thread writes to buffers: before these change, it must not. Any thread of the host's.
-  void stop_rendering() const {
-    if (stop_) stop_();
-  }
-  void on_stop(std::function<void()> stop) { stop_ = std::move(stop); }
+  // The host's thread's.
+  const std::shared_ptr<Jobs>& jobs() const { return jobs_; }
 
   // Whether something has been said before: what cannot be drawn is named once.
   bool is_news(const std::string& text);
@@ -83,7 +83,7 @@ class RenderParam : public HdRenderParam {
   std::optional<Shutter> last_shutter_;
   std::set<std::string> said_;
   Edits edits_;
-  std::function<void()> stop_;
+  std::shared_ptr<Jobs> jobs_;
 };
 
 }  // namespace msbvh::hydra

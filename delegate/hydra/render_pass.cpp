@@ -7,23 +7,35 @@
 
 #include "core/base/error.h"
 #include "delegate/hydra/delegate.h"
+#include "delegate/hydra/settings.h"
 
 namespace msbvh::hydra {
 
 bool RenderPass::Seen::operator==(const Seen& other) const {
-  return any == other.any && edits == other.edits && settings_version == other.settings_version &&
-         image == other.image && shutter == other.shutter && camera == other.camera && view == other.view &&
-         projection == other.projection && render_tags == other.render_tags && bindings == other.bindings;
+  return any == other.any && edits == other.edits && settings == other.settings && image == other.image &&
+         shutter == other.shutter && camera == other.camera && view == other.view &&
+         clipping_planes == other.clipping_planes && projection == other.projection &&
+         render_tags == other.render_tags && bindings == other.bindings;
 }
 
+RenderPass::RenderPass(HdRenderIndex* index, const HdRprimCollection& collection, Delegate& delegate)
+    : HdRenderPass(index, collection),
+      delegate_(delegate),
+      jobs_(delegate.param().jobs()),
+      own_(delegate.param()) {
+  jobs_->add(own_);
+}
+
+// The delegate may be gone.
 RenderPass::~RenderPass() {
-  delegate_.job().stop();
-  delegate_.writer().unbind();
+  jobs_->remove(own_);
+  own_.job.stop();
 }
 
 bool RenderPass::IsConverged() const {
-  const translate::JobStatus status = delegate_.job().status();
-  return seen_.any && status.converged;
+  const bool converged = seen_.any && own_.job.status().converged;
+  jobs_->tell_failures();
+  return converged;
 }
 
 RenderPass::Seen RenderPass::seen(const HdRenderPassState& state, const TfTokenVector& render_tags) const {
@@ -31,7 +43,7 @@ RenderPass::Seen RenderPass::seen(const HdRenderPassState& state, const TfTokenV
   Diagnostics unsaid;  // render() says it
   now.any = true;
   now.edits = delegate_.param().edits();
-  now.settings_version = delegate_.GetRenderSettingsVersion();
+  now.settings = values_set(delegate_);
   now.image = image_frame(state);
   now.shutter = shutter_of(state, unsaid);
   if (state.GetCamera()) {
@@ -40,6 +52,7 @@ RenderPass::Seen RenderPass::seen(const HdRenderPassState& state, const TfTokenV
     now.view = state.GetWorldToViewMatrix();
     now.projection = state.GetProjectionMatrix();
   }
+  now.clipping_planes = state.GetClipPlanes();
   now.render_tags = render_tags;
   now.bindings = state.GetAovBindings();
   return now;
@@ -47,22 +60,24 @@ RenderPass::Seen RenderPass::seen(const HdRenderPassState& state, const TfTokenV
 
 void RenderPass::_Execute(const HdRenderPassStateSharedPtr& state, const TfTokenVector& render_tags) {
   const Seen now = seen(*state, render_tags);
+  jobs_->tell_failures();
   if (now == seen_) return;  // the render thread goes on
   seen_ = now;
-  delegate_.job().stop();
+  own_.job.stop();
   const GfRect2i& window = now.image.data_window;
   if (now.bindings.empty() && delegate_.param().is_news("no AOVs"))
     TF_WARN("the render pass has no AOV bindings; expected color at least: nothing is rendered");
   if (now.bindings.empty() || window.GetWidth() <= 0 || window.GetHeight() <= 0) {
-    delegate_.job().give_up();
+    own_.job.give_up();
     return;
   }
-  delegate_.writer().bind(now.bindings, *GetRenderIndex(), now.image.data_window);
+  own_.writer.bind(now.bindings, *GetRenderIndex(), now.image.data_window);
   try {
     render(*state);
   } catch (const std::exception& error) {  // a camera that sees nothing, or no memory: never the host's end
-    delegate_.writer().failed(error.what());
-    delegate_.job().give_up();
+    own_.writer.failed(error.what());
+    own_.writer.tell_failure();
+    own_.job.give_up();
   }
 }
 
@@ -84,7 +99,8 @@ void RenderPass::render(const HdRenderPassState& state) {
   translate::AssembledFrame frame = delegate_.builder().build(view, seen_.image, shutter, settings);
   tell(frame.diagnostics, param);
   delegate_.count_scene();
-  delegate_.job().start(std::move(frame.scene), settings.render);
+  jobs_->set_current(own_);
+  own_.job.start(std::move(frame.scene), settings.render);
 }
 
 }  // namespace msbvh::hydra

@@ -1,9 +1,15 @@
-// A render pass: makes the Scene anew where something has been edited, and has it rendered in the background.
+// A render pass: makes the Scene anew where something has been edited, and has it rendered in the background,
+// by a thread of its own.
 #pragma once
 
+#include <memory>
+#include <pxr/base/gf/vec4d.h>
+#include <pxr/base/vt/value.h>
 #include <pxr/imaging/hd/renderPass.h>
+#include <vector>
 
 #include "delegate/hydra/camera.h"
+#include "delegate/hydra/jobs.h"
 #include "delegate/hydra/render_param.h"
 
 namespace msbvh::hydra {
@@ -12,8 +18,7 @@ class Delegate;
 
 class RenderPass : public HdRenderPass {
  public:
-  RenderPass(HdRenderIndex* index, const HdRprimCollection& collection, Delegate& delegate)
-      : HdRenderPass(index, collection), delegate_(delegate) {}
+  RenderPass(HdRenderIndex* index, const HdRprimCollection& collection, Delegate& delegate);
   ~RenderPass() override;
 
   bool IsConverged() const override;
@@ -27,11 +32,12 @@ class RenderPass : public HdRenderPass {
   struct Seen {
     bool any = false;
     Edits edits;
-    unsigned int settings_version = 0;
+    std::vector<VtValue> settings;
     ImageFrame image;
     Shutter shutter;
     SdfPath camera;
     GfMatrix4d view{1.0}, projection{1.0};  // of hosts that set no camera
+    std::vector<GfVec4d> clipping_planes;
     TfTokenVector render_tags;
     HdRenderPassAovBindingVector bindings;
 
@@ -42,7 +48,9 @@ class RenderPass : public HdRenderPass {
   void render(const HdRenderPassState& state);
 
   Delegate& delegate_;
+  std::shared_ptr<Jobs> jobs_;
   Seen seen_;
+  PassJob own_;
 };
 
 }  // namespace msbvh::hydra

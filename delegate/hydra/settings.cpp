@@ -162,6 +162,12 @@ Settings settings_of(const HdRenderDelegate& delegate, Diagnostics& said) {
   return settings;
 }
 
+std::vector<VtValue> values_set(const HdRenderDelegate& delegate) {
+  std::vector<VtValue> values;
+  for (const Setting& setting : all_settings()) values.push_back(delegate.GetRenderSetting(setting.key));
+  return values;
+}
+
 const TfTokenVector& setting_namespaces() {
   static const TfTokenVector names{TfToken("msbvh")};
   return names;

@@ -1,7 +1,9 @@
 // Render settings: what a host may set, and what is made of it.
 #pragma once
 
+#include <pxr/base/vt/value.h>
 #include <pxr/imaging/hd/renderDelegate.h>
+#include <vector>
 
 #include "core/api/renderer.h"
 #include "delegate/hydra/typed_values.h"
@@ -19,6 +21,9 @@ const HdRenderSettingDescriptorList& setting_descriptors();
 
 // A value that is none of those that are expected is left out, with a warning.
 Settings settings_of(const HdRenderDelegate& delegate, Diagnostics& said);
+
+// What a host has set of those: hosts set many others, and set them again as they are.
+std::vector<VtValue> values_set(const HdRenderDelegate& delegate);
 
 // Of settings in render settings prims: `msbvh:...`.
 const TfTokenVector& setting_namespaces();

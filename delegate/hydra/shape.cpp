@@ -9,7 +9,7 @@
 
 #include "delegate/hydra/motion_source.h"
 #include "delegate/hydra/render_param.h"
-#include "delegate/translate/frame/primvar_policy.h"
+#include "delegate/translate/frame/motion_scale.h"
 
 namespace msbvh::hydra {
 namespace {
@@ -27,9 +27,9 @@ bool is_known(const TfToken& name) {
          name == HdTokens->blurScale || name == HdTokens->nonlinearSampleCount;
 }
 
-template <typename T>
-void settle(translate::PrimvarInput<T>& primvar, const std::string& name, translate::PrimLog& log) {
-  translate::settle_samples(primvar, "primvars:" + name, log);
+template <typename Array>
+translate::HeldPrimvar held_primvar(const TypedValues<Array>& values) {
+  return {held_indices(values.held_indices), values.held};
 }
 
 }  // namespace
@@ -67,19 +67,25 @@ void Shape::sync(HdSceneDelegate& delegate, HdDirtyBits bits, std::int32_t prim_
   stale_ |= bits;
 }
 
-double Shape::blur_scale(HdSceneDelegate& delegate, const Shutter& shutter) const {
+double Shape::blur_scale(HdSceneDelegate& delegate, const Shutter& shutter) {
   const VtValue value = timed_primvar(delegate, path_, HdTokens->blurScale, shutter, false).at_frame;
-  const double found =
-      value.IsHolding<float>()    ? double(value.UncheckedGet<float>())
-      : value.IsHolding<double>() ? value.UncheckedGet<double>()
-      : value.IsHolding<VtFloatArray>()
-          ? double(value.UncheckedGet<VtFloatArray>().empty() ? 1.0f : value.UncheckedGet<VtFloatArray>()[0])
-          : 1.0;
-  return std::isfinite(found) && found >= 0.0 ? found : 1.0;
+  if (value.IsEmpty()) return 1.0;
+  const VtValue one = value.IsHolding<VtFloatArray>() && value.GetArraySize() == 1
+                          ? VtValue(value.UncheckedGet<VtFloatArray>()[0])
+                          : value;
+  const VtValue number = VtValue::Cast<double>(one);
+  if (number.IsHolding<double>())
+    return translate::checked_scale({path_.GetString()}, number.UncheckedGet<double>(), 1.0, said_);
+  said_.push_back({translate::Severity::kWarning, path_.GetString(), "motion:blurScale",
+                   translate::message("found ", value.GetTypeName(), ", expected a number; took 1")});
+  return 1.0;
 }
 
+// What is invisible over all of the shutter stays stale, and unread.
 void Shape::pull(const Shutter& shutter) {
   if (!delegate_) return;
+  shown_ = shutter.moving() ? timed_visibility(*delegate_, path_, shutter) : std::nullopt;
+  if (!visible()) return;
   const bool whole = !read_ || !(camera_shutter_ == shutter);
   const auto stale = [&](HdDirtyBits bits) { return whole || (stale_ & bits) != 0; };
   if (!stale(~HdDirtyBits(0))) return;
@@ -111,7 +117,7 @@ void Shape::pull_points(HdSceneDelegate& delegate) {
                             shutter_, path, "accelerations", said_);
   }
   time_codes_per_second_ = time_codes_per_second(delegate);
-  topology_varies_ = topology_varies(delegate, shutter_);
+  topology_varies_ = pull_topology(delegate, shutter_);
 }
 
 void Shape::pull_primvars(HdSceneDelegate& delegate) {
@@ -137,51 +143,50 @@ void Shape::pull_primvar(HdSceneDelegate& delegate, const HdPrimvarDescriptor& d
   } else if (descriptor.name == HdTokens->displayOpacity || descriptor.name == HdTokens->widths) {
     auto& primvar = descriptor.name == HdTokens->widths ? widths_ : display_opacity_;
     primvar = {name, interpolation, typed<VtFloatArray>(values(), shutter_, path, name, said_)};
+    if (descriptor.name == HdTokens->widths) hold_frame(widths_.values, path, name, said_);
   } else {
     Diagnostics unsaid;  // not every primvar is for us
     ShapePrimvar<VtVec3fArray> other{name, interpolation,
                                      typed<VtVec3fArray>(values(), shutter_, path, name, unsaid)};
+    hold_frame(other.values, path, "primvars:" + name, unsaid);
     if (other.values.authored()) others_.push_back(std::move(other));
   }
 }
 
 translate::FrameShape Shape::frame_shape(Diagnostics& said) const {
   said.insert(said.end(), said_.begin(), said_.end());
-  translate::PrimLog log(said, path_.GetString());
   translate::FrameShape shape;
   translate::MeshInput& mesh = shape.mesh;
   mesh.path = path_.GetString();
   mesh.prim_id = prim_id_ < 0 ? kNone : std::uint32_t(prim_id_);
+  mesh.visible = shown_;
   mesh.points = array_samples(points_);
   mesh.rates = {array_samples(velocities_), array_samples(accelerations_)};
   mesh.time_remap = translate::rate_times(shutter_, time_codes_per_second_);
   mesh.topology_varies = topology_varies_;
   mesh.computed_points = computed_points_;
+  add_primvars(shape);
+  shape.motion = motion_;
+  shape.material = material_.GetString();
+  describe(shape);
+  return shape;
+}
+
+void Shape::add_primvars(translate::FrameShape& shape) const {
+  translate::MeshInput& mesh = shape.mesh;
   // What computes points computes no normals: authored ones are those of the pose at rest.
   if (wants_normals() && !computed_points_ && normals_.values.authored()) {
     mesh.normals = array_samples(normals_.values);
     mesh.normals_interpolation = normals_.interpolation;
     mesh.normals_indices = span_of(normals_.values.indices);
+    shape.held.normals_indices = held_indices(normals_.values.held_indices);
   }
   mesh.display_color = primvar_input<Vec3f>(display_color_.values, display_color_.interpolation);
   mesh.display_opacity = primvar_input<float>(display_opacity_.values, display_opacity_.interpolation);
-  settle(mesh.display_color, "displayColor", log);
-  settle(mesh.display_opacity, "displayOpacity", log);
-  for (const ShapePrimvar<VtVec3fArray>& other : others_) {
+  shape.held.display_color = held_primvar(display_color_.values);
+  shape.held.display_opacity = held_primvar(display_opacity_.values);
+  for (const ShapePrimvar<VtVec3fArray>& other : others_)
     mesh.named_primvars.push_back({other.name, primvar_input<Vec3f>(other.values, other.interpolation)});
-    settle(mesh.named_primvars.back().primvar, other.name, log);
-  }
-  describe(mesh);
-  settle(mesh.round.widths, "widths", log);
-  shape.motion = motion_;
-  shape.material = material_.GetString();
-  if (const HdGeomSubsets* parts = subsets()) {
-    for (const HdGeomSubset& part : *parts) {
-      if (part.type != HdGeomSubset::TypeFaceSet || part.materialId.IsEmpty()) continue;
-      shape.subsets.push_back({{part.id.GetString(), span_of(part.indices)}, part.materialId.GetString()});
-    }
-  }
-  return shape;
 }
 
 }  // namespace msbvh::hydra

@@ -39,7 +39,8 @@ class Shape {
   const SdfPath& instancer() const { return instancer_; }
   const SdfPath& material() const { return material_; }
   const TfToken& render_tag() const { return render_tag_; }
-  bool visible() const { return visible_; }
+  // Whether any of it can be seen: at the frame, or over the shutter where the host says so. After pull().
+  bool visible() const { return shown_ ? !shown_->empty() : visible_; }
   // In collections of lights: these are not followed yet.
   bool has_categories() const { return has_categories_; }
 
@@ -56,21 +57,22 @@ class Shape {
 
  protected:
   virtual void sync_topology(HdSceneDelegate& delegate) = 0;
-  // Topology that changes within the shutter; asked where points or topology are stale.
-  virtual bool topology_varies(HdSceneDelegate&, const Shutter&) const { return false; }
+  // What of the topology changes within the shutter; asked where points or topology are stale. Returns
+  // whether points have no path from one topology to the next.
+  virtual bool pull_topology(HdSceneDelegate&, const Shutter&) { return false; }
   // The topology and all that only this kind has.
-  virtual void describe(translate::MeshInput& mesh) const = 0;
-  virtual const HdGeomSubsets* subsets() const { return nullptr; }
+  virtual void describe(translate::FrameShape& shape) const = 0;
   virtual bool wants_normals() const { return true; }
 
   // Diameters of curves and points.
   const ShapePrimvar<VtFloatArray>& widths() const { return widths_; }
 
  private:
+  void add_primvars(translate::FrameShape& shape) const;
   void pull_points(HdSceneDelegate& delegate);
   void pull_primvars(HdSceneDelegate& delegate);
   void pull_primvar(HdSceneDelegate& delegate, const HdPrimvarDescriptor& descriptor);
-  double blur_scale(HdSceneDelegate& delegate, const Shutter& shutter) const;
+  double blur_scale(HdSceneDelegate& delegate, const Shutter& shutter);
 
   SdfPath path_, instancer_, material_;
   TfToken render_tag_;
@@ -78,6 +80,7 @@ class Shape {
   HdDirtyBits stale_ = 0;
   std::int32_t prim_id_ = -1;
   bool visible_ = true, has_categories_ = false, topology_varies_ = false, computed_points_ = false;
+  translate::Visibility shown_;       // by the camera's shutter
   Shutter camera_shutter_, shutter_;  // as read: the camera's, and this prim's own
   bool read_ = false;
 

@@ -106,13 +106,14 @@ TypedValues<Array> typed(const TimedValues& found, const Shutter& shutter, const
     if (result.samples.empty() || time01 > result.samples.back().first)
       result.samples.emplace_back(time01, *array);
   }
-  for (const VtIntArray& indices : found.indices) {
-    if (indices == result.indices || !result.varies) continue;
-    diagnostics.push_back({Severity::kWarning, path, attribute,
-                           "its indices change within the shutter; held the frame's values"});
-    result.varies = false;
-    result.samples.assign(1, {0.0, result.at_frame});
+  result.held = found.held;
+  for (const auto& [offset, indices] : found.indices) {
+    const double time01 = shutter.time01(double(offset));
+    TimedInts& held = result.held_indices;
+    if (held.empty() || (time01 > held.back().first && indices != held.back().second))
+      held.emplace_back(time01, indices);
   }
+  if (result.held_indices.size() < 2) result.held_indices.clear();
   return result;
 }
 
@@ -125,12 +126,14 @@ template TypedValues<VtQuatfArray> typed(const TimedValues&, const Shutter&, con
 
 translate::ArraySamples array_samples(const TypedValues<VtVec3fArray>& values) {
   translate::ArraySamples result;
+  result.held = values.held;
   for (const auto& [time01, array] : values.samples) result.samples.push_back({time01, span_of(array)});
   return result;
 }
 
 translate::QuaternionSamples quaternion_samples(const TypedValues<VtQuatfArray>& values) {
   translate::QuaternionSamples result;
+  result.held = values.held;
   for (const auto& [time01, array] : values.samples) result.samples.push_back({time01, span_of(array)});
   return result;
 }

@@ -35,10 +35,23 @@ struct TypedValues {
   Array at_frame{};
   VtIntArray indices{};                             // at the frame; none where it is not indexed
   std::vector<std::pair<double, Array>> samples{};  // time01, increasing; one at least where authored
-  bool varies = false;
+  TimedInts held_indices{};                         // none where the frame's hold throughout
+  bool varies = false, held = false;                // held: each sample until the next
 
   bool authored() const { return !samples.empty(); }
 };
+
+// Where nothing draws a shape in parts for its sake: the frame's values in place of steps, with a warning.
+template <typename Array>
+void hold_frame(TypedValues<Array>& values, const std::string& path, const std::string& attribute,
+                Diagnostics& diagnostics) {
+  if (!values.held && values.held_indices.empty()) return;
+  diagnostics.push_back({translate::Severity::kWarning, path, attribute,
+                         "changes in steps within the shutter; held the frame's values"});
+  values.samples.assign(1, {0.0, values.at_frame});
+  values.held_indices.clear();
+  values.varies = values.held = false;
+}
 
 // Texture coordinates and numbers padded to three, numbers in other precisions converted.
 template <typename Array>
