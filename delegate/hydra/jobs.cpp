@@ -7,20 +7,29 @@
 namespace msbvh::hydra {
 
 void Jobs::add(PassJob& pass) {
-  passes_.push_back(&pass);
   if (paused_) pass.job.pause();
+  const std::scoped_lock lock(mutex_);
+  passes_.push_back(&pass);
 }
 
 void Jobs::remove(PassJob& pass) {
+  const std::scoped_lock lock(mutex_);
   std::erase(passes_, &pass);
   if (current_ == &pass) current_ = nullptr;
 }
 
+void Jobs::set_current(PassJob& pass) {
+  const std::scoped_lock lock(mutex_);
+  current_ = &pass;
+}
+
 translate::JobStatus Jobs::status() const {
+  const std::scoped_lock lock(mutex_);
   return current_ ? current_->job.status() : translate::JobStatus();
 }
 
 bool Jobs::idle() const {
+  const std::scoped_lock lock(mutex_);
   return std::all_of(passes_.begin(), passes_.end(), [](const PassJob* pass) {
     const translate::JobStatus status = pass->job.status();
     return !status.building && !status.tracing;
