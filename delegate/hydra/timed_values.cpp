@@ -175,6 +175,7 @@ TimedValues timed_computation(HdSceneDelegate& delegate, const SdfPath& path, co
   HdExtComputationUtils::SampleComputedPrimvarValues<kMostComputed>(
       wanted, &delegate, float(shutter.open_frames), float(shutter.close_frames), kMostComputed, &store);
 #else
+  static_cast<void>(shutter);
   HdExtComputationUtils::SampleComputedPrimvarValues<kMostComputed>(wanted, &delegate, kMostComputed, &store);
 #endif
   const auto found = store.find(name);
