@@ -15,10 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core_frame import ABSURD_SHUTTER_FRAMES as ABSURD_SHUTTER_FRAMES
+from ._core_frame import MOST_STRETCHES as MOST_STRETCHES
 from ._core_frame import check_optics as check_optics
+from ._core_frame import checked_planes as checked_planes
+from ._core_frame import checked_scale as checked_scale
 from ._core_frame import checked_shutter as checked_shutter
 from ._core_frame import common_intervals as common_intervals
+from ._core_frame import course_breakpoints01 as course_breakpoints01
+from ._core_frame import held_stretches as held_stretches
 from ._core_frame import intervals_between as intervals_between
+from ._core_frame import knots_within as knots_within
 from ._core_frame import lenses_of as lenses_of
 from ._core_inputs import InstanceLevel as InstanceLevel
 from ._core_inputs import MeshInput as MeshInput
