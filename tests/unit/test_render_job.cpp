@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -249,4 +250,55 @@ TEST_CASE("a camera that moves a little keeps the trees, one that goes far has a
   for (std::size_t i = 0; i < kept.rgba.size(); ++i)
     most = std::max(most, std::abs(double(kept.rgba[i]) - double(same.rgba[i])));
   CHECK(most <= 1.0 / 16.0 + 1e-6);  // of 16 samples one may fall on the other side of an edge
+}
+
+TEST_CASE("any order of orders ends with the last scene's picture, and a job may go at any time") {
+  const std::vector<std::shared_ptr<const Scene>> scenes{quad_frame(0.0, std::nullopt).scene,
+                                                         quad_frame(1.0, std::nullopt).scene,
+                                                         quad_frame(3.0, std::nullopt).scene};
+  std::mt19937 random(7);
+  for (int round = 0; round < 10; ++round) {
+    LastPicture sink;
+    RenderJob job(sink);
+    for (int i = 0; i < 40; ++i) {
+      const std::shared_ptr<const Scene>& scene = scenes[random() % scenes.size()];
+      switch (random() % 8) {
+        case 0:
+          job.stop();
+          break;
+        case 1:
+          job.stop(false);
+          break;
+        case 2:
+          job.pause();
+          break;
+        case 3:
+          job.resume();
+          break;
+        case 4:
+          job.restart();
+          break;
+        case 5:
+          job.give_up();
+          break;
+        default:
+          job.start(scene, small_settings(1 + random() % 40));
+          break;
+      }
+      if (random() % 2) std::this_thread::sleep_for(std::chrono::microseconds(random() % 500));
+    }
+    CHECK(sink.fault.empty());
+    if (round % 2) continue;  // it goes in the middle of whatever it is at
+    job.stop();
+    CHECK_FALSE(job.status().tracing);
+    sink.finished = false;
+    job.resume();
+    job.start(scenes[1], small_settings(4));
+    sink.wait();
+    Renderer alone;
+    alone.commit(scenes[1], small_settings(4));
+    const Image picture = alone.render();
+    for (std::size_t i = 0; i < picture.rgba.size(); ++i)
+      CHECK(double(sink.shown.rgba[i]) == doctest::Approx(double(picture.rgba[i])).epsilon(1e-5));
+  }
 }
