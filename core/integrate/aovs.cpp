@@ -13,9 +13,7 @@ float window_depth(Projection projection, const ClipRange& clip, float distance)
 }
 
 std::int32_t instance_of(const HitSource& source) {
-  if (!source.instances) return -1;
-  const std::vector<std::uint32_t>& numbers = source.instances->numbers;
-  return static_cast<std::int32_t>(numbers.empty() ? source.instance : numbers[source.instance]);
+  return source.instances ? static_cast<std::int32_t>(source.instance) : -1;
 }
 
 // Geometry without a prim's id counts on from kind to kind.

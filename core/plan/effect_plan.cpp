@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/plan/ray_reach.h"
 #include "core/scene/opacity.h"
 
 namespace msbvh {
@@ -223,15 +224,6 @@ void plan_light(const Light& light, Planner& planner) {
   }
 }
 
-bool glows(const Material& material) {
-  return material.emissive_from_display_color || !(material.emissive_color == Vec3f{});
-}
-
-// Bounces look for light: where there is none, not even a surface that glows, they would find nothing.
-bool bounces(std::span<const Light> lights, bool any_glows, std::uint32_t max_bounces) {
-  return max_bounces > 0 && (any_glows || std::ranges::any_of(lights, shines));
-}
-
 std::string range_phrase(float a, float b) {
   return a == b ? phrase(a, "") : phrase(a, " to ") + phrase(b, "");
 }
@@ -266,7 +258,8 @@ EffectPlan plan_all(const Scene& scene, const PlanSettings& settings, Planner pl
   plan_instances(scene, planner);
   plan_camera(scene.camera, planner);
   for (const Light& light : scene.lights) plan_light(light, planner);
-  if (bounces(scene.lights, std::ranges::any_of(scene.materials, glows), settings.max_bounces)) {
+  // Bounces look for light: where there is none, they would find nothing.
+  if (settings.max_bounces > 0 && anything_shines(scene)) {
     planner.add(Effect::kIndirectLight, "",
                 "up to " + std::to_string(settings.max_bounces) +
                     (settings.max_bounces == 1 ? " bounce" : " bounces"));
@@ -276,11 +269,6 @@ EffectPlan plan_all(const Scene& scene, const PlanSettings& settings, Planner pl
 }
 
 }  // namespace
-
-bool traces_beyond_camera(std::span<const Light> lights, bool any_glows, std::uint32_t max_bounces) {
-  const auto shadows = [](const Light& light) { return shines(light) && light.kind != LightKind::kCamera; };
-  return std::ranges::any_of(lights, shadows) || bounces(lights, any_glows, max_bounces);
-}
 
 EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings) {
   return plan_all(scene, settings, Planner(Collect::kFirst));

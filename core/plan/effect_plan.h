@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -62,10 +61,6 @@ struct PlanSettings {
 };
 
 const char* effect_name(Effect effect);  // "deforming keys", "moving instances", ...
-
-// Whether rays go anywhere but from the camera to the first surfaces: toward lights that cast shadows, or onward to look
-// for light. `any_glows`: whether some material may emit light. Where they do not, nothing is reached but through the picture.
-bool traces_beyond_camera(std::span<const Light> lights, bool any_glows, std::uint32_t max_bounces);
 
 // Pure: the same scene and settings give the same plan.
 EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings);

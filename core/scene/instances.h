@@ -34,9 +34,6 @@ struct InstanceSet {
   TimeRemap time_remap{};  // of the transforms; hides all of the set where it says so
   std::uint32_t color_segments = 0;
   std::vector<std::uint32_t> materials{};  // empty, or one an instance: overrides the meshes' own
-  // Of each instance its number in AOVs, where others that were placed with it are left out; empty: its place
-  // in the set.
-  std::vector<std::uint32_t> numbers{};
 
   TrackForm form() const { return {segments, degree}; }
 };

@@ -190,8 +190,6 @@ void check_instances(const InstanceSet& set, const Scene& scene, const std::stri
   expect(set.materials.empty() || set.materials.size() == count, part, "materials",
          std::to_string(set.materials.size()) + " values", "none or " + std::to_string(count));
   expect_materials(set.materials, scene, part, "materials");
-  expect(set.numbers.empty() || set.numbers.size() == count, part, "numbers",
-         std::to_string(set.numbers.size()) + " values", "none or " + std::to_string(count));
 }
 
 void expect_size(float size, const std::string& part, const std::string& attribute) {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "delegate/translate/translator.h"
-
 namespace msbvh::translate {
 namespace {
 
@@ -97,7 +95,7 @@ std::uint32_t EdgeRule::level(const CageEdge& edge) const {
     double pixels = 2.0 * std::max(pixels_between(start, middle, instant.screen),
                                    pixels_between(middle, end, instant.screen));
     if (!instant.beyond.empty() && (instant.beyond[edge.a] | instant.beyond[edge.b]) != 0)
-      pixels /= kCoarserOutside;
+      pixels /= kLongerOutside;
     longest = std::max(longest, pixels);
   }
   const double level = std::round(std::log2(longest / pixels_));

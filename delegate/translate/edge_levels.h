@@ -12,6 +12,10 @@
 
 namespace msbvh::translate {
 
+// What is not in the picture is seen in reflections, shadows and by light that it sends on alone: its edges
+// may be so many times as long.
+inline constexpr double kLongerOutside = 8.0;
+
 // As many segments, a power of two, as make their length next to `pixels` (0.7 to 1.4 of it) where the edge
 // is seen largest, at any of a few times of the shutter.
 class EdgeRule {

@@ -21,78 +21,10 @@ constexpr std::size_t kGrain = 1024;
 using Fate = TransformFitter::Fate;
 using Verdict = TransformFitter::Verdict;
 
-FitSettings coarser(const InstanceTarget& target) {
-  FitSettings settings = target.settings;
-  settings.tolerance *= target.outside_tolerance;
-  return settings;
-}
-
-MapTarget map_target(const InstanceTarget& target) {
-  return {target.prototype_origin, target.world_origin, target.box};
-}
-
-// Judges each instance: one that is outside of the picture, as it will be drawn, by the coarser tolerance. What it draws is
-// in the hull of the box under each control of its track.
-class Judge {
- public:
-  Judge(const InstanceChain& chain, const InstanceTarget& target)
-      : chain_(chain),
-        target_(target),
-        fitter_(chain, map_target(target), target.measure, target.settings),
-        corners_(corners_of(target.box)),
-        centre_(chain.at(0.5, 0.5)) {
-    if (!target.view) return;
-    outside_.resize(chain.count());
-    // Most of what is in the picture is in it at the shutter's centre, and asks no more.
-    bool may_be_outside = false;
-    for (std::size_t i = 0; i < chain.count() && !may_be_outside; ++i) may_be_outside = is_beside_centre(i);
-    if (may_be_outside) coarse_.emplace(chain, map_target(target), target.measure, coarser(target));
-  }
-
-  // Thread-safe for different instances.
-  Verdict judge(std::size_t i) {
-    if (coarse_ && is_beside_centre(i)) {
-      const Verdict verdict = coarse_->judge(i);
-      if (verdict.fate == Fate::kDrawn && verdict.error <= coarser(target_).tolerance && is_outside(i, verdict)) {
-        outside_[i] = 1;
-        return verdict;
-      }
-    }
-    return fitter_.judge(i);
-  }
-
-  const TransformFitter& fitter() const { return fitter_; }
-  bool is_outside(std::size_t i) const { return !outside_.empty() && outside_[i] != 0; }
-  double fine_tolerance() const { return target_.settings.tolerance; }
-  double coarse_tolerance() const { return coarser(target_).tolerance; }
-  double tolerance(std::size_t i) const { return is_outside(i) ? coarse_tolerance() : fine_tolerance(); }
-
- private:
-  bool is_beside_centre(std::size_t i) const {
-    const Affine3d map = rebased(centre_.map(i), target_.prototype_origin, target_.world_origin);
-    return is_representable(map) && target_.view->misses(bounds_of(corners_, map));
-  }
-  bool is_outside(std::size_t i, const Verdict& verdict) const {
-    std::vector<Affine3f> controls(fitter_.form(verdict.track).controls());
-    coarse_->controls(i, verdict.track, controls.data());
-    Box3d box;
-    for (const Affine3f& map : controls) box.grow(bounds_of(corners_, Affine3d(map)));
-    return target_.view->misses(box);
-  }
-
-  const InstanceChain& chain_;
-  const InstanceTarget& target_;
-  TransformFitter fitter_;
-  std::optional<TransformFitter> coarse_;
-  BoxCorners corners_;
-  InstanceChain::Instant centre_;
-  std::vector<std::uint8_t> outside_;  // not of bool: threads write neighbours
-};
-
-std::vector<Verdict> judge_all(const InstanceChain& chain, Judge& judge) {
+std::vector<Verdict> judge(const InstanceChain& chain, const TransformFitter& fitter) {
   std::vector<Verdict> verdicts(chain.count());
   parallel_for_ranges(verdicts.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) verdicts[i] = judge.judge(i);
+    for (std::size_t i = begin; i < end; ++i) verdicts[i] = fitter.judge(i);
   });
   return verdicts;
 }
@@ -113,34 +45,22 @@ void report_left_out(const InstanceChain& chain, const std::vector<Verdict>& ver
                               " is the first) ", found, "; expected ", expected, "; they are left out"));
 }
 
-// The error of those that are seen, or of all where none is.
-void add_error(double error, bool outside, TrackReport& report) {
-  if (outside && !report.outside_picture) return;
-  if (!outside && report.outside_picture) report.error_pixels = 0.0;
-  report.outside_picture = outside;
-  report.error_pixels = std::max(report.error_pixels, error);
-}
-
-TrackReport report_track(const std::vector<Verdict>& verdicts, const InstanceChain& chain, const Judge& judge,
-                         const FitSettings& settings, PrimLog& log) {
-  const TransformFitter& fitter = judge.fitter();
+TrackReport report_track(const std::vector<Verdict>& verdicts, const InstanceChain& chain,
+                         const TransformFitter& fitter, const FitSettings& settings, PrimLog& log) {
   TrackReport report;
-  report.outside_picture = true;  // until one is seen
   report.path = log.path();
   report.source = "instances";
   report.rule = chain.rule();
   report.count = verdicts.size();
   std::size_t beyond = 0;
   std::uint32_t costliest = 0;
-  for (std::size_t i = 0; i < verdicts.size(); ++i) {
-    const Verdict& verdict = verdicts[i];
+  for (const Verdict& verdict : verdicts) {
     if (verdict.fate != Fate::kDrawn) continue;
     costliest = std::max(costliest, verdict.track);  // tracks are in the order of what they cost
-    add_error(verdict.error, judge.is_outside(i), report);
+    report.error_pixels = std::max(report.error_pixels, verdict.error);
     report.bytes += fitter.form(verdict.track).controls() * sizeof(Affine3f);
-    beyond += verdict.error > judge.tolerance(i);
+    beyond += verdict.error > settings.tolerance;
   }
-  report.tolerance_pixels = report.outside_picture ? judge.coarse_tolerance() : settings.tolerance;
   report.set_form(fitter.form(costliest), fitter.time_remap(costliest));
   report.moving_transform = report.segments > 0;
   if (beyond > 0) {
@@ -154,17 +74,15 @@ TrackReport report_track(const std::vector<Verdict>& verdicts, const InstanceCha
 
 // Each prim for itself, over all places where the outer levels put it.
 std::vector<TrackReport> report_prims(const InstancesInput& input, const std::vector<Verdict>& verdicts,
-                                      const InstanceChain& chain, const Judge& judge,
-                                      FitSettings settings, PrimLog& log) {
-  const TransformFitter& fitter = judge.fitter();
+                                      const InstanceChain& chain, const TransformFitter& fitter,
+                                      const FitSettings& settings, PrimLog& log) {
   std::vector<TrackReport> reports(input.paths.size());
-  for (TrackReport& report : reports) report.outside_picture = true;  // until it is seen somewhere
   std::vector<std::uint32_t> costliest(reports.size(), 0);
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     if (verdicts[i].fate != Fate::kDrawn) continue;
     const std::size_t prim = i % reports.size();
     costliest[prim] = std::max(costliest[prim], verdicts[i].track);
-    add_error(verdicts[i].error, judge.is_outside(i), reports[prim]);
+    reports[prim].error_pixels = std::max(reports[prim].error_pixels, verdicts[i].error);
     reports[prim].bytes += fitter.form(verdicts[i].track).controls() * sizeof(Affine3f);
   }
   const std::string rule = chain.rule();
@@ -175,8 +93,6 @@ std::vector<TrackReport> report_prims(const InstancesInput& input, const std::ve
     report.moving_transform = report.segments > 0;
     report.source = report.moving_transform ? "transform" : "points";
     report.rule = report.moving_transform ? rule : "still";
-    report.tolerance_pixels = report.outside_picture ? judge.coarse_tolerance() : judge.fine_tolerance();
-    settings.tolerance = report.tolerance_pixels;
     PrimLog own = log.of_part(report.path);
     report_fit({report.segments, report.error_pixels}, settings, "xformOpOrder", "the motion", own);
   }
@@ -208,20 +124,6 @@ InstanceSet gather(const InstancesInput& input, const TransformFitter& fitter, s
     }
   });
   return set;
-}
-
-// Leaves those that are seen in `members`; of each its number among all, or none where all are seen.
-std::vector<std::uint32_t> keep_inside(const Judge& judge, std::vector<std::size_t>& members) {
-  std::vector<std::uint32_t> numbers;
-  std::vector<std::size_t> inside;
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    if (judge.is_outside(members[i])) continue;
-    inside.push_back(members[i]);
-    numbers.push_back(std::uint32_t(i));
-  }
-  if (inside.size() == members.size()) return {};
-  members = std::move(inside);
-  return numbers;
 }
 
 bool has_fitting_sizes(const InstancesInput& input, std::size_t count, std::uint32_t material_count,
@@ -278,18 +180,18 @@ TranslatedInstances translate_instances(const InstancesInput& input, const Insta
     return {};
   }
   const PrimvarTrack<Vec3f> colors = color_track(input, chain->count(), target.settings.max_segments, log);
-  Judge judge(*chain, target);
-  const TransformFitter& fitter = judge.fitter();
-  const std::vector<Verdict> verdicts = judge_all(*chain, judge);
+  const TransformFitter fitter(*chain, {target.prototype_origin, target.world_origin, target.box},
+                               target.measure, target.settings);
+  const std::vector<Verdict> verdicts = judge(*chain, fitter);
   report_left_out(*chain, verdicts, Fate::kNotFinite, "have a matrix that is not finite or too large",
                   "finite numbers of at most 2^60 in size", log);
   report_left_out(*chain, verdicts, Fate::kFlat, "are flattened to a plane", "an invertible matrix", log);
 
   TranslatedInstances result;
   const FitSettings& settings = target.settings;
-  if (!input.paths.empty()) result.tracks = report_prims(input, verdicts, *chain, judge, settings, log);
+  if (!input.paths.empty()) result.tracks = report_prims(input, verdicts, *chain, fitter, settings, log);
   if (input.paths.empty() || input.report_whole) {
-    result.tracks.push_back(report_track(verdicts, *chain, judge, settings, log));
+    result.tracks.push_back(report_track(verdicts, *chain, fitter, settings, log));
     if (!input.paths.empty()) result.tracks.back().count /= input.paths.size();
   }
   for (TrackReport& track : result.tracks) track.hidden_partly = input.visible.has_value();
@@ -298,28 +200,10 @@ TranslatedInstances translate_instances(const InstancesInput& input, const Insta
     if (verdicts[i].fate == Fate::kDrawn) members[verdicts[i].track].push_back(i);
   }
   for (std::uint32_t track = 0; track < members.size(); ++track) {
-    const std::size_t placed = members[track].size();
-    std::vector<std::uint32_t> numbers;
-    if (target.only_picture) numbers = keep_inside(judge, members[track]);
-    result.left_out += placed - members[track].size();
     if (members[track].empty()) continue;
     result.sets.push_back(gather(input, fitter, track, members[track], colors, chain->count()));
-    result.sets.back().numbers = std::move(numbers);
   }
   return result;
-}
-
-bool outside_picture(const InstancesInput& input, const InstanceTarget& target) {
-  std::vector<Diagnostic> unsaid;  // add_instances() will say it
-  PrimLog log(unsaid, input.path);
-  const std::optional<InstanceChain> chain = InstanceChain::make(input.levels, log);
-  if (!chain || target.box.empty()) return false;
-  Judge judge(*chain, target);
-  const std::vector<Verdict> verdicts = judge_all(*chain, judge);
-  for (std::size_t i = 0; i < verdicts.size(); ++i) {
-    if (!judge.is_outside(i)) return false;
-  }
-  return true;
 }
 
 double pixels_per_unit(const InstancesInput& input, const InstanceTarget& target) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "delegate/translate/displace/displaced_shape.h"
+#include "delegate/translate/drawn_box.h"
 #include "delegate/translate/instance_chain.h"
 #include "delegate/translate/mesh_shape.h"
 #include "delegate/translate/moving_array.h"
@@ -56,11 +57,7 @@ void set_time_remap(const MeshInput& input, const TimeRemap& time_remap, Transla
   if (!input.visible) return;
   result.time_remap = with_visibility(time_remap, *input.visible);
   result.track.hidden_partly = true;
-}
-
-bool is_never_seen(const MeshInput& input) {
-  return input.visible &&
-         std::ranges::none_of(with_visibility({}, *input.visible).pieces, &TimeRemapPiece::visible);
+  result.never_seen = std::ranges::none_of(result.time_remap.pieces, &TimeRemapPiece::visible);
 }
 
 // The one input of both ways to keep a mesh's motion.
@@ -259,37 +256,19 @@ std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target
   return result;
 }
 
-// Around all that is drawn, in the frame's world, at every time of the shutter: surfaces and curves lie in the hull of
-// what controls them, except those of Catmull and Rom, whose Bezier vertices lie a sixth of a chord off theirs.
-Box3d reached_box(const MeshMotion& motion, const Vec3d& origin) {
-  Box3d box = bounds({motion.points.track, TransformTrack(Affine3d{})});
-  if (motion.input.round.topology.basis == "catmullRom") {
-    const Vec3d sixth = box.extent() * (1.0 / 6.0);
-    box = {box.lo - sixth, box.hi + sixth};
+}  // namespace
+
+Vec3d exact_origin(const Box3d& box) {
+  Vec3d origin;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double nearest = std::min(std::abs(box.lo[axis]), std::abs(box.hi[axis]));
+    const bool beside_zero = box.lo[axis] > 0.0 || box.hi[axis] < 0.0;
+    if (beside_zero && nearest >= box.hi[axis] - box.lo[axis]) origin[axis] = float(box.center()[axis]);
   }
-  box = grown(box, motion.round ? motion.round->reach() : motion.displacements.reach());
-  return bounds(box, motion.transform.rebased({}, origin));
+  return origin;
 }
 
-bool is_outside(const MeshMotion& motion, const MeshTarget& target) {
-  return target.view ? target.view->misses(reached_box(motion, *target.origin)) : target.outside;
-}
-
-// An empty geometry of the input's kind and name keeps its place in the scene, which AOVs number prims by.
-TranslatedMesh left_out(const MeshInput& input, Unreached why) {
-  TranslatedMesh result;
-  result.unreached = why;
-  if (input.round.kind == RoundInput::Kind::kCurves) {
-    result.curves.emplace().shape.name = input.path;
-  } else if (input.round.kind == RoundInput::Kind::kPoints) {
-    result.points.emplace().shape.name = input.path;
-  } else {
-    result.mesh.shape = validated(TriangleMesh{input.path});
-  }
-  return result;
-}
-
-std::optional<TranslatedMesh> translate_seen(const MeshInput& input, MeshTarget& target, PrimLog& log) {
+std::optional<TranslatedMesh> translate_mesh(const MeshInput& input, MeshTarget& target, PrimLog& log) {
   if (has_nothing_to_draw(input) || !check_transform(input.world_from_object, kTransform, log)) {
     return std::nullopt;
   }
@@ -311,38 +290,9 @@ std::optional<TranslatedMesh> translate_seen(const MeshInput& input, MeshTarget&
   const FaceDisplacements displacements(input, target.displacements, log);
   const MeshMotion motion{input, *points, transform, polygons, displacements, round ? &*round : nullptr};
   const bool still = points->track.is_still() && displacements.is_still() && (!round || round->is_still());
-  const bool counts = target.only_picture || !still || !transform.is_still();  // whether it is outside
-  const bool outside = counts && is_outside(motion, target);
-  if (outside && in_world && target.only_picture) return left_out(input, Unreached::kOutsidePicture);
-  const double tolerance = target.settings.tolerance;
-  if (outside) target.settings.tolerance *= target.outside_tolerance;
   const bool keeps_transform =
       in_world && still && !transform.is_still() && !transform.is_singular_somewhere();
-  std::optional<TranslatedMesh> result =
-      keeps_transform ? in_moving_transform(motion, target, log) : baked(motion, target, log);
-  if (result) {
-    result->track.outside_picture = outside;
-    result->track.tolerance_pixels = target.settings.tolerance;
-  }
-  target.settings.tolerance = tolerance;
-  return result;
-}
-
-}  // namespace
-
-std::optional<TranslatedMesh> translate_mesh(const MeshInput& input, MeshTarget& target, PrimLog& log) {
-  if (is_never_seen(input)) return left_out(input, Unreached::kHidden);
-  return translate_seen(input, target, log);
-}
-
-Vec3d exact_origin(const Box3d& box) {
-  Vec3d origin;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double nearest = std::min(std::abs(box.lo[axis]), std::abs(box.hi[axis]));
-    const bool beside_zero = box.lo[axis] > 0.0 || box.hi[axis] < 0.0;
-    if (beside_zero && nearest >= box.hi[axis] - box.lo[axis]) origin[axis] = float(box.center()[axis]);
-  }
-  return origin;
+  return keeps_transform ? in_moving_transform(motion, target, log) : baked(motion, target, log);
 }
 
 const std::string& TranslatedMesh::name() const {
@@ -353,25 +303,10 @@ const std::string& TranslatedMesh::name() const {
 }
 
 Box3d TranslatedMesh::box() const {
-  Box3d box;
-  const auto add = [&](const Box3f& b) {
-    box.grow(Vec3d(b.lo));
-    box.grow(Vec3d(b.hi));
-  };
-  const auto add_round = [&](const std::vector<RoundVertex>& vertices) {
-    for (const RoundVertex& v : vertices) {
-      const Vec3f r{v.radius, v.radius, v.radius};
-      add({v.p - r, v.p + r});
-    }
-  };
-  if (curves) add_round(curves->shape.vertices);
-  if (points) add_round(points->shape.vertices);
-  for (std::size_t i = 0; i < mesh.shape.position_count(); ++i) box.grow(Vec3d(mesh.shape.positions[i]));
-  if (!grids) return box;
-  for (const GridPatch& patch : grids->shape.patches) {
-    for (std::uint32_t c = 0; c < grids->shape.form().controls(); ++c) add(grids->shape.bounds(patch, c));
-  }
-  return box;
+  if (grids) return drawn_box(grids->shape);
+  if (curves) return drawn_box(curves->shape.vertices);
+  if (points) return drawn_box(points->shape.vertices);
+  return drawn_box(mesh.shape);
 }
 
 }  // namespace msbvh::translate

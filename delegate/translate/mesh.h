@@ -17,7 +17,6 @@
 #include "delegate/translate/inputs.h"
 #include "delegate/translate/screen_measure.h"
 #include "delegate/translate/translator.h"
-#include "delegate/translate/view_volume.h"
 
 namespace msbvh::translate {
 
@@ -40,11 +39,6 @@ struct MeshTarget {
   std::uint64_t* triangle_bytes_left = nullptr;  // of Displaced::kByMemory, for all meshes of a frame
   CurveStyle curves = CurveStyle::kRibbon;
   RefinementCache* refinements = nullptr;  // not null; of all meshes and frames of a front-end
-  // Of the world, where it matters what is outside; else null.
-  const ViewVolume* view = nullptr;
-  bool outside = false;        // of a prototype: all its instances are
-  bool only_picture = false;   // what is outside is left out
-  double outside_tolerance = 1.0;  // times that of the settings
 };
 
 // One of `mesh`, `grids`, `curves` and `points` is what it became: the mesh where the others are not.
@@ -59,8 +53,7 @@ struct TranslatedMesh {
   std::vector<Affine3f> world_from_mesh;
   // Of whichever of both moves, with visibility; the shutter's own where neither asks for another.
   TimeRemap time_remap;
-  // Then there is nothing else; of the geometry, that which its name stands for is empty.
-  std::optional<Unreached> unreached{};
+  bool never_seen = false;  // invisible throughout the shutter
 
   const std::string& name() const;
   Box3d box() const;  // around all that it draws, at all of its controls

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
 #include "core/base/box.h"
 #include "core/base/error.h"
 #include "core/base/stretch.h"
-#include "core/plan/effect_plan.h"
 #include "delegate/translate/camera.h"
 #include "delegate/translate/instances.h"
 #include "delegate/translate/light.h"
@@ -32,10 +32,6 @@ void check_settings(const TranslatorSettings& settings) {
   if (!(settings.edge_length_pixels >= 0.0) || !std::isfinite(settings.edge_length_pixels)) {
     throw Error(message("edge length: found ", settings.edge_length_pixels,
                         " pixels; expected a finite number that is not negative"));
-  }
-  if (!(settings.outside_tolerance >= 1.0) || !std::isfinite(settings.outside_tolerance)) {
-    throw Error(message("outside tolerance: found ", settings.outside_tolerance,
-                        " times the motion tolerance; expected a finite number of at least 1"));
   }
   if (!is_valid_segment_count(settings.max_segments)) {
     throw Error(message("max_segments: found ", settings.max_segments,
@@ -68,10 +64,6 @@ double placed_stray(const MeshInput& input) {
   return input.stray * stretch;
 }
 
-bool never_visible(const std::optional<std::vector<VisibleInterval>>& visible) {
-  return visible && std::ranges::none_of(with_visibility({}, *visible).pieces, &TimeRemapPiece::visible);
-}
-
 // A material with a value that is not finite keeps its index but becomes the default one.
 Material checked_material(const Material& material, PrimLog& log) {
   if (is_color(material.diffuse_color) && is_finite(material.emissive_color) &&
@@ -95,19 +87,15 @@ struct Translator::Data {
         fit{settings.motion_tolerance_pixels, settings.max_segments, settings.choice},
         origin(frame_origin(camera)),
         measure(camera, origin, settings.width, settings.height),
-        refinements(kept ? std::move(kept) : std::make_shared<RefinementCache>()) {
-    scene.camera = fit_camera(camera, origin, settings, camera_track);
-    view = ViewVolume(scene.camera, settings.width, settings.height);
-  }
+        refinements(kept ? std::move(kept) : std::make_shared<RefinementCache>()) {}
 
   // Keeps the track and counts what has nothing to draw.
   std::optional<TranslatedMesh> translated(const MeshInput& input, MeshTarget& target);
   MeshTarget target(const ScreenMeasure* in_world);
   // The geometry into the scene.
   GeometryId add(TranslatedMesh& translated);
-  // Whether it is not in the scene; then `translated` is empty.
-  bool is_left_out(TranslatedMesh& translated);
-  InstanceTarget instance_target(const Box3d& box, const Vec3d& prototype_origin) const;
+  // Whether it is hidden throughout the shutter; notes it.
+  bool is_hidden(const TranslatedMesh& translated);
   void add_instanced(TranslatedMesh translated);
   std::uint32_t part_with(const TimeRemap& time_remap, PrototypeState& state);
 
@@ -123,9 +111,6 @@ struct Translator::Data {
   std::vector<Diagnostic> diagnostics;
   std::vector<TrackReport> tracks;
   std::size_t empty_meshes = 0;
-  TrackReport camera_track;
-  ViewVolume view;
-  bool only_picture = false;
   std::vector<LeftOut> left_out;
 };
 
@@ -145,12 +130,7 @@ MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
                     &triangle_bytes_left,
                     settings.curves,
                     refinements.get()};
-  result.only_picture = only_picture;
-  result.outside_tolerance = settings.outside_tolerance;
-  if (in_world) {
-    result.origin = origin;
-    result.view = &view;
-  }
+  if (in_world) result.origin = origin;
   return result;
 }
 
@@ -160,7 +140,7 @@ std::optional<TranslatedMesh> Translator::Data::translated(const MeshInput& inpu
   target.displacements = displacements;
   std::optional<TranslatedMesh> result = translate_mesh(input, target, log);
   if (result) {
-    if (!result->unreached) tracks.push_back(result->track);
+    tracks.push_back(result->track);
   } else if (!log.rejected()) {
     ++empty_meshes;
   }
@@ -184,17 +164,9 @@ GeometryId Translator::Data::add(TranslatedMesh& translated) {
   return mesh_id(std::uint32_t(scene.meshes.size() - 1));
 }
 
-bool Translator::Data::is_left_out(TranslatedMesh& translated) {
-  if (!translated.unreached) return false;
-  left_out.push_back({translated.name(), *translated.unreached});
-  // What the camera alone does not see keeps its place, so that the rest has the same numbers in AOVs.
-  if (*translated.unreached == Unreached::kOutsidePicture) add(translated);
-  return true;
-}
-
-InstanceTarget Translator::Data::instance_target(const Box3d& box, const Vec3d& prototype_origin) const {
-  return {measure, origin, prototype_origin, box, fit, std::uint32_t(scene.materials.size()),
-          &view,   only_picture, settings.outside_tolerance};
+bool Translator::Data::is_hidden(const TranslatedMesh& translated) {
+  if (translated.never_seen) left_out.push_back({translated.name(), Unreached::kHidden});
+  return translated.never_seen;
 }
 
 // One instance, which carries the transform's track or, of a baked mesh, only brings it into the time remap's
@@ -228,8 +200,8 @@ Translator::Translator(const CameraInput& camera, const TranslatorSettings& sett
   check_settings(settings);
   check_camera(camera);
   data_ = std::make_unique<Data>(camera, settings, std::move(refinements));
-  TrackReport& track = data_->camera_track;
-  track.tolerance_pixels = settings.motion_tolerance_pixels;
+  TrackReport track;
+  data_->scene.camera = fit_camera(camera, data_->origin, settings, track);
   track.source = "camera";
   track.rule = track.segments == 0 ? "still" : "transform and optics by the stage's own evaluation";
   data_->tracks.push_back(track);
@@ -243,7 +215,7 @@ Translator::~Translator() = default;
 void Translator::add_mesh(const MeshInput& input) {
   MeshTarget world = data_->target(&data_->measure);
   std::optional<TranslatedMesh> translated = data_->translated(input, world);
-  if (!translated || data_->is_left_out(*translated)) return;
+  if (!translated || data_->is_hidden(*translated)) return;
   if (translated->world_from_mesh.empty() && translated->time_remap.is_shutter()) {
     data_->scene.world.push_back(data_->add(*translated));
   } else {
@@ -251,19 +223,14 @@ void Translator::add_mesh(const MeshInput& input) {
   }
 }
 
-std::uint32_t Translator::begin_prototype(const std::string& path, double pixels_per_unit, bool outside) {
+std::uint32_t Translator::begin_prototype(const std::string& path, double pixels_per_unit) {
   data_->prototypes.push_back({path, data_->target(nullptr), {}});
   data_->prototypes.back().target.pixels_per_unit = pixels_per_unit;
-  data_->prototypes.back().target.outside = outside;
   return std::uint32_t(data_->prototypes.size() - 1);
 }
 
 double Translator::pixels_per_unit(const InstancesInput& input, const Box3d& box) const {
-  return translate::pixels_per_unit(input, data_->instance_target(box, {}));
-}
-
-bool Translator::outside_picture(const InstancesInput& input, const Box3d& box) const {
-  return translate::outside_picture(input, data_->instance_target(box, {}));
+  return translate::pixels_per_unit(input, {data_->measure, data_->origin, {}, box, data_->fit});
 }
 
 void Translator::add_prototype_mesh(std::uint32_t prototype, const MeshInput& input) {
@@ -274,7 +241,7 @@ void Translator::add_prototype_mesh(std::uint32_t prototype, const MeshInput& in
   }
   PrototypeState& state = data_->prototypes[prototype];
   std::optional<TranslatedMesh> translated = data_->translated(input, state.target);
-  if (!translated || data_->is_left_out(*translated)) return;
+  if (!translated || data_->is_hidden(*translated)) return;
   state.box.grow(translated->box());
   if (input.stray > 0.0 && !(state.target.pixels_per_unit > 0.0))
     state.stray = std::max(state.stray, placed_stray(input));
@@ -291,14 +258,10 @@ void Translator::add_instances(const InstancesInput& input) {
   }
   const PrototypeState& state = data_->prototypes[input.prototype];
   if (state.box.empty() || input.levels.empty()) return;  // nothing to draw; its meshes have been reported
-  if (never_visible(input.visible)) {
-    data_->left_out.push_back({input.path, Unreached::kHidden});
-    return;
-  }
-  const InstanceTarget target = data_->instance_target(state.box, state.target.origin.value_or(Vec3d{}));
+  const Vec3d prototype_origin = state.target.origin.value_or(Vec3d{});
+  const InstanceTarget target{data_->measure, data_->origin, prototype_origin,
+                              state.box,      data_->fit,    std::uint32_t(data_->scene.materials.size())};
   TranslatedInstances result = translate_instances(input, target, log);
-  if (result.left_out > 0)
-    data_->left_out.push_back({input.path, Unreached::kOutsidePicture, result.left_out});
   if (result.sets.empty()) return;
   if (data_->settings.measure_shape && state.stray > 0.0) {
     const double pixels = state.stray * translate::pixels_per_unit(input, target);
@@ -330,18 +293,6 @@ void Translator::add_light(const LightInput& input) {
   if (light) data_->scene.lights.push_back(std::move(*light));
 }
 
-void Translator::set_rays(std::uint32_t max_bounces, bool may_glow) {
-  data_->only_picture = !traces_beyond_camera(data_->scene.lights, may_glow, max_bounces);
-}
-
-bool Translator::shines() const { return std::ranges::any_of(data_->scene.lights, msbvh::shines); }
-
-bool Translator::only_picture_counts() const { return data_->only_picture; }
-
-void Translator::leave_out(const std::string& path, Unreached why) { data_->left_out.push_back({path, why}); }
-
-const std::vector<LeftOut>& Translator::left_out() const { return data_->left_out; }
-
 bool Translator::empty() const { return data_->scene.world.empty() && data_->scene.instances.empty(); }
 
 std::size_t Translator::empty_meshes() const { return data_->empty_meshes; }
@@ -352,9 +303,15 @@ const std::vector<TrackReport>& Translator::tracks() const { return data_->track
 
 Vec3d Translator::origin() const { return data_->origin; }
 
+const std::vector<LeftOut>& Translator::left_out() const { return data_->left_out; }
+
 std::shared_ptr<const Scene> Translator::finish() {
   sort_by_kind(data_->scene.world);
   for (Prototype& prototype : data_->scene.prototypes) sort_by_kind(prototype.geometry);
+  const TranslatorSettings& settings = data_->settings;
+  std::vector<LeftOut> found =
+      leave_out_unreached(data_->scene, settings.width, settings.height, settings.max_bounces);
+  std::ranges::move(found, std::back_inserter(data_->left_out));
   auto scene = std::make_shared<Scene>(std::move(data_->scene));
   data_->scene = {};
   data_->scene.camera = scene->camera;

@@ -20,6 +20,7 @@
 #include "delegate/translate/fit.h"
 #include "delegate/translate/inputs.h"
 #include "delegate/translate/look/displacement.h"
+#include "delegate/translate/unreached.h"
 
 namespace msbvh::translate {
 
@@ -27,18 +28,11 @@ namespace msbvh::translate {
 // traced 1.25 to 1.7 times as fast (docs/design/subdivision.md, "What was measured").
 enum class Displaced : std::uint8_t { kNot, kAsTriangles, kAsPatches, kByMemory };
 
-// What is not in the picture is seen in reflections, shadows and by light that it sends on alone: its edges may be so many
-// times as long, and its motion stray so many times as far.
-inline constexpr double kCoarserOutside = 8.0;
-
 struct TranslatorSettings {
   std::uint32_t width = 960, height = 540;  // pixels, for the tolerance
   double motion_tolerance_pixels = 0.1;
   std::uint32_t max_segments = kMaxSegments;
   TrackChoice choice{};     // which tracks may be used
-  // How many times the tolerance the motion of what lies wholly outside of the picture may stray by, throughout the
-  // shutter: shadows, reflections and the light that it sends on are all that shows it. 1: as closely as the rest.
-  double outside_tolerance = kCoarserOutside;
   bool keep_faces = false;  // for the AOV elementId: which face each triangle is of
   // Whether TrackReport::shape_error_pixels is measured; takes a few times as long as refining the surfaces.
   bool measure_shape = false;
@@ -50,6 +44,9 @@ struct TranslatorSettings {
   // Of kByMemory: about as many bytes of trees as a frame's displaced surfaces may take as triangles, one
   // after the other; those that do not fit become patches.
   std::uint64_t displaced_triangle_bytes = 256ull << 20;
+  // Of the render that the scene is for: what none of its rays can reach is left out (unreached.h). None:
+  // nothing but what is hidden throughout the shutter, so that the scene serves any render.
+  std::optional<std::uint32_t> max_bounces{};
 };
 
 // How a prim's motion was kept: the camera's, then one for each mesh, set of instances and light. For
@@ -71,9 +68,6 @@ struct TrackReport {
   // only where their prototype's size in the picture was not known when its meshes were added; else their
   // prototype's meshes have it.
   std::optional<double> shape_error_pixels{};
-  // By which it may: the setting's or, of what is wholly outside of the picture throughout the shutter, so many times it.
-  double tolerance_pixels = 0.0;
-  bool outside_picture = false;
   std::size_t bytes = 0;  // of the controls
   std::size_t count = 1;  // of instances
 
@@ -82,18 +76,6 @@ struct TrackReport {
     degree = form.degree;
     time_remap = !own.is_shutter();
   }
-};
-
-// Why a prim is not in the scene though it is drawn: no ray can reach it.
-enum class Unreached : std::uint8_t {
-  kHidden,         // invisible throughout the shutter
-  kOutsidePicture  // throughout the shutter, where only what is in the picture counts
-};
-
-struct LeftOut {
-  std::string path;
-  Unreached why;
-  std::size_t count = 1;  // of instances
 };
 
 class Translator {
@@ -113,8 +95,7 @@ class Translator {
   void add_prototype_mesh(std::uint32_t prototype, const MeshInput& input);
   // `pixels_per_unit`: of the instance that is seen largest, see pixels_per_unit(); 0: not known, and its
   // motion is followed as if it filled the image.
-  // `outside`: all its instances are outside of the picture, so that it moves by the coarser tolerance.
-  std::uint32_t begin_prototype(const std::string& path, double pixels_per_unit = 0.0, bool outside = false);
+  std::uint32_t begin_prototype(const std::string& path, double pixels_per_unit = 0.0);
   // How many pixels a unit of a prototype's space covers at most in any of its instances, at the sample
   // times. `box` encloses the prototype.
   double pixels_per_unit(const InstancesInput& input, const Box3d& box) const;
@@ -123,19 +104,6 @@ class Translator {
   // Before the meshes that are bound to it.
   std::uint32_t add_material(const Material& material, std::optional<Displacement> displacement = {});
   void add_light(const LightInput& input);
-  // How far rays will go, given the lights that have been added; `may_glow`: some material may emit light. Where they end
-  // at the first surfaces (traces_beyond_camera() in core/plan), what is added from here on and lies outside of the
-  // picture throughout the shutter is left out. Never called: nothing is.
-  void set_rays(std::uint32_t max_bounces, bool may_glow);
-  // Whether a light that has been added gives any light.
-  bool shines() const;
-  bool only_picture_counts() const;
-  // Whether all of the instances of what is in `box`, in the prototype's space, are outside of the picture throughout the
-  // shutter. False where that is not certain.
-  bool outside_picture(const InstancesInput& input, const Box3d& box) const;
-  // A prim that a front-end has found no ray to reach.
-  void leave_out(const std::string& path, Unreached why);
-  const std::vector<LeftOut>& left_out() const;
 
   // Whether the scene has geometry that can be seen.
   bool empty() const;
@@ -149,6 +117,8 @@ class Translator {
 
   // The finished scene; the translator is empty afterwards.
   std::shared_ptr<const Scene> finish();
+  // Prims that no ray can reach, and that are not in the scene therefore; after finish().
+  const std::vector<LeftOut>& left_out() const;
 
  private:
   struct Data;

@@ -74,7 +74,8 @@ Widest widest(const Camera& camera, std::uint32_t segment, std::uint32_t width, 
       result.largest_curvature = std::max(result.largest_curvature, 1.0 / lens.focus_distance);
     }
   }
-  for (const ClipRange& clip : camera.clip) result.near_clip = std::min(result.near_clip, double(clip.near_clip));
+  for (const ClipRange& clip : camera.clip)
+    result.near_clip = std::min(result.near_clip, double(clip.near_clip));
   return result;
 }
 
@@ -92,9 +93,13 @@ CameraSide beyond(const Vec3d& along, double side, const Widest& w, bool perspec
 }
 
 std::vector<CameraSide> sides_of(const Widest& w, bool perspective) {
-  const double nearest = perspective ? 0.0 : -w.near_clip;
-  return {beyond({1, 0, 0}, w.right, w, perspective), beyond({-1, 0, 0}, -w.left, w, perspective),
-          beyond({0, 1, 0}, w.top, w, perspective), beyond({0, -1, 0}, -w.bottom, w, perspective),
+  // Rounding of an eye far from the origin has no window's margin here.
+  const double slack = 1e-3 * (w.top - w.bottom);
+  const double nearest = perspective ? 0.0 : slack - w.near_clip;
+  return {beyond({1, 0, 0}, w.right, w, perspective),
+          beyond({-1, 0, 0}, -w.left, w, perspective),
+          beyond({0, 1, 0}, w.top, w, perspective),
+          beyond({0, -1, 0}, -w.bottom, w, perspective),
           {{{0, 0, 1}, nearest}}};
 }
 

@@ -189,6 +189,14 @@ class RefinementCache:
     def counts(self) -> dict[str, int]:
         """cages_made, cages_kept, meshes_made, meshes_kept: of all frames so far."""
 
+class LeftOut(TypedDict):
+    """A prim that is drawn, but that no ray can reach: delegate/translate/unreached.h."""
+
+    path: str
+    why: Literal["hidden", "outside the picture"]
+    count: int
+    """Of instances; else 1."""
+
 class Translator:
     """From what was read of a stage to a Scene: checks, triangulates, and fits the fewest keys that follow
     the samples within ``motion_tolerance`` pixels. See delegate/translate/translator.h."""
@@ -218,6 +226,7 @@ class Translator:
         displacement: Literal["auto", "patches", "tessellate", "none"] = "auto",
         displaced_triangle_bytes: int = 2**28,
         curves: Literal["ribbon", "tube"] = "ribbon",
+        max_bounces: int | None = None,
         refinements: RefinementCache | None = None,
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
@@ -230,6 +239,7 @@ class Translator:
         0: cages are drawn as polygons. ``displacement``: what surfaces become whose
         materials displace them; auto: triangles, as long as their trees take about
         ``displaced_triangle_bytes``, then patches. ``curves``: flat, across their normals where they have some, or round.
+        ``max_bounces``: of the render that the scene is for, whose rays decide what is left out; None: any.
         ``refinements``: of earlier frames, for this one and the next.
 
         Raises Error for a camera or settings that cannot be used.
@@ -288,6 +298,8 @@ class Translator:
     def diagnostics(self) -> list[Diagnostic]: ...
     def tracks(self) -> list[TrackReport]:
         """The camera's first."""
+    def left_out(self) -> list[LeftOut]:
+        """Prims that no ray can reach, after finish()."""
     def finish(self) -> Scene:
         """The translator is empty afterwards."""
 
@@ -445,6 +457,24 @@ def bench_run(
 
 def bench_peer_name(path: str, folder: str) -> str:
     """The name, version and instruction set that a peer's library states; arguments as in bench_run."""
+
+StabilityCell = tuple[str, str, int, int, float, float]
+"""(shape, motion, segments, degree, position, scale)."""
+
+def stability_cells() -> list[StabilityCell]:
+    """All that the stability bench knows (bench/stability_scene.h)."""
+
+def stability_shapes() -> dict[str, str]:
+    """What each is, in a line."""
+
+def stability_motions() -> dict[str, str]:
+    """What each does, in a line."""
+
+def stability_run(
+    cell: StabilityCell, *, rays: int, seed: int, oracle_tests: float, peer: str, peer_folder: str
+) -> str:
+    """A row as JSON (bench/stability.h); ``peer`` and ``peer_folder`` as in bench_run. Raises Error for a cell that
+    cannot be. Without the GIL; a signal's exception ends it between two measurements."""
 
 def arm_crash_line(line: str) -> None: ...
 def disarm_crash_line() -> None: ...

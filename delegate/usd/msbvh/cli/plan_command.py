@@ -16,8 +16,10 @@ from ..render.record import report
 from ..scene.reader import ReadResult
 from .frame_options import read_one_frame
 from .options import ONE_FRAME, SCENE, with_options
+from .render_options import MAX_BOUNCES
 
 OPTIONS = (
+    MAX_BOUNCES,
     click.option(
         "--rays",
         type=click.IntRange(0, 1_000_000),
@@ -41,7 +43,9 @@ def plan_command(scene: str, frame: str | None, as_json: bool, rays: int, **opti
     reporter = Reporter()
     _, _, result = read_one_frame("plan", scene, frame, options, reporter)
     report(result.diagnostics, reporter)
-    found = plan_report(result.scene, _costs(result, rays) if rays else None)
+    bounces = options["max_bounces"]
+    costs = _costs(result, rays, bounces) if rays else None
+    found = plan_report(result.scene, costs, max_bounces=bounces, left_out=result.left_out)
     if as_json:
         said = {"warnings": reporter.warnings, "errors": reporter.errors}
         print(json.dumps({"scene": scene, "plan": first_reasons(found), **plain(found), **said}, indent=2))
@@ -50,9 +54,9 @@ def plan_command(scene: str, frame: str | None, as_json: bool, rays: int, **opti
     return DONE
 
 
-def _costs(result: ReadResult, rays: int) -> _core.RayCosts | None:
+def _costs(result: ReadResult, rays: int, bounces: int) -> _core.RayCosts | None:
     """None where nothing is in the frame that rays could meet."""
     camera = result.camera
-    renderer = _core.Renderer(result.scene, width=camera.width, height=camera.height, spp=1)
+    renderer = _core.Renderer(result.scene, width=camera.width, height=camera.height, spp=1, max_bounces=bounces)
     costs = renderer.ray_costs(camera_samples=rays)
     return costs if costs["prims"] else None

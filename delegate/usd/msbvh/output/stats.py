@@ -42,6 +42,8 @@ class FrameStats:
     refitted and kept from the frame before, and the seconds that it took; ray_costs where --ray-costs asks."""
     plan: list[dict[str, str]] = field(default_factory=list)
     """The effects that the frame calls for: effect, prim, why."""
+    left_out: list[dict[str, Any]] = field(default_factory=list)
+    """Prims that are not in the scene, because no ray can reach them: path, why, count (of instances)."""
     tracks: list[dict[str, Any]] = field(default_factory=list)
     """How the motion of the camera and of each prim was kept, and by which rule: record.TRACK_FIELDS."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,18 +41,27 @@ class PlanReport:
     """Of geometry that no effect brings: still triangles."""
     geometry_bytes: int
     """Of the base and all effects."""
+    left_out: list[_core.LeftOut]
+    """Prims that are not in the scene, because no ray can reach them."""
 
 
 MOST_PRIMS = 3
 
 
-def plan_report(scene: _core.Scene, costs: _core.RayCosts | None = None) -> PlanReport:
-    """`costs`: of a sample of the frame's rays. Raises _core.Error for a scene that is wrong."""
-    found = _core.effects(scene)
+def plan_report(
+    scene: _core.Scene,
+    costs: _core.RayCosts | None = None,
+    *,
+    max_bounces: int = 2,
+    left_out: Sequence[_core.LeftOut] = (),
+) -> PlanReport:
+    """`costs`: of a sample of the frame's rays; `left_out`: what reading the scene left out. Raises _core.Error for a scene
+    that is wrong."""
+    found = _core.effects(scene, max_bounces=max_bounces)
     shares = ray_shares(found, costs) if costs else {}
     total = found["base_bytes"] + sum(row["geometry_bytes"] for row in found["effects"])
     rows = [_row(row, total, shares.get(row["effect"])) for row in found["effects"]]
-    return PlanReport(rows, found["base_bytes"], total)
+    return PlanReport(rows, found["base_bytes"], total, list(left_out))
 
 
 def _row(found: _core.FoundEffect, total: int, ray_share: float | None) -> EffectRow:

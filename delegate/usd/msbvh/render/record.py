@@ -18,6 +18,7 @@ from ..base.errors import Diagnostics
 from ..base.image_metadata import ImageMetadata
 from ..base.progress import PATIENCE_SECONDS, Progress
 from ..base.reporter import Reporter
+from ..base.software import software
 from ..output.images import ImageSettings, Layers, write_image
 from ..output.outputs import Outputs
 from ..output.stats import FrameStats, RunStats
@@ -94,11 +95,6 @@ NOTHING_SEEN = (
 )
 FrameJob = tuple[float | None, Sequence[str]]
 """A time code (None: USD's default time) and the files that its image is written to."""
-
-
-def software() -> str:
-    """Name and version, as images and statistics carry it."""
-    return f"msbvh {_core.__version__}"
 
 
 def record(
@@ -192,7 +188,8 @@ def _record_frame(
     with stats.timed("sample"), reading_progress(frame) as progress:
         read = partial(_read, stage, frame, progress, kept)
         wanted = settings.goals.error_px
-        result = read(settings.read) if wanted is None else kept.fine_enough.read(stage, read, settings.read, wanted)
+        asked = replace(settings.read, max_bounces=settings.render.max_bounces)
+        result = read(asked) if wanted is None else kept.fine_enough.read(stage, read, asked, wanted)
     stats.subdivision = {name: count - before[name] for name, count in kept.refinements.counts.items()}
     rate = frames_per_second(stage, result.diagnostics)
     report(result.diagnostics, reporter)
@@ -200,6 +197,7 @@ def _record_frame(
     stats.width, stats.height = camera.width, camera.height
     stats.shutter = (camera.shutter.open, camera.shutter.close)
     stats.scene = dict(result.scene.statistics())
+    stats.left_out = result.left_out
     stats.tracks = [{name: getattr(track, name) for name in TRACK_FIELDS} for track in result.tracks]
     with stats.timed("build"):
         renderer = kept.trees.renderer(result)
