@@ -131,6 +131,21 @@ def test_fewer_keys_outside_and_the_same_inside(kind: str, tmp_path: Path) -> No
         assert track.error_pixels <= track.tolerance_pixels == pytest.approx(0.8 if track.path == "/away" else 0.1)
 
 
+@pytest.mark.parametrize("kind", ["rigid", "deforming"])
+def test_the_coarser_track_keeps_its_tolerance(kind: str, tmp_path: Path) -> None:
+    """Against where the blade is, at times that are no keys; a pixel at the distance of its far end."""
+    result = read(written(tmp_path, KINDS[kind]("away", AWAY) + SUN), 8.0)
+    assert result.coarser_tracks.prims == ["/away"]
+    pixel = np.hypot(10.0, AWAY - 0.8) * 20.955 / 50.0 / 480.0
+    worst = 0.0
+    for time01 in np.arange(1, 32) * 0.6180339887498949 % 1.0:
+        angle = np.radians(TURN * time01) * 1j
+        true = np.array([complex(x, y) for x, y, _ in POINTS]) * np.exp(angle) + AWAY
+        (found,) = [points[0] for path, _, points in result.scene.poses(float(time01)) if path == "/away"]
+        worst = max(worst, float(np.abs(found[:, 0] + 1j * found[:, 1] - true).max()))
+    assert 0.1 * pixel < worst <= 0.8 * pixel
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_camera_rays_see_the_same_and_the_shadow_agrees_within_the_noise(kind: str, tmp_path: Path) -> None:
     scene = written(tmp_path, KINDS[kind]("away", AWAY) + KINDS[kind]("seen", SEEN) + SUN)

@@ -25,7 +25,7 @@ def _tolerances(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:
 
 
 def _nothing_outside(facts: SceneFacts) -> str:
-    return "" if any(track.outside for track in facts.tracks) else "nothing moves outside of the picture"
+    return "" if facts.moves_outside else "nothing moves outside of the picture"
 
 
 def _outside(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:
