@@ -283,31 +283,41 @@ void set_outside(double tolerance, std::uint32_t keys_saved, TrackReport& track)
   track.keys_saved = keys_saved;
 }
 
+void set_inside(double tolerance, TrackReport& track) {
+  set_outside(tolerance, 0, track);
+  track.outside = 0;
+  track.error_outside = false;
+}
+
 // Within the motion tolerance or, of what lies outside of the picture by either track, within the coarser
 // one: the rule of OutsideJudge, for what carries its motion itself.
 std::optional<TranslatedMesh> baked_as_seen(const MeshMotion& motion, MeshTarget& target, PrimLog& log) {
   const Outside* outside = target.outside;
+  const double fine_tolerance = target.settings.tolerance;
   const std::size_t start = log.said();
   const std::uint64_t bytes_left = *target.triangle_bytes_left;
   std::optional<TranslatedMesh> fine = baked(motion, target.settings, target, log);
   if (!fine || !outside || fine->track.segments == 0 || !outside->view.misses(fine->box())) return fine;
 
-  const std::size_t middle = log.said();
-  const std::uint64_t fine_bytes_left = std::exchange(*target.triangle_bytes_left, bytes_left);
   FitSettings settings = target.settings;
   settings.tolerance = outside->tolerance(target.settings);
+  const std::uint32_t fine_keys = fine->track.controls();
+  const double fine_error = fine->track.error_pixels;
+  set_outside(settings.tolerance, 0, fine->track);
+  if (!may_be_coarser(fine_keys, fine_error, fine_tolerance)) return fine;
+
+  const std::size_t middle = log.said();
+  const std::uint64_t fine_bytes_left = std::exchange(*target.triangle_bytes_left, bytes_left);
   PrimLog again = log;
   std::optional<TranslatedMesh> coarse = baked(motion, settings, target, again);
   const bool stays_outside = coarse && outside->view.misses(coarse->box());
-  if (stays_outside) {
-    const std::uint32_t keys = coarse->track.controls(), fine_keys = fine->track.controls();
-    if (is_worth_it(keys, fine_keys, fine->track.error_pixels, target.settings.tolerance)) {
-      set_outside(settings.tolerance, keys < fine_keys ? fine_keys - keys : 0, coarse->track);
-      log.take_back(start, middle);
-      return coarse;
-    }
-    set_outside(settings.tolerance, 0, fine->track);
+  if (stays_outside && is_worth_it(coarse->track.controls(), fine_keys, fine_error, fine_tolerance)) {
+    const std::uint32_t keys = coarse->track.controls();
+    set_outside(settings.tolerance, keys < fine_keys ? fine_keys - keys : 0, coarse->track);
+    log.take_back(start, middle);
+    return coarse;
   }
+  if (!stays_outside) set_inside(fine_tolerance, fine->track);
   log.take_back(middle, log.said());
   *target.triangle_bytes_left = fine_bytes_left;
   return fine;

@@ -14,6 +14,11 @@ struct Outside {
   double tolerance(const FitSettings& settings) const { return settings.tolerance * coarser; }
 };
 
+// Whether a coarser tolerance may make anything better: what moves has two keys at least.
+inline bool may_be_coarser(std::size_t fine_keys, double fine_error, double fine_tolerance) {
+  return fine_keys > 2 || fine_error > fine_tolerance;
+}
+
 // Whether to take the track within the coarser tolerance in place of the one within the finer: for fewer keys
 // alone, or where the finer tolerance was missed.
 inline bool is_worth_it(std::size_t coarse_keys, std::size_t fine_keys, double fine_error,

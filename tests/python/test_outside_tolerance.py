@@ -4,6 +4,7 @@ not timed. Camera rays see the same to the bit, and shadows agree within the noi
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,12 @@ import pytest
 from msbvh import _core
 from msbvh.accuracy.kinds import motion_pixels, rid_of
 from msbvh.accuracy.options import Options
+from msbvh.accuracy.scenes import SCENES
 from msbvh.base.errors import Diagnostics
 from msbvh.cli.main import main
 from msbvh.scene.reader import ReadResult, ReadSettings, read_frame
 from msbvh.stage.opening import open_stage
-from shared_scenes import SharedScene, here, scene_parameters
+from pxr import Usd, UsdGeom
 
 # A wall behind what moves, the sun from the left, so that what moves to the left of the picture casts its shadow into it.
 HEAD = """#usda 1.0
@@ -39,6 +41,7 @@ SUN = """def DistantLight "sun" { float inputs:intensity = 60000; float xformOp:
 """
 BLADE = 'int[] faceVertexCounts = [4]; int[] faceVertexIndices = [0, 1, 2, 3]; uniform token subdivisionScheme = "none"'
 POINTS = [(-0.8, -0.1, 0.0), (0.8, -0.1, 0.0), (0.8, 0.1, 0.0), (-0.8, 0.1, 0.0)]
+SHOWCASE = Path(__file__).resolve().parents[2] / "testenv" / "showcase" / "showcase.usda"
 AWAY, SEEN = -5.0, 1.2
 TURN = 100.0
 """Degrees within the shutter."""
@@ -237,13 +240,24 @@ def test_rid_of_motion_is_rid_of_the_factor() -> None:
     assert rid_of("motion", Options.of({"outside-tolerance": 32.0})).plain()["outside-tolerance"] == 1.0
 
 
-@pytest.mark.slow
-@pytest.mark.shared
-@pytest.mark.parametrize("shared", scene_parameters())
-def test_camera_rays_see_the_same_of_public_scenes(shared: SharedScene | None) -> None:
-    shared = here(shared)
-    frame = float(shared.frame) if shared.frame else None
-    fine, coarse = (read(str(shared.path), factor, frame, width=64) for factor in (1.0, 8.0))
-    if not coarse.coarser_tracks.prims:
-        return
+def through_a_long_lens(scene: Path, frame: float) -> Usd.Stage:
+    """With eight times the focal length."""
+    stage = open_stage(str(scene), Diagnostics(), ())
+    found = read_frame(stage, frame, ReadSettings(width=16), Diagnostics()).camera.path
+    stage.SetEditTarget(stage.GetSessionLayer())
+    focal = UsdGeom.Camera(stage.GetPrimAtPath(found)).GetFocalLengthAttr()
+    focal.Set(8.0 * focal.Get(frame))
+    return stage
+
+
+@pytest.mark.parametrize("name", ["debris", "showcase"])
+def test_camera_rays_see_the_same_of_whole_scenes(name: str, tmp_path: Path) -> None:
+    scene, frame = SHOWCASE, 6.0
+    if name == "debris":
+        scene, frame = tmp_path / "scene.usdc", 1.0
+        SCENES[name].write(scene, 0.2)
+    stage = through_a_long_lens(scene, frame)
+    settings = ReadSettings(width=240, shutter=(-0.5, 0.5))
+    fine, coarse = (read_frame(stage, frame, replace(settings, outside_tolerance=factor)) for factor in (1.0, 8.0))
+    assert coarse.coarser_tracks.keys_saved > 0
     same_to_the_camera(rendered(fine, spp=4)[1], rendered(coarse, spp=4)[1])
