@@ -10,7 +10,7 @@ from .report import DEGREES, MotionReport, PrimMotion
 MOST_TIMES_IN_A_LINE = 6
 WIDEST_PATH = 64
 """Characters; a longer path has a line of its own, so that the columns stay on the screen."""
-HEADER = ("prim", "moved by", "track", "segments", "error px", "of px", "bytes")
+HEADER = ("prim", "moved by", "track", "segments", "error px", "within px", "bytes")
 
 
 def motion_text(report: MotionReport, prim: str | None, verbose: bool) -> str:
