@@ -35,7 +35,7 @@ def figures(scene: str, frame: float | None, interpolation: str) -> tuple[int, f
     """Bytes of all tracks that move, and the largest error in pixels."""
     stage = open_stage(str(ROOT / scene), Diagnostics())
     at = RULES_FRAME if frame is None else frame
-    result = read_frame(stage, at, ReadSettings(width=960, interpolation=interpolation))
+    result = read_frame(stage, at, ReadSettings(width=960, interpolation=interpolation, outside_tolerance=1.0))
     moving = [track for track in result.tracks if track.segments > 0]
     return sum(track.bytes for track in moving), max((track.error_pixels for track in moving), default=0.0)
 

@@ -1,6 +1,7 @@
 // What a translation has to say about its input: the one place where messages are collected.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <sstream>
 #include <string>
@@ -83,6 +84,12 @@ class PrimLog {
       rejected_ = true;
     }
     return false;
+  }
+  // How many messages there are, of all prims.
+  std::size_t said() const { return all_->size(); }
+  // Takes back those from the one number of said() to the other.
+  void take_back(std::size_t begin, std::size_t end) {
+    all_->erase(all_->begin() + std::ptrdiff_t(begin), all_->begin() + std::ptrdiff_t(end));
   }
   // Whether the prim itself, not only a part of it, cannot be used.
   bool rejected() const { return rejected_; }

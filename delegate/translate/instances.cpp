@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/base/stretch.h"
 #include "delegate/translate/instance_chain.h"
+#include "delegate/translate/outside_judge.h"
 #include "delegate/translate/primvar_track.h"
 #include "delegate/translate/primvars.h"
 #include "delegate/translate/transform_fit.h"
@@ -19,80 +22,108 @@ constexpr const char* kMatrices = "instance transforms";
 constexpr std::size_t kGrain = 1024;
 
 using Fate = TransformFitter::Fate;
-using Verdict = TransformFitter::Verdict;
 
-std::vector<Verdict> judge(const InstanceChain& chain, const TransformFitter& fitter) {
-  std::vector<Verdict> verdicts(chain.count());
-  parallel_for_ranges(verdicts.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) verdicts[i] = fitter.judge(i);
+std::vector<Judgement> judge_all(const OutsideJudge& judge, std::size_t count) {
+  std::vector<Judgement> judgements(count);
+  parallel_for_ranges(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) judgements[i] = judge.judge(i);
   });
-  return verdicts;
+  return judgements;
 }
 
-void report_left_out(const InstanceChain& chain, const std::vector<Verdict>& verdicts, Fate fate,
+bool is_drawn(const Judgement& judgement) { return judgement.verdict.fate == Fate::kDrawn; }
+
+void report_left_out(const InstanceChain& chain, const std::vector<Judgement>& judgements, Fate fate,
                      const char* found, const char* expected, PrimLog& log) {
-  const auto is_such = [fate](const Verdict& verdict) { return verdict.fate == fate; };
-  const auto count = std::ranges::count_if(verdicts, is_such);
+  const auto is_such = [fate](const Judgement& judgement) { return judgement.verdict.fate == fate; };
+  const auto count = std::ranges::count_if(judgements, is_such);
   if (count == 0) return;
-  const auto first = std::ranges::find_if(verdicts, is_such) - verdicts.begin();
+  const auto first = std::ranges::find_if(judgements, is_such) - judgements.begin();
   if (const auto blame = fate == Fate::kNotFinite ? chain.blame(std::size_t(first)) : std::nullopt) {
     log.of_prim(blame->path)
         .warn(blame->attribute, message(blame->found, "; expected ", expected, "; ", count, " of ",
-                                        verdicts.size(), " instances placed together are left out"));
+                                        judgements.size(), " instances placed together are left out"));
     return;
   }
-  log.warn(kMatrices, message(count, " of ", verdicts.size(), " instances placed together (number ", first,
+  log.warn(kMatrices, message(count, " of ", judgements.size(), " instances placed together (number ", first,
                               " is the first) ", found, "; expected ", expected, "; they are left out"));
 }
 
-TrackReport report_track(const std::vector<Verdict>& verdicts, const InstanceChain& chain,
+// What instances have in common in a report: the costliest track, sums, and the error that counts most.
+class Common {
+ public:
+  void add(const Judgement& judgement, const TransformFitter& fitter) {
+    costliest_ = std::max(costliest_, judgement.verdict.track);  // tracks are in the order of what they cost
+    report_.bytes += fitter.form(judgement.verdict.track).controls() * sizeof(Affine3f);
+    report_.outside += judgement.outside;
+    report_.coarser += judgement.keys_saved > 0;
+    report_.keys_saved += judgement.keys_saved;
+    if (!has_error_ || weight(worst_) < weight(judgement)) worst_ = judgement;
+    has_error_ = true;
+  }
+
+  TrackReport report(const TransformFitter& fitter, double tolerance) && {
+    report_.set_form(fitter.form(costliest_), fitter.time_remap(costliest_));
+    report_.moving_transform = report_.segments > 0;
+    report_.error_pixels = worst_.verdict.error;
+    report_.tolerance_pixels = has_error_ ? worst_.tolerance : tolerance;
+    report_.error_outside = worst_.outside;
+    return std::move(report_);
+  }
+
+ private:
+  // What is seen counts before what is not, and what misses its tolerance before either.
+  static std::tuple<bool, bool, double> weight(const Judgement& judgement) {
+    return {judgement.is_beyond(), !judgement.outside, judgement.verdict.error / judgement.tolerance};
+  }
+
+  TrackReport report_;
+  std::uint32_t costliest_ = 0;
+  bool has_error_ = false;
+  Judgement worst_;
+};
+
+TrackReport report_track(const std::vector<Judgement>& judgements, const InstanceChain& chain,
                          const TransformFitter& fitter, const FitSettings& settings, PrimLog& log) {
-  TrackReport report;
+  Common common;
+  std::size_t beyond = 0;
+  for (const Judgement& judgement : judgements) {
+    if (!is_drawn(judgement)) continue;
+    common.add(judgement, fitter);
+    beyond += judgement.is_beyond();
+  }
+  TrackReport report = std::move(common).report(fitter, settings.tolerance);
   report.path = log.path();
   report.source = "instances";
   report.rule = chain.rule();
-  report.count = verdicts.size();
-  std::size_t beyond = 0;
-  std::uint32_t costliest = 0;
-  for (const Verdict& verdict : verdicts) {
-    if (verdict.fate != Fate::kDrawn) continue;
-    costliest = std::max(costliest, verdict.track);  // tracks are in the order of what they cost
-    report.error_pixels = std::max(report.error_pixels, verdict.error);
-    report.bytes += fitter.form(verdict.track).controls() * sizeof(Affine3f);
-    beyond += verdict.error > settings.tolerance;
-  }
-  report.set_form(fitter.form(costliest), fitter.time_remap(costliest));
-  report.moving_transform = report.segments > 0;
+  report.count = judgements.size();
   if (beyond > 0) {
     log.warn(kMatrices,
-             message("the motion of ", beyond, " of ", verdicts.size(), " instances deviates by up to ",
+             message("the motion of ", beyond, " of ", judgements.size(), " instances deviates by up to ",
                      report.error_pixels, " pixels at ", report.segments, " segments; expected at most ",
-                     settings.tolerance, "; ", advice(settings.choice)));
+                     report.tolerance_pixels, "; ", advice(settings.choice)));
   }
   return report;
 }
 
 // Each prim for itself, over all places where the outer levels put it.
-std::vector<TrackReport> report_prims(const InstancesInput& input, const std::vector<Verdict>& verdicts,
+std::vector<TrackReport> report_prims(const InstancesInput& input, const std::vector<Judgement>& judgements,
                                       const InstanceChain& chain, const TransformFitter& fitter,
-                                      const FitSettings& settings, PrimLog& log) {
-  std::vector<TrackReport> reports(input.paths.size());
-  std::vector<std::uint32_t> costliest(reports.size(), 0);
-  for (std::size_t i = 0; i < verdicts.size(); ++i) {
-    if (verdicts[i].fate != Fate::kDrawn) continue;
-    const std::size_t prim = i % reports.size();
-    costliest[prim] = std::max(costliest[prim], verdicts[i].track);
-    reports[prim].error_pixels = std::max(reports[prim].error_pixels, verdicts[i].error);
-    reports[prim].bytes += fitter.form(verdicts[i].track).controls() * sizeof(Affine3f);
+                                      FitSettings settings, PrimLog& log) {
+  std::vector<Common> common(input.paths.size());
+  for (std::size_t i = 0; i < judgements.size(); ++i) {
+    if (is_drawn(judgements[i])) common[i % common.size()].add(judgements[i], fitter);
   }
+  std::vector<TrackReport> reports;
   const std::string rule = chain.rule();
-  for (std::size_t prim = 0; prim < reports.size(); ++prim) {
-    TrackReport& report = reports[prim];
+  const double tolerance = settings.tolerance;
+  for (std::size_t prim = 0; prim < common.size(); ++prim) {
+    reports.push_back(std::move(common[prim]).report(fitter, tolerance));
+    TrackReport& report = reports.back();
     report.path = input.paths[prim];
-    report.set_form(fitter.form(costliest[prim]), fitter.time_remap(costliest[prim]));
-    report.moving_transform = report.segments > 0;
     report.source = report.moving_transform ? "transform" : "points";
     report.rule = report.moving_transform ? rule : "still";
+    settings.tolerance = report.tolerance_pixels;
     PrimLog own = log.of_part(report.path);
     report_fit({report.segments, report.error_pixels}, settings, "xformOpOrder", "the motion", own);
   }
@@ -110,6 +141,13 @@ std::vector<std::int32_t> instance_ids(std::span<const std::int32_t> given,
     ids.push_back(id);
   }
   return counted ? std::vector<std::int32_t>{} : ids;
+}
+
+// Of all instances, beside reports of each of their prims: a count of places, and what those have counted is
+// not counted again.
+void make_whole(TrackReport& report, std::size_t prims) {
+  report.count /= prims;
+  report.outside = report.coarser = report.keys_saved = 0;
 }
 
 // `colors` has those of all `count` instances.
@@ -199,22 +237,23 @@ TranslatedInstances translate_instances(const InstancesInput& input, const Insta
   const PrimvarTrack<Vec3f> colors = color_track(input, chain->count(), target.settings.max_segments, log);
   const TransformFitter fitter(*chain, {target.prototype_origin, target.world_origin, target.box},
                                target.measure, target.settings);
-  const std::vector<Verdict> verdicts = judge(*chain, fitter);
-  report_left_out(*chain, verdicts, Fate::kNotFinite, "have a matrix that is not finite or too large",
+  const OutsideJudge judge(fitter, target.settings, target.box, target.outside);
+  const std::vector<Judgement> judgements = judge_all(judge, chain->count());
+  report_left_out(*chain, judgements, Fate::kNotFinite, "have a matrix that is not finite or too large",
                   "finite numbers of at most 2^60 in size", log);
-  report_left_out(*chain, verdicts, Fate::kFlat, "are flattened to a plane", "an invertible matrix", log);
+  report_left_out(*chain, judgements, Fate::kFlat, "are flattened to a plane", "an invertible matrix", log);
 
   TranslatedInstances result;
   const FitSettings& settings = target.settings;
-  if (!input.paths.empty()) result.tracks = report_prims(input, verdicts, *chain, fitter, settings, log);
+  if (!input.paths.empty()) result.tracks = report_prims(input, judgements, *chain, fitter, settings, log);
   if (input.paths.empty() || input.report_whole) {
-    result.tracks.push_back(report_track(verdicts, *chain, fitter, settings, log));
-    if (!input.paths.empty()) result.tracks.back().count /= input.paths.size();
+    result.tracks.push_back(report_track(judgements, *chain, fitter, settings, log));
+    if (!input.paths.empty()) make_whole(result.tracks.back(), input.paths.size());
   }
   for (TrackReport& track : result.tracks) track.hidden_partly = input.visible.has_value();
   std::vector<std::vector<std::size_t>> members(fitter.track_count());
-  for (std::size_t i = 0; i < verdicts.size(); ++i) {
-    if (verdicts[i].fate == Fate::kDrawn) members[verdicts[i].track].push_back(i);
+  for (std::size_t i = 0; i < judgements.size(); ++i) {
+    if (is_drawn(judgements[i])) members[judgements[i].verdict.track].push_back(i);
   }
   for (std::uint32_t track = 0; track < members.size(); ++track) {
     if (members[track].empty()) continue;

@@ -11,6 +11,7 @@
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/fit.h"
 #include "delegate/translate/inputs.h"
+#include "delegate/translate/outside.h"
 #include "delegate/translate/screen_measure.h"
 #include "delegate/translate/translator.h"
 
@@ -23,6 +24,7 @@ struct InstanceTarget {
   Box3d box;               // of the stored meshes, over the shutter
   FitSettings settings;
   std::uint32_t material_count = 0;
+  const Outside* outside = nullptr;  // null: one tolerance for all
 };
 
 struct TranslatedInstances {

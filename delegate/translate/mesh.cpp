@@ -9,6 +9,7 @@
 #include "delegate/translate/instance_chain.h"
 #include "delegate/translate/mesh_shape.h"
 #include "delegate/translate/moving_array.h"
+#include "delegate/translate/outside_judge.h"
 #include "delegate/translate/point_motion.h"
 #include "delegate/translate/round/round_shape.h"
 #include "delegate/translate/stray/displaced_stray.h"
@@ -129,14 +130,26 @@ std::optional<double> shape_error(const MeshMotion& motion, const MovingArray& p
   return found && std::isfinite(*found) ? found : std::nullopt;
 }
 
+// Warns where not even the best track was within its tolerance.
+void report_track(const TrackReport& track, FitSettings settings, const char* attribute, PrimLog& log) {
+  settings.tolerance = track.tolerance_pixels;
+  report_fit({track.segments, track.error_pixels}, settings, attribute, "the motion", log);
+}
+
 // What is placed by the transform's own track.
 void set_moving(const MeshInput& input, const InstanceChain& chain, const TransformFitter& fitter,
-                const TransformFitter::Verdict& verdict, TranslatedMesh& result) {
+                const Judgement& judgement, TranslatedMesh& result) {
+  const TransformFitter::Verdict& verdict = judgement.verdict;
   const TrackForm form = fitter.form(verdict.track);
   result.track = {input.path, "transform", chain.rule()};
   result.track.set_form(form, fitter.time_remap(verdict.track));
   result.track.moving_transform = true;
   result.track.error_pixels = verdict.error;
+  result.track.tolerance_pixels = judgement.tolerance;
+  result.track.error_outside = judgement.outside;
+  result.track.outside = judgement.outside;
+  result.track.coarser = judgement.keys_saved > 0;
+  result.track.keys_saved = judgement.keys_saved;
   result.track.bytes = form.controls() * sizeof(Affine3f);
   result.world_from_mesh.resize(form.controls());
   fitter.controls(0, verdict.track, result.world_from_mesh.data());
@@ -172,15 +185,19 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
                "most 2^60 in size");
     return std::nullopt;
   }
-  const TrackForm form = fitter.form(verdict.track);
-  report_fit({form.segments, verdict.error}, target.settings, kTransform, "the motion", log);
+  const auto place = [&](TranslatedMesh& result) {
+    const Box3d drawn = target.outside ? result.box() : box;
+    const OutsideJudge judge(fitter, target.settings, drawn, target.outside);
+    set_moving(input, *chain, fitter, judge.judge(0, verdict), result);
+    report_track(result.track, target.settings, kTransform, log);
+  };
 
   const MovingArray moving{points.track, transform.rebased({}, *target.origin)};
   TranslatedMesh result;
   const TimeLayout unmoved = TimeLayout::even(0);
   if (round) {
     if (!add_round(motion, still, {unmoved, 1}, target, result, log)) return std::nullopt;
-    set_moving(input, *chain, fitter, verdict, result);
+    place(result);
     result.track.shape_error_pixels = shape_error(motion, moving, nullptr, false, *target.measure, target);
     return result;
   }
@@ -191,7 +208,7 @@ std::optional<TranslatedMesh> in_moving_transform(const MeshMotion& motion, Mesh
   Shape shape = displaced ? std::move(displaced->shape) : shape_of(still, {unmoved, 1}, topology, input.path);
   add_shape(input, topology, {still.transform, unmoved, points.frame_only}, target, std::move(shape), result,
             log);
-  set_moving(input, *chain, fitter, verdict, result);
+  place(result);
   result.track.shape_error_pixels =
       shape_error(motion, moving, &topology, displaced.has_value(), *target.measure, target);
   return result;
@@ -211,49 +228,99 @@ std::size_t bytes_of(const TranslatedMesh& geometry) {
 }
 
 // What carries its motion itself.
-void set_baked(const MeshMotion& motion, const PointFit& fit, TranslatedMesh& result) {
+void set_baked(const MeshMotion& motion, const PointFit& fit, double tolerance, TranslatedMesh& result) {
   const auto& [input, points, transform, polygons, displacements, round] = motion;
   const bool by_transform = points.track.is_still() && !transform.is_still();
   result.track = {input.path, by_transform ? "transform" : points.source, rule_of(points, transform)};
   result.track.set_form(fit.track.form(), fit.track.layout.time_remap());
   result.track.error_pixels = fit.error;
+  result.track.tolerance_pixels = tolerance;
   result.track.bytes = bytes_of(result);
   set_time_remap(input, fit.track.layout.time_remap(), result);
 }
 
-std::optional<TranslatedMesh> baked(const MeshMotion& motion, MeshTarget& target, PrimLog& log) {
+std::optional<TranslatedMesh> baked(const MeshMotion& motion, const FitSettings& settings, MeshTarget& target,
+                                    PrimLog& log) {
   const auto& [input, points, transform, polygons, displacements, round] = motion;
   if (!target.origin) target.origin = exact_origin(bounds({points.track, transform}));
   const MovingArray moving{points.track, transform.rebased({}, *target.origin)};
   const Box3d box = bounds(moving);
   if (!check_range(box, log)) return std::nullopt;
   const ScreenMeasure measure = measure_of(target, box);
-  PointFit fit = fit_points(moving, measure, target.settings);
+  PointFit fit = fit_points(moving, measure, settings);
   if (round) {
-    fit = with_own_keys(std::move(fit), motion, moving, box, measure, target.settings);
-    report_fit({fit.track.form().segments, fit.error}, target.settings, kPoints, "the motion", log);
+    fit = with_own_keys(std::move(fit), motion, moving, box, measure, settings);
+    report_fit({fit.track.form().segments, fit.error}, settings, kPoints, "the motion", log);
     TranslatedMesh result;
     if (!add_round(motion, moving, fit.track, target, result, log)) return std::nullopt;
-    set_baked(motion, fit, result);
+    set_baked(motion, fit, settings.tolerance, result);
     result.track.shape_error_pixels = shape_error(motion, moving, nullptr, false, measure, target);
     return result;
   }
   Tessellation topology = tessellated(motion, moving, measure, fit.track.form().controls(), target, log);
   if (topology.triangles().empty()) return std::nullopt;  // a boundary rule may leave no face a surface
-  auto displaced = displaced_shape(input, displacements, moving, topology, measure, target.settings, log);
+  auto displaced = displaced_shape(input, displacements, moving, topology, measure, settings, log);
   if (displaced) fit = std::move(displaced->fit);
   const TrackForm form = fit.track.form();
-  report_fit({form.segments, fit.error}, target.settings, kPoints, "the motion", log);
+  report_fit({form.segments, fit.error}, settings, kPoints, "the motion", log);
 
   TranslatedMesh result;
   Shape shape = displaced ? std::move(displaced->shape) : shape_of(moving, fit.track, topology, input.path);
   if (!check_controls(shape.mesh, log)) return std::nullopt;
   add_shape(input, topology, {moving.transform, fit.track.layout, points.frame_only}, target,
             std::move(shape), result, log);
-  set_baked(motion, fit, result);
+  set_baked(motion, fit, settings.tolerance, result);
   result.track.shape_error_pixels =
       shape_error(motion, moving, &topology, displaced.has_value(), measure, target);
   return result;
+}
+
+void set_outside(double tolerance, std::uint32_t keys_saved, TrackReport& track) {
+  track.outside = 1;
+  track.error_outside = true;
+  track.tolerance_pixels = tolerance;
+  track.coarser = keys_saved > 0;
+  track.keys_saved = keys_saved;
+}
+
+void set_inside(double tolerance, TrackReport& track) {
+  set_outside(tolerance, 0, track);
+  track.outside = 0;
+  track.error_outside = false;
+}
+
+// Within the motion tolerance or, of what lies outside of the picture by either track, within the coarser
+// one: the rule of OutsideJudge, for what carries its motion itself.
+std::optional<TranslatedMesh> baked_as_seen(const MeshMotion& motion, MeshTarget& target, PrimLog& log) {
+  const Outside* outside = target.outside;
+  const double fine_tolerance = target.settings.tolerance;
+  const std::size_t start = log.said();
+  const std::uint64_t bytes_left = *target.triangle_bytes_left;
+  std::optional<TranslatedMesh> fine = baked(motion, target.settings, target, log);
+  if (!fine || !outside || fine->track.segments == 0 || !outside->view.misses(fine->box())) return fine;
+
+  FitSettings settings = target.settings;
+  settings.tolerance = outside->tolerance(target.settings);
+  const std::uint32_t fine_keys = fine->track.controls();
+  const double fine_error = fine->track.error_pixels;
+  set_outside(settings.tolerance, 0, fine->track);
+  if (!may_be_coarser(fine_keys, fine_error, fine_tolerance)) return fine;
+
+  const std::size_t middle = log.said();
+  const std::uint64_t fine_bytes_left = std::exchange(*target.triangle_bytes_left, bytes_left);
+  PrimLog again = log;
+  std::optional<TranslatedMesh> coarse = baked(motion, settings, target, again);
+  const bool stays_outside = coarse && outside->view.misses(coarse->box());
+  if (stays_outside && is_worth_it(coarse->track.controls(), fine_keys, fine_error, fine_tolerance)) {
+    const std::uint32_t keys = coarse->track.controls();
+    set_outside(settings.tolerance, keys < fine_keys ? fine_keys - keys : 0, coarse->track);
+    log.take_back(start, middle);
+    return coarse;
+  }
+  if (!stays_outside) set_inside(fine_tolerance, fine->track);
+  log.take_back(middle, log.said());
+  *target.triangle_bytes_left = fine_bytes_left;
+  return fine;
 }
 
 }  // namespace
@@ -292,7 +359,7 @@ std::optional<TranslatedMesh> translate_mesh(const MeshInput& input, MeshTarget&
   const bool still = points->track.is_still() && displacements.is_still() && (!round || round->is_still());
   const bool keeps_transform =
       in_world && still && !transform.is_still() && !transform.is_singular_somewhere();
-  return keeps_transform ? in_moving_transform(motion, target, log) : baked(motion, target, log);
+  return keeps_transform ? in_moving_transform(motion, target, log) : baked_as_seen(motion, target, log);
 }
 
 const std::string& TranslatedMesh::name() const {

@@ -15,6 +15,7 @@
 #include "delegate/translate/displace/face_displacements.h"
 #include "delegate/translate/fit.h"
 #include "delegate/translate/inputs.h"
+#include "delegate/translate/outside.h"
 #include "delegate/translate/screen_measure.h"
 #include "delegate/translate/translator.h"
 
@@ -39,6 +40,7 @@ struct MeshTarget {
   std::uint64_t* triangle_bytes_left = nullptr;  // of Displaced::kByMemory, for all meshes of a frame
   CurveStyle curves = CurveStyle::kRibbon;
   RefinementCache* refinements = nullptr;  // not null; of all meshes and frames of a front-end
+  const Outside* outside = nullptr;        // of the world; null: one tolerance for all
 };
 
 // One of `mesh`, `grids`, `curves` and `points` is what it became: the mesh where the others are not.

@@ -37,8 +37,8 @@ TransformFitter::Fate fate_of(const std::vector<Affine3d>& maps) {
   return std::ranges::any_of(maps, is_plane_at_least) ? Fate::kFlat : Fate::kVanished;
 }
 
-double fit_tolerance(const FitSettings& settings, const MapTarget& target) {
-  return std::max(settings.tolerance - target.sampling_error_pixels, 0.5 * settings.tolerance);
+double fit_tolerance(double tolerance, double sampling_error) {
+  return std::max(tolerance - sampling_error, 0.5 * tolerance);
 }
 
 }  // namespace
@@ -49,13 +49,12 @@ TransformFitter::TransformFitter(const InstanceChain& chain, const MapTarget& ta
       target_(target),
       corners_(corners_of(target.box)),
       measure_(measure),
-      settings_(settings),
+      tolerance_(settings.tolerance),
       breakpoints_(chain.breakpoints()),
       dense01_(chain.is_still() ? std::vector<double>() : chain.dense_times01()),
       candidates_(chain.is_still() ? std::vector<Candidate>()
                                    : candidates(breakpoints_, settings, chain.periods01())),
       prepared_(candidates_.size()) {
-  settings_.tolerance = fit_tolerance(settings, target);
   const auto add = [&](double time01) {
     probes_.push_back({chain_.at(time01, time01), measure_.at(time01)});
   };
@@ -224,15 +223,20 @@ double TransformFitter::blur(std::size_t instance, std::size_t candidate) const 
 }
 
 TransformFitter::Verdict TransformFitter::judge(std::size_t instance) const {
+  return judge(instance, tolerance_);
+}
+
+TransformFitter::Verdict TransformFitter::judge(std::size_t instance, double tolerance) const {
+  const double fit_within = fit_tolerance(tolerance, target_.sampling_error_pixels);
   const std::vector<Affine3d> maps = probe_maps(instance);
   Verdict verdict;
   verdict.fate = fate_of(maps);
   if (verdict.fate != Fate::kDrawn || candidates_.empty()) return verdict;
-  const double still = kStillShare * settings_.tolerance;
+  const double still = kStillShare * fit_within;
   verdict.error = still_error(instance, maps, still);
   if (verdict.error > still) {
     const CandidateFit fit = cheapest_candidate(
-        candidates_, settings_.tolerance,
+        candidates_, fit_within,
         [&](std::size_t candidate, double limit) { return error(instance, candidate, limit); },
         [&](std::size_t candidate) { return blur(instance, candidate); });
     verdict.track = std::uint32_t(fit.index + 1);

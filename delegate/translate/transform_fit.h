@@ -44,6 +44,8 @@ class TransformFitter {
     double error = 0.0;       // pixels
   };
   Verdict judge(std::size_t instance) const;
+  // By another tolerance than that of the settings, in pixels.
+  Verdict judge(std::size_t instance, double tolerance) const;
 
   std::uint32_t track_count() const { return std::uint32_t(candidates_.size() + 1); }
   TrackForm form(std::uint32_t track) const;
@@ -99,7 +101,7 @@ class TransformFitter {
   MapTarget target_;
   BoxCorners corners_;
   const ScreenMeasure& measure_;
-  FitSettings settings_;
+  double tolerance_;  // pixels
   std::vector<Breakpoint> breakpoints_;
   std::vector<double> dense01_;
   std::vector<Candidate> candidates_;

@@ -13,6 +13,7 @@
 #include "delegate/translate/instances.h"
 #include "delegate/translate/light.h"
 #include "delegate/translate/mesh.h"
+#include "delegate/translate/outside.h"
 #include "delegate/translate/primvars.h"
 #include "delegate/translate/screen_measure.h"
 #include "delegate/translate/transform_samples.h"
@@ -28,6 +29,10 @@ void check_settings(const TranslatorSettings& settings) {
   if (!(settings.motion_tolerance_pixels > 0.0) || !std::isfinite(settings.motion_tolerance_pixels)) {
     throw Error(message("motion tolerance: found ", settings.motion_tolerance_pixels,
                         " pixels; expected a finite number above 0"));
+  }
+  if (!(settings.outside_tolerance >= 1.0) || !std::isfinite(settings.outside_tolerance)) {
+    throw Error(message("outside tolerance: found ", settings.outside_tolerance,
+                        " times the motion tolerance; expected a finite number of at least 1"));
   }
   if (!(settings.edge_length_pixels >= 0.0) || !std::isfinite(settings.edge_length_pixels)) {
     throw Error(message("edge length: found ", settings.edge_length_pixels,
@@ -104,6 +109,7 @@ struct Translator::Data {
   FitSettings fit;
   Vec3d origin;
   ScreenMeasure measure;
+  std::optional<Outside> outside;  // none: one tolerance for all
   std::shared_ptr<RefinementCache> refinements;
   Scene scene;
   std::vector<std::optional<Displacement>> displacements;  // by material
@@ -129,8 +135,12 @@ MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
                     settings.displaced,
                     &triangle_bytes_left,
                     settings.curves,
-                    refinements.get()};
-  if (in_world) result.origin = origin;
+                    refinements.get(),
+                    nullptr};
+  if (in_world) {
+    result.origin = origin;
+    result.outside = outside ? &*outside : nullptr;
+  }
   return result;
 }
 
@@ -204,7 +214,11 @@ Translator::Translator(const CameraInput& camera, const TranslatorSettings& sett
   data_ = std::make_unique<Data>(camera, settings, std::move(refinements));
   TrackReport track;
   data_->scene.camera = fit_camera(camera, data_->origin, settings, track);
+  if (settings.outside_tolerance > 1.0 && settings.choice.segments == 0)
+    data_->outside.emplace(
+        Outside{{data_->scene.camera, settings.width, settings.height}, settings.outside_tolerance});
   track.source = "camera";
+  track.tolerance_pixels = settings.motion_tolerance_pixels;
   track.rule = track.segments == 0 ? "still" : "transform and optics by the stage's own evaluation";
   data_->tracks.push_back(track);
   PrimLog log(data_->diagnostics, camera.path);
@@ -261,8 +275,13 @@ void Translator::add_instances(const InstancesInput& input) {
   const PrototypeState& state = data_->prototypes[input.prototype];
   if (state.box.empty() || input.levels.empty()) return;  // nothing to draw; its meshes have been reported
   const Vec3d prototype_origin = state.target.origin.value_or(Vec3d{});
-  const InstanceTarget target{data_->measure, data_->origin, prototype_origin,
-                              state.box,      data_->fit,    std::uint32_t(data_->scene.materials.size())};
+  const InstanceTarget target{data_->measure,
+                              data_->origin,
+                              prototype_origin,
+                              state.box,
+                              data_->fit,
+                              std::uint32_t(data_->scene.materials.size()),
+                              data_->outside ? &*data_->outside : nullptr};
   TranslatedInstances result = translate_instances(input, target, log);
   if (result.sets.empty()) return;
   if (data_->settings.measure_shape && state.stray > 0.0) {

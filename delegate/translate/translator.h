@@ -31,6 +31,10 @@ enum class Displaced : std::uint8_t { kNot, kAsTriangles, kAsPatches, kByMemory 
 struct TranslatorSettings {
   std::uint32_t width = 960, height = 540;  // pixels, for the tolerance
   double motion_tolerance_pixels = 0.1;
+  // How many times as far the motion of what lies wholly outside of the picture, throughout the shutter, may
+  // stray: shadows and bounces alone show it. Not the camera's and the lights', nor that of a prototype's own
+  // points; not where TrackChoice::segments says how many keys all have. 1: no further than the rest.
+  double outside_tolerance = 8.0;
   std::uint32_t max_segments = kMaxSegments;
   TrackChoice choice{};     // which tracks may be used
   bool keep_faces = false;  // for the AOV elementId: which face each triangle is of
@@ -64,6 +68,16 @@ struct TrackReport {
   bool time_remap = false;        // keys at the breakpoints of the motion, not at even times
   bool hidden_partly = false;     // visible for a part of the shutter
   double error_pixels = 0.0;      // largest deviation found from the stage's motion
+  // That error_pixels is held to: the motion tolerance or, of what is outside of the picture, so many times
+  // it.
+  double tolerance_pixels = 0.0;
+  // Whether error_pixels is of what is outside of the picture: of all that is in one report where nothing of
+  // it is seen, or of an instance that misses its tolerance.
+  bool error_outside = false;
+  std::size_t outside = 0;  // of `count`: that move, wholly outside of the picture throughout the shutter
+  std::size_t coarser = 0;  // of those: that took fewer keys than the motion tolerance asks for
+  std::size_t keys_saved =
+      0;  // by all of these together; of many instances that have reports of their own, 0
   // How far what is drawn of a mesh strays from its true surface in the picture, at most, in pixels
   // (stray/stray.h). Not measured: where TranslatorSettings::measure_shape is off, of cameras and lights, of
   // displaced polygons, of NURBS patches, and of implicit shapes whose points a skeleton moves. Of instances:
@@ -78,6 +92,7 @@ struct TrackReport {
     degree = form.degree;
     time_remap = !own.is_shutter();
   }
+  std::uint32_t controls() const { return TrackForm{segments, degree}.controls(); }
 };
 
 class Translator {

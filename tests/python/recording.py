@@ -162,8 +162,9 @@ class Shot:
         return mesh
 
     def read(self, frame: float | None = 10.0, **settings: Any) -> Any:
-        """What the reader makes of a frame; its scene is a Recording."""
-        return read_frame(self.stage, frame, ReadSettings(**settings), Diagnostics(), Recording)
+        """What the reader makes of a frame; its scene is a Recording. What is outside of the picture has no other tolerance."""
+        chosen = ReadSettings(**{"outside_tolerance": 1.0, **settings})
+        return read_frame(self.stage, frame, chosen, Diagnostics(), Recording)
 
 
 def messages(result: Any, severity: str | None = None) -> list[str]:

@@ -245,7 +245,10 @@ def test_a_built_in_scene_is_the_same_file_every_time(name: str, tmp_path: Path)
         (("--target-flip", "nan"), "found 'nan', expected more than 0.0001 and at most 1, such as 0.02"),
         (("--rounds", "1"), "1 is not in the range 2<=x<=100"),
         (("--frame", "1:3"), "accuracy looks at one frame"),
-        (("--axes", "toleranc"), "--axes: found 'toleranc', expected any of: motion-tolerance, segments"),
+        (
+            ("--axes", "toleranc"),
+            "--axes: found 'toleranc', expected any of: motion-tolerance, outside-tolerance, segments",
+        ),
         (("--target-flip", "1e-9"), "expected more than 0.0001 and at most 1, such as 0.02"),
     ],
 )

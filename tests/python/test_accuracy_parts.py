@@ -27,13 +27,14 @@ from msbvh.output.flip import flip_map
 EVERYTHING = SceneFacts(
     effects=frozenset(("subdivision", "displacement", "curves", "indirect light")),
     moves=True,
+    moves_outside=True,
     cut=True,
     frame=1.0,
     frames=9,
     tracks=(),
     statistics={},
 )
-NOTHING = SceneFacts(frozenset(), False, False, None, 1, (), {})
+NOTHING = SceneFacts(frozenset(), False, False, False, None, 1, (), {})
 
 
 # Errors of pictures
@@ -125,6 +126,7 @@ def test_a_still_scene_turns_no_knob_of_motion() -> None:
     idle = {knob.option for knob in ALL if knob.idle(NOTHING)} - {*ALWAYS_ON}
     assert idle == {
         "motion-tolerance",
+        "outside-tolerance",
         "segments",
         "edge-length",
         "complexity",
@@ -137,7 +139,7 @@ def test_a_still_scene_turns_no_knob_of_motion() -> None:
 
 def test_a_kind_of_error_goes_with_the_options_that_decide_it() -> None:
     options = Options.of({"segments": 1, "interpolation": "linear", "spp": 4})
-    assert rid_of("motion", options) == Options.of({"spp": 4, "motion-tolerance": 0.005})
+    assert rid_of("motion", options) == Options.of({"spp": 4, "motion-tolerance": 0.005, "outside-tolerance": 1.0})
     assert all(set(FINEST[kind].plain()) <= set(names) for kind, names in DECIDED_BY.items())
 
 

@@ -50,7 +50,7 @@ def read(shared: SharedScene, tolerance: float) -> Frame:
     camera.CreateShutterOpenAttr(SHUTTER[0])
     camera.CreateShutterCloseAttr(SHUTTER[1])
     # Cages: a surface is linear in its cage, and the stage knows no other points.
-    settings = ReadSettings(camera="/TestCamera", motion_tolerance=tolerance, edge_length=0.0)
+    settings = ReadSettings(camera="/TestCamera", motion_tolerance=tolerance, outside_tolerance=1.0, edge_length=0.0)
     result = read_frame(stage, frame, settings, Diagnostics())
     return Frame(StageTruth(with_single_orientations(stage), frame, SHUTTER), result)
 

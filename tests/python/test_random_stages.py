@@ -21,7 +21,9 @@ TOLERANCE = 0.05
 def check(made: StageMaker, name: str) -> None:
     """That the tracks follow the stage, within the segments that there are, and that the tree holds."""
     diagnostics = Diagnostics()
-    result = read_frame(made.stage, FRAME, ReadSettings(width=480, motion_tolerance=TOLERANCE), diagnostics)
+    result = read_frame(
+        made.stage, FRAME, ReadSettings(width=480, motion_tolerance=TOLERANCE, outside_tolerance=1.0), diagnostics
+    )
     assert not any("deviates" in str(diagnostic) for diagnostic in diagnostics), name
     frame = Frame(StageTruth(made.stage, FRAME, made.shutter), result)
     worst = max(worst_pixels(frame, time01) for time01 in DENSE_TIMES01[1:-1])

@@ -31,7 +31,7 @@ def _scenes(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def read(stage: Usd.Stage, frame: float | None, **settings: Any) -> Any:
-    return read_frame(stage, frame, ReadSettings(**settings), Diagnostics(), Recording)
+    return read_frame(stage, frame, ReadSettings(outside_tolerance=1.0, **settings), Diagnostics(), Recording)
 
 
 def with_camera(path: Path, shutter: tuple[float, float]) -> Usd.Stage:

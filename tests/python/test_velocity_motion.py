@@ -64,7 +64,9 @@ def read(frame: float, opening: float, closing: float) -> ReadResult:
     camera.CreateShutterOpenAttr(opening)
     camera.CreateShutterCloseAttr(closing)
     diagnostics = Diagnostics()
-    result = read_frame(stage, frame, ReadSettings(motion_tolerance=TOLERANCE_PIXELS), diagnostics)
+    result = read_frame(
+        stage, frame, ReadSettings(motion_tolerance=TOLERANCE_PIXELS, outside_tolerance=1.0), diagnostics
+    )
     assert [str(d) for d in diagnostics if d.severity != "note"] == []
     return result
 

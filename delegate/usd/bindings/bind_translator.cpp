@@ -130,6 +130,9 @@ TranslatorSettings settings_from(Arguments& arguments) {
   if (!arguments.optional("motion_tolerance").is_none()) {
     settings.motion_tolerance_pixels = arguments.value<double>("motion_tolerance", "a float");
   }
+  if (!arguments.optional("outside_tolerance").is_none()) {
+    settings.outside_tolerance = arguments.value<double>("outside_tolerance", "a float");
+  }
   if (!arguments.optional("max_segments").is_none()) {
     settings.max_segments = arguments.value<std::uint32_t>("max_segments", "an int");
   }
@@ -303,6 +306,11 @@ void bind_reports(nb::module_& m) {
       .def_ro("count", &TrackReport::count)
       .def_ro("moving_transform", &TrackReport::moving_transform)
       .def_ro("error_pixels", &TrackReport::error_pixels)
+      .def_ro("tolerance_pixels", &TrackReport::tolerance_pixels)
+      .def_ro("error_outside", &TrackReport::error_outside)
+      .def_ro("outside", &TrackReport::outside)
+      .def_ro("coarser", &TrackReport::coarser)
+      .def_ro("keys_saved", &TrackReport::keys_saved)
       .def_ro("shape_error_pixels", &TrackReport::shape_error_pixels);
 }
 

@@ -164,7 +164,23 @@ class TrackReport:
         """A still shape under a moving transform, not one that is baked."""
     @property
     def error_pixels(self) -> float:
-        """The largest deviation found from the stage's motion."""
+        """The largest deviation found from the stage's motion; of instances, of those in the picture, if there are any and
+        none misses its tolerance."""
+    @property
+    def tolerance_pixels(self) -> float:
+        """That error_pixels is held to: the motion tolerance or, outside of the picture, ``outside_tolerance`` times it."""
+    @property
+    def error_outside(self) -> bool:
+        """error_pixels is of what moves outside of the picture."""
+    @property
+    def outside(self) -> int:
+        """Of ``count``: that move, wholly outside of the picture throughout the shutter."""
+    @property
+    def coarser(self) -> int:
+        """Of those: that took fewer keys than the motion tolerance asks for."""
+    @property
+    def keys_saved(self) -> int:
+        """By all of these together."""
     @property
     def shape_error_pixels(self) -> float | None:
         """How far what is drawn strays from the prim's true surface in the picture, at most, in pixels
@@ -231,6 +247,7 @@ class Translator:
         width: int,
         height: int,
         motion_tolerance: float = 0.1,
+        outside_tolerance: float = 8.0,
         max_segments: int = 128,
         interpolation: Literal["auto", "linear", "quadratic", "cubic"] = "auto",
         segments: int = 0,
@@ -245,10 +262,11 @@ class Translator:
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
         bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one),
-        ``bends01``: where its motion may change its course; None: at every time. ``periods01``: shares of the
+        ``breakpoints01``: where its motion may change its course; None: at every time. ``periods01``: shares of the
         shutter after which it may repeat.
         ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
         ``clipping_planes`` [P, 4]: of checked_planes().
+        ``outside_tolerance``: how many times as far may stray what moves wholly outside of the picture; at least 1.
         ``keep_faces``: for the AOV elementId. ``measure_shape``: whether TrackReport.shape_error_pixels is.
         ``edge_length``: about how long edges of a subdivided surface are in pixels;
         0: cages are drawn as polygons. ``displacement``: what surfaces become whose

@@ -24,6 +24,8 @@ class SceneFacts:
     """That are on, by the names of core/plan/effect_plan.h."""
     moves: bool
     """Whether anything that is drawn does."""
+    moves_outside: bool
+    """Whether anything moves wholly outside of the picture, on a tolerance of its own."""
     cut: bool
     """Whether surfaces are cut more or less finely by --complexity: subdivided ones, spheres and the like."""
     frame: float | None
@@ -50,6 +52,7 @@ def scene_facts(
     facts = SceneFacts(
         effects=frozenset(row["effect"] for row in found["effects"] if row["asked_by"]),
         moves=any(track.segments > 0 for track in result.tracks),
+        moves_outside=any(track.outside for track in result.tracks),
         cut=counts["triangles"] != coarse.scene.statistics()["triangles"],
         frame=frame,
         frames=1 if frame is None or last is None else max(1, int(last - frame) + 1),

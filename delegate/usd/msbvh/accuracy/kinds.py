@@ -16,13 +16,13 @@ REFERENCE_EDGE = 0.25
 """Pixels: half of the finest edge that is swept."""
 
 DECIDED_BY: Mapping[Error, tuple[str, ...]] = {
-    "motion": ("motion-tolerance", "segments", "interpolation"),
+    "motion": ("motion-tolerance", "outside-tolerance", "segments", "interpolation"),
     "shape": ("edge-length", "complexity", "displacement"),
     "light": ("max-bounces",),
 }
 """Options by the error that they decide."""
 FINEST: Mapping[Error, Options] = {
-    "motion": Options.of({"motion-tolerance": DENSE_TOLERANCE}),
+    "motion": Options.of({"motion-tolerance": DENSE_TOLERANCE, "outside-tolerance": 1.0}),
     "shape": Options.of({"edge-length": REFERENCE_EDGE, "complexity": FINEST_COMPLEXITY}),
     "light": Options.of({"max-bounces": MOST_BOUNCES}),
 }
@@ -51,5 +51,5 @@ def finest(facts: SceneFacts, options: Options) -> Options:
 
 
 def motion_pixels(tracks: Any) -> float:
-    """The largest deviation of any prim from the stage's motion."""
-    return max((track["error_pixels"] for track in tracks), default=0.0)
+    """The largest deviation from the stage's motion of any prim in the picture."""
+    return max((track["error_pixels"] for track in tracks if not track["error_outside"]), default=0.0)

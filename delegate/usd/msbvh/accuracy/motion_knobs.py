@@ -9,6 +9,8 @@ from .knobs import Knob, Step, steps_of
 
 TOLERANCES = (4.0, 2.0, 1.0, 0.5, 0.25, 0.1, 0.05, 0.025)
 """Pixels."""
+OUTSIDE_TOLERANCES = (64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 1.0)
+"""Times the motion tolerance."""
 ORDERS = ("linear", "quadratic", "cubic")
 DENSE_TOLERANCE = 0.005
 """Pixels: stands for the stage's own evaluation."""
@@ -20,6 +22,14 @@ def _stands_still(facts: SceneFacts) -> str:
 
 def _tolerances(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:
     return {"": steps_of("motion-tolerance", TOLERANCES[::3] if few else TOLERANCES)}
+
+
+def _nothing_outside(facts: SceneFacts) -> str:
+    return "" if facts.moves_outside else "nothing moves outside of the picture"
+
+
+def _outside(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:
+    return {"": steps_of("outside-tolerance", OUTSIDE_TOLERANCES[::2] if few else OUTSIDE_TOLERANCES)}
 
 
 def _segments(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:
@@ -36,6 +46,16 @@ MOTION_KNOBS = (
         error="motion",
         steps=_tolerances,
         idle=_stands_still,
+    ),
+    Knob(
+        name="Outside tolerance",
+        option="outside-tolerance",
+        unit="times",
+        says="How many times as far prims may stray that move outside of the picture, where shadows and bounces alone show them.",
+        error="motion",
+        steps=_outside,
+        idle=_nothing_outside,
+        joint=False,
     ),
     Knob(
         name="Segments by order",

@@ -14,6 +14,7 @@ DEFAULTS: Mapping[str, Value] = {
     "curves": "ribbon",
     "displacement": "auto",
     "layout": "full",
+    "outside-tolerance": 8.0,
     "sampler": "sobol",
     "split-budget": 1.0,
 }

@@ -27,6 +27,8 @@ class Track:
     segments: int
     degree: int
     error_px: float
+    outside: bool
+    """Its error is of what is outside of the picture."""
     bytes: int
     count: int
 
@@ -59,11 +61,13 @@ def tracks_by_path(reports: Sequence[Any]) -> dict[str, Track]:
 
 def _merged(found: Sequence[Any]) -> Track:
     main = max(found, key=lambda track: (track.segments, track.degree))
+    worst = max(found, key=lambda track: (not track.error_outside, track.error_pixels))
     return Track(
         source=main.source,
         segments=main.segments,
         degree=main.degree,
-        error_px=max(track.error_pixels for track in found),
+        error_px=worst.error_pixels,
+        outside=worst.error_outside,
         bytes=sum(track.bytes for track in found),
         count=max(track.count for track in found),
     )
@@ -91,7 +95,7 @@ def prim_rows(
         }
         for path, track in now.items()
     ]
-    rows.sort(key=lambda row: (-(row["error_px"] or 0.0), -row["bytes"], row["path"]))
+    rows.sort(key=lambda row: (row["outside"], -(row["error_px"] or 0.0), -row["bytes"], row["path"]))
     return rows
 
 
@@ -165,6 +169,7 @@ def _row(
         "source": track.source,
         "track": track.words,
         "error_px": track.error_px,
+        "outside": track.outside,
         "bytes": track.bytes,
         "keys": track.keys,
         "count": track.count,

@@ -129,6 +129,7 @@ def _most_wrong(prims: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
         return list(prims)
 
     def error(prim: Mapping[str, Any]) -> float:
-        return max(number(prim.get("error_px")) or 0.0, number(prim.get("shape_px")) or 0.0)
+        moved = 0.0 if prim.get("outside") else number(prim.get("error_px")) or 0.0
+        return max(moved, number(prim.get("shape_px")) or 0.0)
 
     return sorted(prims, key=error, reverse=True)[:MOST_PRIMS]

@@ -34,7 +34,9 @@ DEFAULT_WIDTH = 480
 QUICK_DETAIL = 0.1
 """Of built-in scenes."""
 NO_AXIS = "none"
-KNOBS = ("motion-tolerance", "interpolation", "segments", "edge-length", "complexity", "displacement", "curves")
+KNOBS = (
+    "motion-tolerance", "outside-tolerance", "interpolation", "segments", "edge-length", "complexity", "displacement", "curves",
+)  # fmt: skip
 """Options of SCENE that a report turns; what the user gives is where the others are held."""
 
 OPTIONS = (

@@ -66,6 +66,7 @@ def read_settings(options: dict[str, Any]) -> ReadSettings:
         purposes=options["purposes"],
         shutter=options["shutter"],
         motion_tolerance=options["motion_tolerance"],
+        outside_tolerance=options["outside_tolerance"],
         interpolation=options["interpolation"],
         segments=options["segments"] or 0,
         max_instances=options["max_instances"],

@@ -31,7 +31,7 @@ def motion_command(
     track that follows them, its error in pixels and its bytes.
 
     PRIM limits the report to a prim and those below it, with the rule and the samples of each. Exit code 1 if
-    a track misses --motion-tolerance.
+    a track misses --motion-tolerance, times --outside-tolerance for what is outside of the picture.
     """
     reporter, log = Reporter(), SampleLog()
     stage, time, result = read_one_frame("motion", scene, frame, options, reporter, log)

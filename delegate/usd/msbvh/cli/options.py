@@ -126,6 +126,16 @@ READING: Sequence[Decorator] = (
         help="How far, in pixels, motion may deviate from the stage's. Smaller values take more keys and memory.",
     ),
     click.option(
+        "--outside-tolerance",
+        type=click.FloatRange(1.0),
+        callback=finite,
+        default=8.0,
+        show_default=True,
+        metavar="TIMES",
+        help="How many times --motion-tolerance the motion of what is outside of the picture throughout the shutter may deviate,"
+        " which shadows and bounces alone show. Smaller values take more keys and memory; 1: no more than the rest.",
+    ),
+    click.option(
         "--interpolation",
         type=click.Choice(INTERPOLATIONS),
         default="auto",

@@ -45,7 +45,9 @@ def plan_command(scene: str, frame: str | None, as_json: bool, rays: int, **opti
     report(result.diagnostics, reporter)
     bounces = options["max_bounces"]
     costs = _costs(result, rays, bounces) if rays else None
-    found = plan_report(result.scene, costs, max_bounces=bounces, left_out=result.left_out)
+    found = plan_report(
+        result.scene, costs, max_bounces=bounces, left_out=result.left_out, coarser=result.coarser_tracks
+    )
     if as_json:
         said = {"warnings": reporter.warnings, "errors": reporter.errors}
         print(json.dumps({"scene": scene, "plan": first_reasons(found), **plain(found), **said}, indent=2))

@@ -36,6 +36,12 @@ class PrimMotion:
     hidden_partly: bool
     moving_transform: bool
     error_pixels: float
+    tolerance_pixels: float
+    """That the error is held to."""
+    outside: int
+    """Of `count`: that move, wholly outside of the picture throughout the shutter, and may stray further than what is seen."""
+    keys_saved: int
+    """By those."""
     bytes: int
     count: int
     samples: tuple[FoundSamples, ...] = ()
@@ -47,6 +53,11 @@ class PrimMotion:
         return self.segments == 0 and not self.hidden_partly
 
     @property
+    def beyond(self) -> bool:
+        """Whether it misses its tolerance."""
+        return not self.error_pixels <= self.tolerance_pixels
+
+    @property
     def track(self) -> str:
         """In words."""
         if self.segments == 0:
@@ -55,7 +66,11 @@ class PrimMotion:
             words = "moving transform" if self.moving_transform else DEGREES[self.degree]
         if self.time_remap:
             words += " under a time remap"
-        return words + (", visible for a part of the shutter" if self.hidden_partly else "")
+        if self.hidden_partly:
+            words += ", visible for a part of the shutter"
+        if not self.outside:
+            return words
+        return f"{words}, {'' if self.outside >= self.count else f'{self.outside:,} '}outside of the picture"
 
     def plain(self) -> dict[str, Any]:
         """As JSON has it."""
@@ -68,6 +83,9 @@ class PrimMotion:
             "segments": self.segments,
             "degree": self.degree,
             "error_px": self.error_pixels if math.isfinite(self.error_pixels) else None,
+            "tolerance_px": self.tolerance_pixels,
+            "outside": self.outside,
+            "keys_saved": self.keys_saved,
             "bytes": self.bytes,
             "warnings": list(self.warnings),
             "count": self.count,
@@ -83,12 +101,13 @@ class MotionReport:
     shutter: tuple[float, float]
     """Frames relative to the frame."""
     tolerance_pixels: float
+    """Of what is in the picture."""
     prims: tuple[PrimMotion, ...]
 
     @property
     def beyond(self) -> list[PrimMotion]:
-        """Those that miss the tolerance, the worst first."""
-        missed = [prim for prim in self.prims if not prim.error_pixels <= self.tolerance_pixels]
+        """Those that miss their tolerance, the worst first."""
+        missed = [prim for prim in self.prims if prim.beyond]
         return sorted(missed, key=lambda prim: -prim.error_pixels)
 
     def plain(self) -> dict[str, Any]:
@@ -132,6 +151,7 @@ def _merged(tracks: Sequence[Any]) -> PrimMotion:
     """The tracks of one path as one: instances that take different numbers of keys, a mesh that is itself an
     instance."""
     main = max(tracks, key=lambda track: (track.segments, track.degree, track.error_pixels))
+    worst = max(tracks, key=_weight)
     instances = [track.count for track in tracks if track.source == "instances"]
     rules = dict.fromkeys(track.rule for track in tracks)
     if len(rules) > 1:
@@ -145,10 +165,19 @@ def _merged(tracks: Sequence[Any]) -> PrimMotion:
         time_remap=any(track.time_remap for track in tracks),
         hidden_partly=any(track.hidden_partly for track in tracks),
         moving_transform=main.moving_transform,
-        error_pixels=max(track.error_pixels for track in tracks),
+        error_pixels=worst.error_pixels,
+        tolerance_pixels=worst.tolerance_pixels,
+        outside=sum(track.outside for track in tracks),
+        keys_saved=sum(track.keys_saved for track in tracks),
         bytes=sum(track.bytes for track in tracks),
         count=sum(instances) or 1,
     )
+
+
+def _weight(track: Any) -> tuple[bool, bool, float]:
+    """What is seen counts before what is not, and what misses its tolerance before either, as in TrackReport."""
+    share = track.error_pixels / track.tolerance_pixels
+    return not share <= 1.0, not track.error_outside, share
 
 
 def _filled(

@@ -10,7 +10,7 @@ from .report import DEGREES, MotionReport, PrimMotion
 MOST_TIMES_IN_A_LINE = 6
 WIDEST_PATH = 64
 """Characters; a longer path has a line of its own, so that the columns stay on the screen."""
-HEADER = ("prim", "moved by", "track", "segments", "error px", "bytes")
+HEADER = ("prim", "moved by", "track", "segments", "error px", "within px", "bytes")
 
 
 def motion_text(report: MotionReport, prim: str | None, verbose: bool) -> str:
@@ -20,7 +20,7 @@ def motion_text(report: MotionReport, prim: str | None, verbose: bool) -> str:
     shown = [found for found in report.prims if verbose or not found.still or found.path == named]
     lines = [_headline(report)]
     if shown:
-        rows = [_cells(found, report.tolerance_pixels) for found in shown]
+        rows = [_cells(found) for found in shown]
         columns = zip(HEADER, *rows, strict=True)
         widths = [max(len(cell) for cell in column if len(cell) <= WIDEST_PATH) for column in columns]
         lines.append(_line(HEADER, widths))
@@ -37,7 +37,7 @@ def beyond_text(report: MotionReport, segments: int | None, interpolation: str) 
     what = "1 track misses" if count == 1 else f"{count} tracks miss"
     at = f"{worst.path} by {worst.error_pixels:.4g} px on {_plural(worst.segments, 'segment')}"
     which = at if count == 1 else f"the worst is {at}"
-    return f"{what} the tolerance of {report.tolerance_pixels:g} px: {which}; {_advice(segments, interpolation)}"
+    return f"{what} the tolerance of {worst.tolerance_pixels:g} px: {which}; {_advice(segments, interpolation)}"
 
 
 def _advice(segments: int | None, interpolation: str) -> str:
@@ -63,16 +63,24 @@ def _headline(report: MotionReport) -> str:
     return f"{frame}, {report.camera}, {shutter}, tolerance {report.tolerance_pixels:g} px"
 
 
-def _cells(found: PrimMotion, tolerance: float) -> tuple[str, ...]:
+def _cells(found: PrimMotion) -> tuple[str, ...]:
     many = f" (x {found.count:,})" if found.count > 1 else ""
     track = found.track
     if found.moving_transform and found.segments:
         track = track.replace("moving transform", f"moving transform, {DEGREES[found.degree]}")
-    missed = "" if found.error_pixels <= tolerance else " !"
+    missed = " !" if found.beyond else ""
     error = "-" if found.segments == 0 and not missed else f"{found.error_pixels:.3g}{missed}"
     if 0.0 < found.error_pixels < 5e-4:
         error = "< 0.001"
-    return (found.path + many, found.source, track, str(found.segments or "-"), error, f"{found.bytes:,}")
+    return (
+        found.path + many,
+        found.source,
+        track,
+        str(found.segments or "-"),
+        error,
+        f"{found.tolerance_pixels:g}",
+        f"{found.bytes:,}",
+    )
 
 
 def _line(cells: Sequence[str], widths: Sequence[int]) -> str:

@@ -44,6 +44,9 @@ class FrameStats:
     """The effects that the frame calls for: effect, prim, why."""
     left_out: list[dict[str, Any]] = field(default_factory=list)
     """Prims that are not in the scene, because no ray can reach them: path, why, count (of instances)."""
+    coarser_tracks: dict[str, int] = field(default_factory=dict)
+    """How many prims and tracks of theirs have fewer keys because they are outside of the picture, and how many fewer: prims,
+    tracks, keys_saved."""
     tracks: list[dict[str, Any]] = field(default_factory=list)
     """How the motion of the camera and of each prim was kept, and by which rule: record.TRACK_FIELDS."""
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .. import _core
+from ..scene.coarser_tracks import CoarserTracks
 from .ray_shares import ray_shares
 
 
@@ -43,9 +44,12 @@ class PlanReport:
     """Of the base and all effects."""
     left_out: list[_core.LeftOut]
     """Prims that are not in the scene, because no ray can reach them."""
+    coarser_tracks: CoarserTracks
+    """Of what moves outside of the picture."""
 
 
 MOST_PRIMS = 3
+NO_TRACKS = CoarserTracks([], 0, 0)
 
 
 def plan_report(
@@ -54,14 +58,15 @@ def plan_report(
     *,
     max_bounces: int = 2,
     left_out: Sequence[_core.LeftOut] = (),
+    coarser: CoarserTracks = NO_TRACKS,
 ) -> PlanReport:
-    """`costs`: of a sample of the frame's rays; `left_out`: what reading the scene left out. Raises _core.Error for a scene
-    that is wrong."""
+    """`costs`: of a sample of the frame's rays; `left_out`, `coarser`: what reading the scene left out, and what it gave fewer
+    keys. Raises _core.Error for a scene that is wrong."""
     found = _core.effects(scene, max_bounces=max_bounces)
     shares = ray_shares(found, costs) if costs else {}
     total = found["base_bytes"] + sum(row["geometry_bytes"] for row in found["effects"])
     rows = [_row(row, total, shares.get(row["effect"])) for row in found["effects"]]
-    return PlanReport(rows, found["base_bytes"], total, list(left_out))
+    return PlanReport(rows, found["base_bytes"], total, list(left_out), coarser)
 
 
 def _row(found: _core.FoundEffect, total: int, ray_share: float | None) -> EffectRow:
@@ -81,7 +86,9 @@ def _row(found: _core.FoundEffect, total: int, ray_share: float | None) -> Effec
 
 def plain(report: PlanReport) -> dict[str, Any]:
     """For JSON."""
-    return {**vars(report), "effects": [vars(row) for row in report.effects]}
+    found = report.coarser_tracks
+    coarser = {**vars(found), "prims": found.prims[:MOST_PRIMS], "prim_count": len(found.prims)}
+    return {**vars(report), "effects": [vars(row) for row in report.effects], "coarser_tracks": coarser}
 
 
 def first_reasons(report: PlanReport) -> list[dict[str, str]]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from ..scene.coarser_tracks import CoarserTracks
 from .report import MOST_PRIMS, EffectRow, PlanReport
 
 
 def plan_text(report: PlanReport) -> str:
-    """A line for each effect that is on, with those who ask for it; then the effects that are off, the geometry, and the prims
-    that are left out."""
+    """A line for each effect that is on, with those who ask for it; then the effects that are off, the geometry, the prims that
+    are left out, and those with coarser tracks."""
     lines = [_line(row) for row in report.effects if row.on]
     off = [row.effect for row in report.effects if not row.on]
     if off:
@@ -15,7 +16,16 @@ def plan_text(report: PlanReport) -> str:
     base = report.base_bytes / report.geometry_bytes if report.geometry_bytes else 0.0
     lines.append(f"{'geometry':20} {report.geometry_bytes:,} bytes, {base:.1%} of them of no effect")
     lines += [_left_out(report, why) for why in dict.fromkeys(prim["why"] for prim in report.left_out)]
+    if report.coarser_tracks.prims:
+        lines.append(_coarser(report.coarser_tracks))
     return "\n".join(lines)
+
+
+def _coarser(found: CoarserTracks) -> str:
+    named = ", ".join(found.prims[:MOST_PRIMS])
+    more = f", {len(found.prims) - MOST_PRIMS:,} more" if len(found.prims) > MOST_PRIMS else ""
+    saved = f"{found.keys_saved:,} {'key' if found.keys_saved == 1 else 'keys'} fewer"
+    return f"{'coarser tracks':20} {len(found.prims):,} outside of the picture throughout the shutter, {saved}: {named}{more}"
 
 
 def _left_out(report: PlanReport, why: str) -> str:

@@ -46,15 +46,21 @@ def unknown_shapes(tracks: Sequence[dict[str, Any]]) -> list[str]:
     return [track["path"] for track in drawn if track["shape_error_pixels"] is None]
 
 
+def _moved(track: dict[str, Any]) -> float:
+    """The error of motion, pixels. What is outside of the picture is held to a tolerance of its own, so many times the goal."""
+    share = track["error_pixels"] / track["tolerance_pixels"]
+    return float(track["error_pixels"] if not track["error_outside"] or share > SLACK else 0.0)
+
+
 def _error(track: dict[str, Any]) -> float:
     """Of motion or of shape, whichever is larger; pixels."""
-    return float(max(track["error_pixels"], track["shape_error_pixels"] or 0.0))
+    return float(max(_moved(track), track["shape_error_pixels"] or 0.0))
 
 
 def _too_far(worst: dict[str, Any], wanted: float) -> list[str]:
     if _error(worst) <= wanted * SLACK:
         return []
-    if _error(worst) > worst["error_pixels"]:
+    if _error(worst) > _moved(worst):
         return [f"--target-error {wanted:g}px: the shape of {worst['path']} is off by {_error(worst):.3g} px"]
     return [
         f"--target-error {wanted:g}px: {worst['path']} is off by {worst['error_pixels']:.3g} px, on {worst['segments']} segments"

@@ -83,6 +83,11 @@ TRACK_FIELDS = (
     "hidden_partly",
     "moving_transform",
     "error_pixels",
+    "tolerance_pixels",
+    "error_outside",
+    "outside",
+    "coarser",
+    "keys_saved",
     "shape_error_pixels",
     "bytes",
     "count",
@@ -198,6 +203,8 @@ def _record_frame(
     stats.shutter = (camera.shutter.open, camera.shutter.close)
     stats.scene = dict(result.scene.statistics())
     stats.left_out = result.left_out
+    coarser = result.coarser_tracks
+    stats.coarser_tracks = {**vars(coarser), "prims": len(coarser.prims)}
     stats.tracks = [{name: getattr(track, name) for name in TRACK_FIELDS} for track in result.tracks]
     with stats.timed("build"):
         renderer = kept.trees.renderer(result)

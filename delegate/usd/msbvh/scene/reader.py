@@ -30,6 +30,7 @@ from ..stage.opening import tf_messages, tf_reason
 from ..stage.overs import report_overs
 from ..stage.usd_faults import leaving_out
 from ..stage.values import reported_to
+from .coarser_tracks import CoarserTracks, coarser_tracks
 from .instance_count import InstanceGraph
 from .instances import Placement, Placer, coarse_level, sampled_levels
 from .part import Part
@@ -72,6 +73,9 @@ class ReadSettings:
     motion_tolerance: float = 0.1
     """Pixels by which a moving point may stray from the stage's own evaluation. Less: more keys, more memory.
     """
+    outside_tolerance: float = 8.0
+    """How many times as far a prim may stray that moves wholly outside of the picture throughout the shutter, where shadows
+    and bounces alone show it; not with `segments`. 1: no further than the rest."""
     max_segments: int = 128
     interpolation: str = "auto"
     """linear, quadratic or cubic tracks only; auto: the cheapest for each prim."""
@@ -104,6 +108,11 @@ class ReadResult:
     """Wall-clock time of each part of the reading."""
     left_out: list = field(default_factory=list)
     """msbvh._core.LeftOut of each prim that no ray can reach."""
+
+    @property
+    def coarser_tracks(self) -> CoarserTracks:
+        """Of what moves outside of the picture."""
+        return coarser_tracks(self.tracks, {prim["path"] for prim in self.left_out})
 
 
 def read_frame(
@@ -259,6 +268,7 @@ class _FrameReader:
             "width": camera.width,
             "height": camera.height,
             "motion_tolerance": settings.motion_tolerance,
+            "outside_tolerance": settings.outside_tolerance,
             "max_segments": settings.max_segments,
             "interpolation": settings.interpolation,
             "segments": settings.segments,
