@@ -31,7 +31,7 @@ TITLE = """# Numerical stability
 Made by `python docs/make_stability.py` (`make stability`), whose options `--probes` and `--mutants` make one section anew.
 """
 
-SECTIONS = {"probes": "Rays from inside of closed moving shapes", "mutants": "Deliberate defects"}
+SECTIONS = {"probes": stability_probes.HEADING, "mutants": "Deliberate defects"}
 """Between markers, in this order: option -> heading."""
 
 NOT_MADE = """## {heading}

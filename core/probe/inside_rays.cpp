@@ -90,16 +90,17 @@ const char* inside_aim_name(InsideAim aim) {
   return kNames[static_cast<std::size_t>(aim)];
 }
 
-void add_inside_rays(const ShownMeshes& all, const ShownMesh& shown, std::size_t count, ProbeRandom& random,
-                     InsideRays& out) {
-  const float time = random.time();
+void add_inside_rays(const ShownMeshes& all, const ShownMesh& shown, std::size_t count, InsideMix mix,
+                     ProbeRandom& random, InsideRays& out) {
+  const bool plain = mix == InsideMix::kPlain;
+  const float time = plain ? static_cast<float>(random.uniform()) : random.time();
   const std::optional<MeshPose> pose = all.pose(shown, double(time));
   if (!pose) return;
   const std::optional<Vec3f> point = point_inside(shown, *pose, random);
   if (!point) return;
   Source source(shown, *pose, time, *point, random);
   for (std::size_t i = 0; i < count; ++i) {
-    const InsideAim aim = kInsideAims[i % std::size(kInsideAims)];
+    const InsideAim aim = plain ? InsideAim::kAnywhere : kInsideAims[i % std::size(kInsideAims)];
     out.rays.push_back(source.ray(aim));
     out.aims.push_back(aim);
     out.from.push_back(&shown);
@@ -107,12 +108,13 @@ void add_inside_rays(const ShownMeshes& all, const ShownMesh& shown, std::size_t
 }
 
 InsideRays inside_rays(const ShownMeshes& all, const std::vector<const ShownMesh*>& closed,
-                       std::size_t starts, std::size_t count, std::uint64_t seed) {
+                       std::size_t starts, std::size_t count, std::uint64_t seed, InsideMix mix) {
   ProbeRandom random(seed);
   InsideRays rays;
   for (const ShownMesh* shown : closed) {
     for (std::size_t i = 0; i < starts; ++i)
-      add_inside_rays(all, *shown, std::max<std::size_t>(1, count / (closed.size() * starts)), random, rays);
+      add_inside_rays(all, *shown, std::max<std::size_t>(1, count / (closed.size() * starts)), mix, random,
+                      rays);
   }
   return rays;
 }
