@@ -13,7 +13,7 @@
 namespace msbvh::bench {
 
 struct StabilitySettings {
-  std::size_t rays = 10'000;  // about; ten times as many of StabilityProbe::kInsidePlain
+  std::size_t rays = 5'000;  // about; ten times as many of StabilityProbe::kInsidePlain
   std::uint32_t seed = 1;
   double oracle_tests = 2e6;  // primitives that the oracle tests for a cell and a side; one ray at least
   const PeerLibrary* peer = nullptr;   // with its robust flag

@@ -3,7 +3,7 @@
     python docs/make_stability.py [--probes [REPORT.json ...]] [--mutants] [--allow-dirty]
 
 Its two sections stand between markers and are made anew apart; without an option both are. --probes takes reports of
-`msbvh bench --stability --json`, of all shapes or several of some of them; without one it measures (ten minutes),
+`msbvh bench --stability --json`, of all shapes or several of some of them; without one it measures (ten minutes on two cores),
 beside Embree where the wheel embreex is installed. --mutants takes a quarter of an hour, most of it the build. A tree with
 uncommitted changes is refused, or with --allow-dirty marked. Exit 1 if a ray of ours gets out or a defect is not caught.
 """

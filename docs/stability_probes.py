@@ -150,7 +150,8 @@ def _reading_of_peer(rows: Sequence[Row], peer: str) -> Iterator[str]:
     )
     for row in _of(rows, PLAIN):
         triangles = _core.stability_shapes()[row["shape"]].partition(",")[0]
-        yield f"{triangles.capitalize()}: {name(row)}, in any direction at any time: {_million([row], 'peer_leaks')} of a million."
+        share = _million([row], "peer_leaks")
+        yield f"{triangles.capitalize()}: {name(row)}, in any direction at any time: {share} of a million."
     worst = max(closed, key=lambda row: row["peer_leaks"] / max(1, row["rays"]), default=None)
     if worst and worst["peer_leaks"]:
         yield f"Its worst other row: {name(worst)}: {_million([worst], 'peer_leaks')} of a million."

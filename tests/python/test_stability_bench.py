@@ -76,7 +76,9 @@ def test_what_is_tried() -> None:
     assert {1e-6, 1, 1e6} <= {scale for *_, scale in every}
     assert set(cells(StabilitySettings(quick=True))) < set(every)
     assert [cell for cell in every if cell[0] == "fine"] == [("fine", "flight", 128, 1, 1e4, 1.0)]
-    degenerate = {cell[1]: cell for cell in every if cell[1] in ("slivers at the ends", "denormal keys", "near-equal keys")}
+    degenerate = {
+        cell[1]: cell for cell in every if cell[1] in ("slivers at the ends", "denormal keys", "near-equal keys")
+    }
     assert len(degenerate) == 3
     assert {cell[0] for cell in every if cell[1] == "denormal keys"} == {"ball"}
 
@@ -94,7 +96,7 @@ def test_a_cell_that_cannot_be_is_refused() -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (("--scenes", "pear*"), 1, "matches nothing; expected globs of ball, dense, shell"),
+        (("--scenes", "pear*"), 1, "matches nothing; expected globs of ball, dense, fine, shell"),
         (("--builder", "mbvh"), 2, "--builder and --stability exclude each other"),
         (("--threads", 1), 2, "--threads and --stability exclude each other"),
         (("--frames",), 2, "--stability and --frames exclude each other"),
@@ -110,7 +112,8 @@ def test_what_is_refused(fails: Fails, arguments: Sequence[object], code: int, m
 
 def row(shape: str, keys: int, leaks: float, peer: float | None, **changed: Any) -> dict[str, Any]:
     found = {
-        "shape": shape, "probe": "from inside", "motion": "rotation", "degenerate": False, "keys": keys, "degree": 1, "position": 1e4, "scale": 1.0, "rays": 6000,
+        "shape": shape, "probe": "from inside", "motion": "rotation", "degenerate": False,
+        "keys": keys, "degree": 1, "position": 1e4, "scale": 1.0, "rays": 6000,
         "rays_at_keys": 3000, "judged": 1000, "wrong": 0.0, "leaks": leaks, "leaks_at_keys": 0.0, "peer_leaks": peer,
         "peer_wrong": peer and 0.0, "peer_leaks_at_keys": peer and peer / 3,
     }  # fmt: skip

@@ -41,12 +41,12 @@ class StabilitySettings:
     @property
     def rays(self) -> int:
         """About so many a row; of the ball of 39600 triangles ten times as many."""
-        return 3_000 if self.quick else 10_000
+        return 3_000 if self.quick else 5_000
 
     @property
     def oracle_tests(self) -> float:
         """Primitives that the oracle tests for a row, a side and an instruction set of ours."""
-        return 1e5 if self.quick else 1e6
+        return 1e5 if self.quick else 5e5
 
 
 def cells(settings: StabilitySettings) -> list[_core.StabilityCell]:
