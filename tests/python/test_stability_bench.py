@@ -198,5 +198,13 @@ def test_a_section_is_made_anew_and_the_other_one_stays() -> None:
     assert "Not made" not in second
     third = make_stability.refreshed(second, {"probes": "## Rays\n\nnew\n"})
     assert ("old" in third, "new" in third, "33" in third) == (False, True, True)
+    found = make_stability.refreshed(third, {"mutants": "## Defects\n\n36 of 37 are caught. All are in one build.\n"})
+    assert found.index("- Deliberate defects: 36 of 37 are caught by the test named for them.") < found.index("## Rays")
+    assert (
+        stability_probes.section(report(*TWO)).splitlines()[6]
+        in make_stability.refreshed(found, {"probes": stability_probes.section(report(*TWO))}).partition("<!-- probes")[
+            0
+        ]
+    )
     with pytest.raises(make_stability.PageError, match="found no section between"):
         make_stability.refreshed("# Another page\n", {})
