@@ -139,7 +139,9 @@ class Maker {
     set.segments = form_.segments;
     set.degree = form_.degree;
     set.shape = CurveShape::kTube;
+    // Two spans of one parabola: no kink where they meet, which a swept circle would leave open.
     constexpr std::uint32_t kVertices = 7;
+    constexpr double kParabola[kVertices] = {1.0, 1.0 / 3.0, 0.0, 0.0, 0.0, 1.0 / 3.0, 1.0};
     std::vector<Vec3d> rest;
     for (const double x : {-0.9, 0.0, 0.9}) {
       for (const double y : {-0.9, 0.0, 0.9}) {
@@ -148,7 +150,7 @@ class Maker {
         set.spans.insert(set.spans.end(), {first, first + kSpanVertices - 1});
         for (std::uint32_t i = 0; i < kVertices; ++i) {
           const double along = 2.0 * i / (kVertices - 1.0) - 1.0;
-          rest.push_back(Vec3d{x, y, along} + bend * (along * along));
+          rest.push_back(Vec3d{x, y, along} + bend * kParabola[i]);
         }
       }
     }
