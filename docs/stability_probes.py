@@ -151,13 +151,13 @@ def _reading_of_peer(rows: Sequence[Row], peer: str) -> Iterator[str]:
     for row in _of(rows, PLAIN):
         triangles = _core.stability_shapes()[row["shape"]].partition(",")[0]
         share = _million([row], "peer_leaks")
-        yield f"{triangles.capitalize()}: {name(row)}, in any direction at any time: {share} of a million."
+        yield f"{triangles.capitalize()}, rays in any direction at any time ({name(row)}): {share} of a million."
     worst = max(closed, key=lambda row: row["peer_leaks"] / max(1, row["rays"]), default=None)
     if worst and worst["peer_leaks"]:
         yield f"Its worst other row: {name(worst)}: {_million([worst], 'peer_leaks')} of a million."
     still = sorted({row["keys"] for row in closed} - {row["keys"] for row in leaking})
     if still:
-        yield f"It loses none with {' and '.join(map(str, still))} keys."
+        yield f"It loses none with {_listed(still)} keys."
     at, between = _by_time(closed, "peer_")
     yield f"At keys and next to them it loses {at} of a million, at other times {between}."
     if degenerate := _of(rows, INSIDE, degenerate=True):
@@ -165,6 +165,12 @@ def _reading_of_peer(rows: Sequence[Row], peer: str) -> Iterator[str]:
     for shape in dict.fromkeys(row["shape"] for row in _of(rows, ROUND)):
         share = _million([row for row in rows if row["shape"] == shape], "peer_leaks")
         yield f"Into {_core.stability_shapes()[shape].partition(',')[0]}: {share} of a million."
+
+
+def _listed(numbers: Sequence[int]) -> str:
+    """`2, 3 and 9`."""
+    *first, last = map(str, numbers)
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def name(row: Row) -> str:

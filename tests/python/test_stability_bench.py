@@ -141,6 +141,10 @@ def test_both_columns_stand_in_the_page() -> None:
     assert "5,000 of a million rays get out of closed shapes, over all 2 rows" in text
     assert "Its worst other row: cube, rotation, 129 keys, position 10000, scale 1: 10,000 of a million." in text
     assert "It loses none with 2 keys." in text
+    still = stability_probes.section(
+        report(row("ball", 2, 0.0, 0.0), row("ball", 3, 0.0, 0.0), row("ball", 9, 0.0, 0.0))
+    )
+    assert "It loses none with 2, 3 and 9 keys." in still
     assert "it loses 3,333 of a million, at other times 6,667." in text
     assert "stands alone" not in text
 
@@ -155,7 +159,7 @@ def test_tubes_degenerate_motion_and_rays_of_one_aim_stand_apart_in_the_page() -
     assert "5,000 of a million rays get out of closed shapes, over all 2 rows" in text
     assert "In degenerate motion: 2,000 of a million, over 1 rows." in text
     assert "Into nine bent tubes of two cubic spans each: 1,000 of a million." in text
-    fine = "A closed ball of 39600 triangles: fine, flight, 129 keys, position 10000, scale 1, in any direction at any time"
+    fine = "A closed ball of 39600 triangles, rays in any direction at any time (fine, flight, 129 keys, position 10000, scale 1)"
     assert f"{fine}: 200,000 of a million." in text
     assert "| in any direction | 0 | 4,000 |" in text
     assert "Ours: 0 of 30,000 rays are lost, and 0 of 5,000 judged differ" in text
