@@ -20,7 +20,7 @@ INSIDE, PLAIN, ROUND = "from inside", "from inside, plain", "into round"
 FOUND = """## {heading}
 
 Made by `{command}`: msbvh {msbvh}{commit}{peer}, {processor},
-{instruction_set}, seed {seed}; {minutes:.1f} minutes.{alone} A ray that hits nothing is lost.
+{instruction_set}, seed {seed}; {minutes:.1f} minutes{runs}.{alone} A ray that hits nothing is lost.
 
 """
 HEADING = "Rays from inside of closed moving shapes, and into tubes and spheres"
@@ -80,9 +80,15 @@ def joined(reports: Sequence[Report]) -> Report:
         for key in same:
             if report["machine"][key] != first[key]:
                 raise ValueError(f"reports: found {key} {first[key]} and {report['machine'][key]}; expected one")
-    seconds = sum(report["machine"]["seconds"] for report in reports)
+    machines = [report["machine"] for report in reports]
+    together = {
+        "seconds": sum(machine["seconds"] for machine in machines),
+        "load_average": max(machine["load_average"] for machine in machines),
+        "scenes": [name for machine in machines for name in machine["scenes"]],
+        "runs": len(machines),
+    }
     return {
-        "machine": {**first, "seconds": seconds, "scenes": [s for r in reports for s in r["machine"]["scenes"]]},
+        "machine": {**first, **together},
         "rows": [row for report in reports for row in report["rows"]],
     }
 
@@ -109,6 +115,9 @@ def _head(report: Report) -> str:
         instruction_set=machine["instruction_set"],
         seed=machine["seed"],
         minutes=machine["seconds"] / 60,
+        runs=f" in {machine['runs']} runs at a load of up to {machine['load_average']:.0f}"
+        if "runs" in machine
+        else "",
     )
 
 

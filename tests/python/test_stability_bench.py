@@ -127,6 +127,7 @@ def report(*rows: dict[str, Any], **machine: Any) -> dict[str, Any]:
     about = {
         "processor": "A processor", "instruction_set": "avx3", "msbvh": "0.1.0", "commit": "abc1234", "seed": 1,
         "peer": "Embree 4.4.0 (AVX-512)", "scenes": ["*"], "rays": 6000, "quick": False, "seconds": 120.0,
+        "load_average": 1.2,
     }  # fmt: skip
     return {"machine": about | machine, "rows": list(rows)}
 
@@ -188,6 +189,7 @@ def test_reports_of_shapes_are_joined_if_they_are_of_one_commit() -> None:
     both = stability_probes.joined([one, other])
     assert len(both["rows"]) == 2
     assert both["machine"]["seconds"] == 240.0
+    assert "4.0 minutes in 2 runs at a load of up to 1." in stability_probes.section(both)
     with pytest.raises(ValueError, match="found commit abc1234 and fff0000"):
         stability_probes.joined([one, report(TWO[1], commit="fff0000")])
 
