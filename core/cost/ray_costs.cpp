@@ -31,8 +31,8 @@ struct Counter {
 
 class Counting {
  public:
-  Counting(const Frame& frame, EffectSet effects, const CostTally& none)
-      : frame_(frame), effects_(effects), tracer_(frame.world), none_(none) {}
+  Counting(const Frame& frame, const CostTally& none)
+      : frame_(frame), tracer_(frame.world), none_(none) {}
 
   void count(const SampledPaths& paths, std::uint64_t first, std::uint64_t last) {
     parallel_for_ranges(last - first, kPathsPerTask, [&](std::size_t begin, std::size_t end) {
@@ -55,7 +55,7 @@ class Counting {
  private:
   void count(const PathId& path, Counter& counter) const {
     counter.rays.clear();
-    add_path_rays(frame_, effects_, path, counter.batch, counter.rays);
+    add_path_rays(frame_, path, counter.batch, counter.rays);
     counter.camera += counted(counter.rays.camera, counter);
     counted(counter.rays.bounce, counter);
     counted(counter.rays.shadow, counter);
@@ -91,7 +91,6 @@ class Counting {
   }
 
   const Frame& frame_;
-  const EffectSet effects_;
   const Tracer tracer_;
   const CostTally& none_;  // to begin with
   std::mutex mutex_;
@@ -127,14 +126,14 @@ void expect_samples(const RayCostSettings& settings) {
 
 }  // namespace
 
-RayCosts ray_costs(const Frame& frame, EffectSet effects, const BuildSettings& build, std::uint32_t spp,
+RayCosts ray_costs(const Frame& frame, const BuildSettings& build, std::uint32_t spp,
                    const RayCostSettings& settings, const RayCostProgress& progress) {
   expect_samples(settings);
   const SampledPaths paths(frame.width, frame.height, spp, frame.seed, settings.camera_samples);
   const SceneRows rows(frame.scene());
   const SceneOwners owners(frame.index, rows, frame.world);
   const CostTally none(rows, owners, CostModel(build));
-  Counting counting(frame, effects, none);
+  Counting counting(frame, none);
   for (std::uint64_t first = 0; first < paths.size(); first += kPathsPerProgress) {
     const std::uint64_t last = std::min(paths.size(), first + kPathsPerProgress);
     counting.count(paths, first, last);

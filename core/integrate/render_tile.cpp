@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/integrate/accumulate.h"
-#include "core/integrate/generate.h"
 #include "core/integrate/trace_paths.h"
 
 namespace msbvh {
@@ -33,20 +32,19 @@ void resolve(const Tile& tile, const TileWorkspace& workspace, Image& image) {
 }  // namespace
 
 TraceModes render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image) {
-  const Generate generate = choose_generate(job.effects, job.frame.sampling);
-  const bool aovs = job.effects.has(Effect::kAovs);
+  const Stages& stages = job.frame.stages;
   const std::uint32_t pixels = tile.pixels(), most = std::max(1u, job.batch_paths / pixels);
   TraceModes traced;
   workspace.sums.reset(pixels);
-  if (aovs) workspace.aov_sums.reset(pixels);
+  if (!image.aovs.empty()) workspace.aov_sums.reset(pixels);
   const std::uint32_t end = job.samples.first + job.samples.count;
   for (SampleRange samples{job.samples.first, 0}; samples.first < end; samples.first += samples.count) {
     if (job.cancelled.load(std::memory_order_relaxed)) return traced;
     samples.count = std::min(most, end - samples.first);
-    generate(job.frame, tile, samples, workspace.batch);
-    trace_paths(job.frame, job.effects, workspace.batch);
+    stages.generate(job.frame, tile, samples, workspace.batch);
+    trace_paths(job.frame, workspace.batch);
     accumulate(workspace.batch, pixels, workspace.sums);
-    if (aovs) accumulate_aovs(workspace.batch, pixels, samples.first, workspace.aov_sums);
+    stages.accumulate(workspace.batch, pixels, samples.first, workspace.aov_sums);
     traced += workspace.batch.traced;
   }
   resolve(tile, workspace, image);

@@ -12,13 +12,11 @@
 #include "core/film/tile.h"
 #include "core/integrate/frame.h"
 #include "core/integrate/path_batch.h"
-#include "core/plan/effect_plan.h"
 
 namespace msbvh {
 
 struct TileJob {
   const Frame& frame;
-  EffectSet effects;
   SampleRange samples;
   std::uint32_t batch_paths;           // at most; 1 to kMaxBatchPaths. The picture does not depend on it
   const std::atomic<bool>& cancelled;  // asked before every batch
