@@ -21,7 +21,7 @@ from msbvh.accuracy.picture_errors import noise_flip, own_noise, paired_error, p
 from msbvh.accuracy.points import Point, front_of
 from msbvh.accuracy.store import Figures
 from msbvh.accuracy.sweep import Axis
-from msbvh.cli.main import commands
+from msbvh.cli.record_command import record_command
 from msbvh.output.flip import flip_map
 
 EVERYTHING = SceneFacts(
@@ -113,13 +113,12 @@ ALWAYS_ON = ("robust",)
 
 @pytest.mark.parametrize("knob", [knob for knob in ALL if knob.option not in ALWAYS_ON], ids=lambda knob: knob.option)
 def test_record_takes_every_position_of_a_knob(knob: Any) -> None:
-    record = commands.commands["record"]
     assert not knob.idle(EVERYTHING)
     steps = [step for found in knob.steps(EVERYTHING, False).values() for step in found]
     few = [step for found in knob.steps(EVERYTHING, True).values() for step in found]
     assert len(steps) >= 2 and {step.options for step in few} <= {step.options for step in steps}
     for step in steps:
-        record.make_context("record", ["s.usda", "o.exr", *step.options.without("frames").arguments()])
+        record_command.make_context("record", ["s.usda", "o.exr", *step.options.without("frames").arguments()])
 
 
 def test_a_still_scene_turns_no_knob_of_motion() -> None:
@@ -143,7 +142,7 @@ def test_a_kind_of_error_goes_with_the_options_that_decide_it() -> None:
 
 
 def test_what_is_not_spelt_out_is_what_record_does() -> None:
-    parameters = {parameter.name: parameter for parameter in commands.commands["record"].params}
+    parameters = {parameter.name: parameter for parameter in record_command.params}
     assert {name: parameters[name.replace("-", "_")].default for name in DEFAULTS} == dict(DEFAULTS)
 
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from conftest import MOVING_SQUARE, ROOT, Run
 from msbvh.cli import main as cli
+from msbvh.cli import record_command
 
 CODES = [0, 1, 2, 3, 70, 129, 130, 143]
 
@@ -23,13 +26,26 @@ def test_help_and_readme_have_the_table(capsys: pytest.CaptureFixture[str]) -> N
     assert all(" ".join(text.replace("`", "").split()) in words for _, text in rows)
 
 
+def test_a_command_imports_what_it_needs_alone() -> None:
+    said = "import sys; from msbvh.cli.main import load; load(sys.argv[1:]); print(*sys.modules)"
+
+    def modules(*arguments: str) -> set[str]:
+        done = subprocess.run([sys.executable, "-c", said, *arguments], capture_output=True, text=True, check=True)
+        return set(done.stdout.split())
+
+    assert not {"pxr", "numpy", "OpenImageIO"} & modules("--version")
+    recording = modules("record", "a.usda", "a.exr")
+    assert {"pxr", "msbvh.render.record"} <= recording
+    assert not {"msbvh.bench.rays", "msbvh.accuracy.run", "msbvh.conform.suite", "jinja2", "matplotlib"} & recording
+
+
 def test_a_defect_of_ours(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], scene: Path, tmp_path: Path
 ) -> None:
     def broken(*_: object, **__: object) -> None:
         raise ZeroDivisionError("planted\nhere")
 
-    monkeypatch.setattr(cli, "record", broken)
+    monkeypatch.setattr(record_command, "record", broken)
     arguments = ["record", str(scene), str(tmp_path / "a.exr")]
     assert cli.main(arguments) == 70
     line = capfd.readouterr().err

@@ -28,7 +28,10 @@ def main() -> int:
 
 def _run() -> int:
     try:
+        from .cli.main import load
         from .cli.main import main as run
+
+        load(sys.argv[1:])
     except (ImportError, OSError, MemoryError) as error:  # Before cli can say so.
         why = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         print(f"msbvh: error: the installation cannot be loaded (make setup mends it): {why}", file=sys.stderr)

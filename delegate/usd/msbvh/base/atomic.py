@@ -30,6 +30,10 @@ class OutputError(Exception):
     """A file cannot be written; str() is one line that names it and says why."""
 
 
+class OutputClash(OutputError):
+    """An output would overwrite what must stay; exit code 2."""
+
+
 class Folders:
     """What is known of the folders that files go to: looked up once, however many frames there are."""
 

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 
-from ..base.atomic import Folders, OutputError, check_writable
+from ..base.atomic import Folders, OutputClash, check_writable
 from ..base.errors import Diagnostics
 from ..stage.opening import tf_messages
 from .images import check_image_path
@@ -52,10 +52,6 @@ Identity = tuple[int, int]
 
 _NUMBER = re.compile(r"<UDIM>|(\\\#)+")
 """In the escaped name of a texture's tiles, or of value clips by template."""
-
-
-class OutputClash(OutputError):
-    """An output would overwrite what must stay; exit code 2."""
 
 
 class Outputs:

@@ -18,6 +18,7 @@ from ..base.errors import Diagnostics
 from ..base.image_metadata import ImageMetadata
 from ..base.progress import PATIENCE_SECONDS, Progress
 from ..base.reporter import Reporter
+from ..base.software import software
 from ..output.images import ImageSettings, Layers, write_image
 from ..output.outputs import Outputs
 from ..output.stats import FrameStats, RunStats
@@ -94,11 +95,6 @@ NOTHING_SEEN = (
 )
 FrameJob = tuple[float | None, Sequence[str]]
 """A time code (None: USD's default time) and the files that its image is written to."""
-
-
-def software() -> str:
-    """Name and version, as images and statistics carry it."""
-    return f"msbvh {_core.__version__}"
 
 
 def record(
