@@ -6,7 +6,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup render test lint sanitize bench accuracy soak clean FORCE
+.PHONY: help setup render test lint sanitize fuzz bench accuracy soak clean FORCE
 
 PYTHON ?= python3
 JOBS ?= $(shell nproc)
@@ -42,6 +42,14 @@ $(STAMPS)/system: .ci/system_packages Makefile
 $(STAMPS)/browser: .ci/system_packages Makefile
 	@command -v chromium chromium-browser google-chrome >/dev/null || .ci/system_packages chromium
 	@mkdir -p $(STAMPS) && touch $@
+
+# libFuzzer; for `make fuzz` and `make soak` alone.
+$(STAMPS)/fuzzers: $(STAMPS)/installed .ci/system_packages pyproject.toml
+	@.ci/system_packages clang-16 libclang-rt-16-dev
+	@$(BIN)/pip install --quiet --no-build-isolation --config-settings=build-dir=$(BUILD) \
+	  --config-settings=cmake.define.MSBVH_BUILD_TESTS=ON --config-settings=cmake.define.MSBVH_BUILD_BENCH=ON \
+	  --editable '.[test,fuzz]'
+	@touch $@
 
 # What builds the package, once; what it needs to run comes with it.
 $(STAMPS)/venv: $(STAMPS)/system
@@ -91,10 +99,15 @@ lint: setup  ## formatting of C++ and Python, ruff's rules, mypy's types
 sanitize: setup  ## a sample of the C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@cmake -S . -B build/sanitize -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO='-O1 -g1' \
 	  -DMSBVH_SANITIZE=address,undefined -DMSBVH_NATIVE_KERNELS=ON > build/sanitize.log
-	@cmake --build build/sanitize --target test_unit test_property test_render test_memory >> build/sanitize.log || \
+	@cmake --build build/sanitize --target test_unit test_property test_render test_memory fuzz >> build/sanitize.log || \
 	  { tail -n 60 build/sanitize.log; exit 1; }
 	@for kind in unit render memory; do build/sanitize/tests/test_$$kind --test-suite-exclude=slow || exit 1; done
 	@build/sanitize/tests/test_property --test-suite-exclude=slow --test-case-exclude='$(LONG_CASES)'
+	@ctest --test-dir build/sanitize --output-on-failure --no-tests=error -R '^fuzz\.'
+
+# OPTIONS: `--seconds N` for each target (60), `--only GLOB`, `--list`.
+fuzz: setup $(STAMPS)/fuzzers  ## each fuzz target for a minute: libFuzzer on the core, atheris on the reader
+	@$(BIN)/python docs/run_fuzz.py $(OPTIONS)
 
 # Embree comes with the extra `bench`; where its wheel is missing the page has our figures alone. Needs a clean tree.
 # OPTIONS: `--cycles` measures whole frames beside Cycles, in an environment that it makes (a GB).
@@ -113,7 +126,7 @@ accuracy: setup  ## what each step of accuracy costs on six scenes: to docs/accu
 	@$(BIN)/python docs/make_accuracy.py $(OPTIONS)
 
 # Each check is remembered by commit: the same command goes on after an interruption. OPTIONS: `--list`, `--only GLOB`.
-soak: setup  ## every long check whole, for hours; goes on where it was interrupted; result in docs/soak.md
+soak: setup $(STAMPS)/fuzzers  ## every long check whole, for hours; goes on where it was interrupted; result in docs/soak.md
 	@$(BIN)/python docs/make_soak.py $(OPTIONS)
 
 clean:  ## removes everything that make has made

@@ -1,8 +1,8 @@
 """The long checks, found where they are written, and one of them run in a process of its own.
 
 C++: test cases of the suite "slow" whose names begin with "soak: " (tests/support/soak.h). Python: tests with the marker
-`soak` (tests/python/soak.py). And the C++ tests, as `make test` runs them, in builds with sanitizers and the kernels of
-every instruction set.
+`soak` (tests/python/soak.py). The C++ tests, as `make test` runs them, in builds with sanitizers and the kernels of
+every instruction set. And each fuzz target for two minutes (run_fuzz.py).
 """
 
 from __future__ import annotations
@@ -19,11 +19,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree
 
+import run_fuzz
+
 PREFIX = "soak: "
 BEAT_SECONDS = 60.0
 """How often a running check is heard of."""
 SANITIZERS = {"asan": "AddressSanitizer and UndefinedBehaviorSanitizer", "tsan": "ThreadSanitizer"}
 """Presets of CMakePresets.json."""
+FUZZ_SECONDS = 120
+"""For each target."""
 GRACE_SECONDS = 10.0
 """What a process gets to clean up before it is killed."""
 
@@ -70,7 +74,8 @@ def find_checks(root: Path, build: Path) -> list[Check]:
     if not executables:
         raise SoakError(f"{build / 'tests'}: found no tests; expected a build with them: make setup")
     found = [check for executable in executables for check in _doctest_checks(executable)]
-    return found + _pytest_checks(root) + [_sanitized(preset) for preset in SANITIZERS]
+    fuzzed = [_fuzzed(target.name) for target in run_fuzz.targets()]
+    return found + _pytest_checks(root) + [_sanitized(preset) for preset in SANITIZERS] + fuzzed
 
 
 def _doctest_checks(executable: Path) -> list[Check]:
@@ -103,6 +108,12 @@ def _sanitized(preset: str) -> Check:
     ]
     name = f"sanitizers: every C++ test under {SANITIZERS[preset]}, all instruction sets"
     return Check(name, ("sh", "-c", " && ".join(steps)), re.compile(r"^100% tests passed", re.MULTILINE))
+
+
+def _fuzzed(target: str) -> Check:
+    script = str(Path(run_fuzz.__file__).resolve())
+    command = (sys.executable, script, "--seconds", str(FUZZ_SECONDS), "--only", target)
+    return Check(f"fuzz: {target}", command, re.compile(rf"^fuzz {target}: .*; no defect$", re.MULTILINE))
 
 
 def _output(command: Sequence[str], *, cwd: Path | None = None, none: int = 0) -> str:

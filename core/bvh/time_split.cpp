@@ -102,6 +102,7 @@ std::uint64_t build_time_split(Bvh& bvh, const InstanceParts& instances, std::ui
     flatten(primitives, topology, settings, trees[i]);
     references += topology.reference_count;
   }
+  if (references == 0) return 0;  // points without radii, say: in no slice there is anything
   join_arenas(bvh, trees);
   join_bounds(bvh, trees);
   join_statistics(bvh, trees);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "core/trace/pose.h"
@@ -11,10 +12,25 @@
 namespace msbvh {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 struct Vec2d {
   double x, y;
 };
 double cross2(const Vec2d& a, const Vec2d& b) { return a.x * b.y - a.y * b.x; }
+constexpr double kRounding = 0x1p-53;
+// What a product loses in single precision below its smallest number, and what is so far above it that
+// rounding loses more.
+constexpr double kUnderflow = 0x1p-148, kNoUnderflow = 0x1p-100;
+constexpr double kLeastArea = 0x1p-126;  // whose reciprocal is finite
+
+// What double precision loses of cross2(): each product and the difference are rounded once, and so are the
+// coordinates that go in, after two roundings of terms no larger than `size`.
+double lost_of_cross2(const Vec2d& a, const Vec2d& b, double size) {
+  const double products = std::abs(a.x * b.y) + std::abs(a.y * b.x);
+  const double inputs = size * (std::abs(a.x) + std::abs(a.y) + std::abs(b.x) + std::abs(b.y));
+  return kRounding * (2.0 * products + 4.0 * inputs) + 4.0 * kUnderflow;
+}
 
 double distance_to_segment(const Vec2d& a, const Vec2d& b) {
   const Vec2d e{b.x - a.x, b.y - a.y};
@@ -37,6 +53,7 @@ class ShearedTriangle {
       p_[i] = {v[kx] - ray.dir[kx] * z, v[ky] - ray.dir[ky] * z};
       t_[i] = z;
     }
+    size_ = size;
     error_ = ray.error + kOracleError * size;
     t_error_ = error_ / std::abs(ray.dir[kz]);
   }
@@ -49,17 +66,25 @@ class ShearedTriangle {
         area != 0.0 && ((w[0] >= 0 && w[1] >= 0 && w[2] >= 0) || (w[0] <= 0 && w[1] <= 0 && w[2] <= 0));
     const double edge = std::min({distance_to_segment(p_[0], p_[1]), distance_to_segment(p_[1], p_[2]),
                                   distance_to_segment(p_[2], p_[0])});
-    verdict.clear = verdict.hit && edge > error_;
+    // Of a triangle far away, or in a line with the ray, all weights may have one sign by rounding alone. No
+    // hit is lost: corners of what is hit lie no farther from the ray than its edges are long, so that signs
+    // are out of doubt by 2^30.
+    const double lost_weights[3] = {lost_of_cross2(p_[1], p_[2], size_), lost_of_cross2(p_[2], p_[0], size_),
+                                    lost_of_cross2(p_[0], p_[1], size_)};
+    const bool decided = std::abs(w[0]) > lost_weights[0] && std::abs(w[1]) > lost_weights[1] &&
+                         std::abs(w[2]) > lost_weights[2];
+    verdict.clear = verdict.hit && edge > error_ && decided;
     verdict.possible = verdict.hit || edge <= error_;
     if (!verdict.possible) return verdict;
     const double t_min = std::min({t_[0], t_[1], t_[2]}), t_max = std::max({t_[0], t_[1], t_[2]});
-    verdict.t_lo = t_min - t_error_;
-    verdict.t_hi = t_max + t_error_;
-    if (area == 0.0) return verdict;
+    const double lost = lost_to_underflow(area);
+    verdict.t_lo = t_min - t_error_ - lost;
+    verdict.t_hi = t_max + t_error_ + lost;
+    if (std::abs(area) <= lost_weights[0] + lost_weights[1] + lost_weights[2]) return verdict;
     verdict.u = w[1] / area;
     verdict.v = w[2] / area;
     verdict.t = (w[0] * t_[0] + w[1] * t_[1] + w[2] * t_[2]) / area;
-    const double slack = t_error_ + slope(area) * error_;
+    const double slack = t_error_ + slope(area) * error_ + lost;
     verdict.t_lo = std::max(verdict.t_lo, std::min(verdict.t, t_max) - slack);
     verdict.t_hi = std::min(verdict.t_hi, std::max(verdict.t, t_min) + slack);
     return verdict;
@@ -73,9 +98,22 @@ class ShearedTriangle {
     return std::hypot(d1 * e2.y - d2 * e1.y, d2 * e1.x - d1 * e2.x) / std::abs(area);
   }
 
+  // By how much a kernel's distance may be off because its weights, or their products with distances, are too
+  // small for single precision: 0 but for triangles that are tiny seen from the ray's origin.
+  double lost_to_underflow(double area) const {
+    double across = 0.0, along = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      across = std::max({across, std::abs(p_[i].x), std::abs(p_[i].y)});
+      along = std::max(along, std::abs(t_[i]));
+    }
+    if (across * across * std::min(1.0, along) >= kNoUnderflow) return 0.0;
+    if (std::abs(area) < kLeastArea) return kInfinity;
+    return kUnderflow * (4.0 + 4.0 * along) / std::abs(area);
+  }
+
   Vec2d p_[3];
   double t_[3];
-  double error_, t_error_;
+  double size_, error_, t_error_;
 };
 
 Vec3d point_at(const GridMesh& mesh, const Grid& grid, const GridVertex& v, double u) {

@@ -315,15 +315,16 @@ HWY_INLINE std::uint32_t test_corners(const Sheared<V8>& a, const Sheared<V8>& b
   const auto inside = hn::And(hn::Or(hn::Ge(least, zero), hn::Le(most, zero)), hn::Ne(sum, zero));
   if (hn::AllFalse(d, inside)) return 0;
 
+  // Divided first: a weight times a distance has the third power of coordinates in it, which may overflow.
   const V8 reciprocal = hn::Div(hn::Set(d, 1.0f), sum);
-  const V8 t =
-      hn::Mul(hn::MulAdd(weight_a, a.z, hn::MulAdd(weight_b, b.z, hn::Mul(weight_c, c.z))), reciprocal);
+  const V8 u = hn::Mul(weight_b, reciprocal), v = hn::Mul(weight_c, reciprocal);
+  const V8 t = hn::MulAdd(hn::Mul(weight_a, reciprocal), a.z, hn::MulAdd(u, b.z, hn::Mul(v, c.z)));
   const auto in_range = hn::And(hn::Ge(t, hn::Set(d, tnear)), hn::Le(t, hn::Set(d, tfar)));
   std::uint8_t bits[8] = {};
   hn::StoreMaskBits(d, hn::And(inside, in_range), bits);
   hn::Store(t, d, out.t + first);
-  hn::Store(hn::Mul(weight_b, reciprocal), d, out.u + first);
-  hn::Store(hn::Mul(weight_c, reciprocal), d, out.v + first);
+  hn::Store(u, d, out.u + first);
+  hn::Store(v, d, out.v + first);
   return static_cast<std::uint32_t>(bits[0]) << first;
 }
 

@@ -49,20 +49,20 @@ void add_face_materials(const MeshInput& input, const Tessellation& topology, st
 
 // Smooth, but where polygons are to be flat. Authored ones are not those of the displaced surface.
 Primvar<Vec3f> displaced_normals(const MeshInput& input, const Tessellation& topology, const Shape& shape,
-                                 std::uint32_t max_segments) {
+                                 std::uint32_t max_segments, PrimLog& log) {
   const bool flat =
       !topology.refinement() && input.computed_normals != Normals::kSmooth && input.normals.samples.empty();
-  return flat ? Primvar<Vec3f>{} : smooth_normals(shape.mesh, max_segments);
+  return flat ? Primvar<Vec3f>{} : smooth_normals(shape.mesh, max_segments, log);
 }
 
 Primvar<Vec3f> normals_of(const MeshInput& input, const Tessellation& topology, const NormalMotion& motion,
                           const Shape& shape, std::uint32_t max_segments, PrimLog& log) {
-  if (shape.displaced_by > 0.0) return displaced_normals(input, topology, shape, max_segments);
+  if (shape.displaced_by > 0.0) return displaced_normals(input, topology, shape, max_segments, log);
   if (const Refinement* refinement = topology.refinement())
-    return limit_normals(*refinement->mesh, shape.cage, shape.mesh.form(), max_segments);
+    return limit_normals(*refinement->mesh, shape.cage, shape.mesh.form(), max_segments, log);
   Primvar<Vec3f> authored = authored_normals(input, topology.polygons(), motion, max_segments, log);
   if (authored.authored() || input.computed_normals != Normals::kSmooth) return authored;
-  return smooth_normals(shape.mesh, max_segments);
+  return smooth_normals(shape.mesh, max_segments, log);
 }
 
 // About what a tree of triangles takes: docs/performance.md has 41 to 44 bytes a triangle at 1 key, 67 to 73

@@ -31,14 +31,23 @@ std::vector<Vec3f> normals_at(const TriangleMesh& mesh, float time) {
 template <typename NormalsAt>
 class NormalTrack {
  public:
-  NormalTrack(std::size_t count, const NormalsAt& normals_at) : count_(count), normals_at_(normals_at) {}
+  NormalTrack(std::size_t count, std::size_t most, const NormalsAt& normals_at)
+      : count_(count), most_(most), normals_at_(normals_at) {}
 
-  // A linear track takes its own keys, a curved one as many as follow to kNormalTolerance.
-  Primvar<Vec3f> fitted(const TrackForm& form, Interpolation interpolation,
-                        std::uint32_t max_segments) const {
+  // A linear track takes its own keys, a curved one as many as follow to kNormalTolerance and can be
+  // afforded.
+  Primvar<Vec3f> fitted(const TrackForm& form, Interpolation interpolation, std::uint32_t max_segments,
+                        PrimLog& log) const {
     Primvar<Vec3f> normals{interpolation, form.segments, keys(form.segments)};
     while (form.degree > 1 && normals.segments < max_segments &&
            error(normals.values, normals.segments) > kNormalTolerance) {
+      if (count_ > most_ / key_count(2 * normals.segments)) {
+        log.warn(kAttribute,
+                 message("at ", key_count(normals.segments), " keys stray from the surface's by more than ",
+                         kNormalTolerance, " radians; expected fewer than ", most_,
+                         " at all keys together; a larger --edge-length helps"));
+        break;
+      }
       normals.segments *= 2;
       normals.values = keys(normals.segments);
     }
@@ -70,7 +79,7 @@ class NormalTrack {
     return *std::ranges::max_element(worst);
   }
 
-  std::size_t count_;
+  std::size_t count_, most_;
   const NormalsAt& normals_at_;
 };
 
@@ -87,13 +96,15 @@ std::vector<Vec3f> gathered(const std::vector<Vec3f>& keys, std::size_t value_co
 
 }  // namespace
 
-Primvar<Vec3f> smooth_normals(const TriangleMesh& mesh, std::uint32_t max_segments) {
+Primvar<Vec3f> smooth_normals(const TriangleMesh& mesh, std::uint32_t max_segments, PrimLog& log,
+                              std::size_t most_normals) {
   const auto at = [&](float time) { return normals_at(mesh, time); };
-  return NormalTrack(mesh.vertex_count, at).fitted(mesh.form(), Interpolation::kVertex, max_segments);
+  return NormalTrack(mesh.vertex_count, most_normals, at)
+      .fitted(mesh.form(), Interpolation::kVertex, max_segments, log);
 }
 
 Primvar<Vec3f> limit_normals(const RefinedMesh& refined, const std::vector<Vec3f>& cage,
-                             const TrackForm& form, std::uint32_t max_segments) {
+                             const TrackForm& form, std::uint32_t max_segments, PrimLog& log) {
   const std::size_t size = refined.cage().vertex_count;
   const auto at = [&](float time) {
     const SegmentTime place = locate(time, form.segments);
@@ -109,7 +120,7 @@ Primvar<Vec3f> limit_normals(const RefinedMesh& refined, const std::vector<Vec3f
   const bool creased = refined.has_creases();
   const std::size_t count = creased ? 3 * refined.triangles().size() : refined.point_count();
   const Interpolation interpolation = creased ? Interpolation::kFaceVarying : Interpolation::kVertex;
-  return NormalTrack(count, at).fitted(form, interpolation, max_segments);
+  return NormalTrack(count, kMostNormals, at).fitted(form, interpolation, max_segments, log);
 }
 
 Primvar<Vec3f> authored_normals(const MeshInput& input, const Triangulation& mesh, const NormalMotion& motion,

@@ -14,14 +14,19 @@
 
 namespace msbvh::translate {
 
+// At all keys of a curved track together, 400 MB: its surface has its points at a few controls alone.
+inline constexpr std::size_t kMostNormals = std::size_t(1) << 25;
+
 // One a vertex at keys of the mesh's time: the sum of its triangles' normals, weighted by their areas. Zero
-// where they cancel. A linear mesh takes its own keys, a curved one as many as follow to kNormalTolerance.
-Primvar<Vec3f> smooth_normals(const TriangleMesh& mesh, std::uint32_t max_segments);
+// where they cancel. A linear mesh takes its own keys, a curved one as many as follow to kNormalTolerance,
+// or, with a warning, as many as make no more than so many normals.
+Primvar<Vec3f> smooth_normals(const TriangleMesh& mesh, std::uint32_t max_segments, PrimLog& log,
+                              std::size_t most_normals = kMostNormals);
 
 // Of the limit surface, likewise: `cage` are its points' controls in the form of the refined mesh's track.
 // One a vertex, or one a corner where the surface has creases.
 Primvar<Vec3f> limit_normals(const RefinedMesh& refined, const std::vector<Vec3f>& cage,
-                             const TrackForm& form, std::uint32_t max_segments);
+                             const TrackForm& form, std::uint32_t max_segments, PrimLog& log);
 
 // With the fewest segments that follow the stage to kNormalTolerance. Not authored, where there are none or
 // where they do not fit the mesh (with a warning).

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from msbvh import _core
-from msbvh.scene.reader import ReadSettings, read_frame
+from msbvh.scene.reader import ReadResult, ReadSettings, read_frame
 from pxr import Gf, Sdf, UsdGeom, UsdLux, Vt
 from recording import Shot, messages
 from sound_neighbour import retype
@@ -156,24 +156,34 @@ def test_infinitely_sharp_is_as_sharp_as_10() -> None:
     assert np.array_equal(*found)
 
 
-@pytest.mark.parametrize(
-    "faces",
-    [
-        [(0, 1, 1, 1), *FACES[1:]],
-        [(0, 1, 0, 1), *FACES[1:]],
-        [*FACES, FACES[0]],
-        [*FACES, (0, 1, 6, 7), (0, 1, 5, 6)],
-    ],
-    ids=["a vertex repeated", "an edge back and forth", "a face twice", "four faces at an edge"],
-)
-def test_cages_that_are_no_manifold_are_drawn(faces: list[tuple[int, ...]]) -> None:
+def cube_of(faces: list[tuple[int, ...]]) -> ReadResult:
     shot = Shot((0.0, 0.0))
     mesh = cube(shot)
     mesh.GetFaceVertexCountsAttr().Set([4] * len(faces))
     mesh.GetFaceVertexIndicesAttr().Set(np.ravel(faces).tolist())
-    result = read_frame(shot.stage, 10.0, ReadSettings())
+    return read_frame(shot.stage, 10.0, ReadSettings())
+
+
+@pytest.mark.parametrize(
+    "faces",
+    [[*FACES, FACES[0]], [*FACES, (0, 1, 6, 7), (0, 1, 5, 6)]],
+    ids=["a face twice", "four faces at an edge"],
+)
+def test_cages_that_are_no_manifold_are_drawn(faces: list[tuple[int, ...]]) -> None:
+    result = cube_of(faces)
     assert messages(result, "warning") == []
     assert result.scene.statistics()["triangles"] > 1000
+
+
+@pytest.mark.parametrize(
+    ("face", "vertex"), [((0, 1, 1, 1), 1), ((0, 1, 0, 1), 0)], ids=["a vertex repeated", "an edge back and forth"]
+)
+def test_cages_whose_faces_visit_a_vertex_twice_are_polygons(face: tuple[int, ...], vertex: int) -> None:
+    """OpenSubdiv crashes on some of them."""
+    result = cube_of([face, *FACES[1:]])
+    (warning,) = messages(result, "warning")
+    assert f"face 0 has vertex {vertex} twice; expected distinct vertices; the cage is drawn as polygons" in warning
+    assert 0 < result.scene.statistics()["triangles"] < 20
 
 
 def test_faces_without_an_area_are_left_out_and_the_others_keep_their_numbers() -> None:

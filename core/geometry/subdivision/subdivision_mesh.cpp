@@ -61,7 +61,25 @@ void check_valences(const Cage& mesh) {
   }
 }
 
+// OpenSubdiv 3.5 takes some faces that visit a vertex twice, and reads and writes beyond its memory when it
+// prepares surfaces beside them, at creases above all (docs/design/bad_input.md).
+void check_distinct(const Cage& mesh) {
+  std::vector<std::uint32_t> corners;
+  auto first = mesh.face_vertex_indices.begin();
+  for (std::size_t f = 0; f < mesh.face_vertex_counts.size(); ++f) {
+    const auto end = first + std::ptrdiff_t(mesh.face_vertex_counts[f]);
+    corners.assign(first, end);
+    std::ranges::sort(corners);
+    const auto twice = std::ranges::adjacent_find(corners);
+    if (twice != corners.end())
+      fail(mesh, "faceVertexIndices: face " + text(f) + " has vertex " + text(*twice) +
+                     " twice; expected distinct vertices");
+    first = end;
+  }
+}
+
 void check_faces(const Cage& mesh) {
+  if (mesh.face_vertex_counts.empty()) fail(mesh, "faceVertexCounts: found no faces; expected some");
   for (std::size_t f = 0; f < mesh.face_vertex_counts.size(); ++f) {
     const std::uint32_t n = mesh.face_vertex_counts[f];
     const bool loop = mesh.scheme == SubdivisionScheme::kLoop;
@@ -72,6 +90,7 @@ void check_faces(const Cage& mesh) {
   require_size(mesh, "faceVertexIndices", mesh.face_vertex_indices.size(), sum(mesh.face_vertex_counts));
   require_below(mesh, "faceVertexIndices", mesh.face_vertex_indices, mesh.vertex_count);
   require_below(mesh, "holeIndices", mesh.holes, mesh.face_vertex_counts.size());
+  check_distinct(mesh);
   check_valences(mesh);
 }
 

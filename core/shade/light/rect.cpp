@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 
 #include "core/shade/light/shapes.h"
 
@@ -20,6 +21,7 @@ bool sample_rect(const PlacedLight& light, const Vec3f& point, Point2 random, Li
   sample.distance = std::sqrt(distance_squared);
   sample.direction = to_light * (1.0f / sample.distance);
   const float solid_angle = projected_area_times_distance / (distance_squared * sample.distance);
+  if (!(solid_angle < std::numeric_limits<float>::infinity())) return false;  // its area or place overflows
   sample.irradiance = values.radiance * solid_angle;
   sample.pdf = 1.0f / solid_angle;
   return true;

@@ -36,7 +36,8 @@ class Numbers(click.ParamType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, ...]:
         numbers = tuple(value.replace(",", " ").split()) if isinstance(value, str) else tuple(value)
         for number in numbers:
-            if not str(number).isdecimal() or int(number) > 4096:
+            digits = str(number)
+            if not digits.isdecimal() or len(digits) > 4 or int(digits) > 4096:
                 self.fail(f"found '{number}', expected numbers of threads such as 1,0", param, ctx)
         if not numbers:
             self.fail("found no number, expected numbers of threads such as 1,0", param, ctx)

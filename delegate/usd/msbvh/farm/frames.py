@@ -15,7 +15,7 @@ from dataclasses import dataclass
 MAX_FRAMES = 1_000_000
 """More frames than this in one command are a slip of the finger."""
 
-_NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 _PLACEHOLDER = re.compile(r"[^#]*(#+(?:\.#+)?)[^#]*")
 
 
@@ -31,9 +31,13 @@ class FrameRange:
     end: float
     stride: float
 
-    def __len__(self) -> int:
+    def steps(self) -> float:
+        """How many there are, not rounded down; infinite or NaN where they cannot be counted."""
         # The expression of UsdUtilsTimeCodeRange::const_iterator, so that rounding falls the same way.
-        return math.floor((self.end - self.start + self.stride) / self.stride)
+        return (self.end - self.start + self.stride) / self.stride
+
+    def __len__(self) -> int:
+        return math.floor(self.steps())
 
     def __iter__(self) -> Iterator[float]:
         return (self.start + self.stride * step for step in range(len(self)))
@@ -49,7 +53,7 @@ def parse_frame_specs(text: str) -> tuple[list[float], int]:
     precision = 0
     for spec in text.split(","):
         frame_range = _parse_frame_spec(spec)
-        if len(frame_range) > MAX_FRAMES - len(frames):
+        if not frame_range.steps() < MAX_FRAMES - len(frames) + 1:
             raise FrameError(f"FrameSpec '{spec}' makes more than {MAX_FRAMES} frames; expected fewer")
         frames.extend(frame_range)
         precision = max(precision, _digits_behind_point(spec.partition(":")[2].partition("x")[2]))
@@ -68,7 +72,7 @@ def _parse_frame_spec(spec: str) -> FrameRange:
     stride = _parse_time_code(stride_text, spec)
     if stride == 0.0:
         raise FrameError(f"invalid FrameSpec '{spec}': the stride is zero")
-    if (end - start) * stride < 0.0:
+    if end != start and (end > start) != (stride > 0.0):
         side = "below" if stride > 0.0 else "above"
         raise FrameError(f"invalid FrameSpec '{spec}': the end is {side} the start, against the stride's sign")
     return FrameRange(start, end, stride)

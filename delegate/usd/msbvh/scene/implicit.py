@@ -19,7 +19,7 @@ from ..motion.context import FrameContext
 from ..motion.points import Samples, still
 from ..motion.times import sample_times
 from ..stage.value_types import FLOAT, TOKEN
-from ..stage.values import required, value
+from ..stage.values import Unreadable, required, value
 
 
 @dataclass(frozen=True)
@@ -96,12 +96,21 @@ def _points(surface: Surface) -> np.ndarray:
     return surface.points.astype(np.float32)
 
 
+def _parameter(attribute: Usd.Attribute, code: Usd.TimeCode) -> float:
+    """Raises Unreadable where a sample is blocked: USD has no value then, not even the schema's."""
+    found = required(attribute, code, FLOAT)
+    if found is None:
+        path, name = attribute.GetPrim().GetPath().pathString, attribute.GetName()
+        raise Unreadable(path, name, f"found a blocked value at time {code}, expected a number")
+    return found
+
+
 def read_implicit(prim: Usd.Prim, context: FrameContext) -> ImplicitShape | None:
     """None, with an error, for a parameter that is no number."""
     kind = prim.GetTypeName()
     attributes = [prim.GetAttribute(name) for name in IMPLICIT_TYPES[kind].parameters]
     codes = [Usd.TimeCode(time) for time in sample_times(attributes, context.shutter)]
-    values = [[required(each, code, FLOAT) for each in attributes] for code in (context.code, *codes)]
+    values = [[_parameter(each, code) for each in attributes] for code in (context.code, *codes)]
     turn = prim.GetAttribute("axis")
     axis = (value(turn, context.code, TOKEN) if turn else None) or "Z"
     form, said = _core.ImplicitShape.make(prim.GetPath().pathString, kind, axis, values)

@@ -64,7 +64,7 @@ def crate_fault(path: str) -> str:
 
 def _section_fault(file: BinaryIO, sections: dict[bytes, tuple[int, int]], size: int) -> str:
     for name, (start, length) in sections.items():
-        label = name.decode("ascii", "replace")
+        label = "".join(c if c.isprintable() else "?" for c in name.decode("ascii", "replace"))
         if start < 0 or length < 0 or start + length > size:
             return f"found a section {label} of {length} bytes at {start}, expected it inside {size} bytes"
         if name in _COUNTED and length >= 8:
