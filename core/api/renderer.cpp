@@ -51,7 +51,8 @@ std::string names_of(const std::vector<Aov>& aovs) {
   return names;
 }
 
-Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const RenderSettings& settings) {
+Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const RenderSettings& settings,
+               EffectSet effects) {
   return {SceneIndex(scene),
           LightSampler(scene, bounds_of(world)),
           world,
@@ -61,7 +62,8 @@ Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const
           settings.seed,
           settings.max_bounces,
           settings.show_domes,
-          settings.sampling};
+          settings.sampling,
+          choose_stages(effects, settings.sampling, world)};
 }
 
 constexpr std::chrono::milliseconds kProgressInterval{100};
@@ -91,7 +93,7 @@ void Renderer::Data::build(SceneTrees* previous) {
 void Renderer::Data::render_tiles(SampleRange samples, Image& image, std::atomic<std::size_t>& finished_tiles,
                                   const std::atomic<bool>& cancelled) {
   const TileGrid grid(settings.width, settings.height);
-  const TileJob job{*frame, plan.set, samples, settings.batch_paths, cancelled};
+  const TileJob job{*frame, samples, settings.batch_paths, cancelled};
   WorkspacePool workspaces;
   std::mutex summing;
   TraceModes rays;
@@ -127,7 +129,7 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
       plan_effects(*data->scene, {.max_bounces = settings.max_bounces, .aovs = names_of(settings.aovs)});
   data->build(data_ && data_->trees ? &*data_->trees : nullptr);
   const Bvh& world = data->trees->world().bvh();
-  data->frame.emplace(frame_of(*data->scene, world, Tracer(world), settings));
+  data->frame.emplace(frame_of(*data->scene, world, Tracer(world), settings, data->plan.set));
   data_ = std::move(data);
 }
 
@@ -175,11 +177,11 @@ ProbeReport Renderer::probe(const ProbeSettings& settings, const ProbeProgress& 
 RayCosts Renderer::ray_costs(const RayCostSettings& settings, const RayCostProgress& progress) const {
   const Data& data = committed();
   const Bvh& world = data.trees->world().bvh();
-  const Frame logging = frame_of(*data.scene, world, Tracer::logging(world), data.settings);
+  const Frame logging = frame_of(*data.scene, world, Tracer::logging(world), data.settings,
+                                 data.plan.set.without(Effect::kAovs));
   RayCosts costs;
   Arena(data.settings.threads).execute([&] {
-    costs =
-        msbvh::ray_costs(logging, data.plan.set, data.settings.build, data.settings.spp, settings, progress);
+    costs = msbvh::ray_costs(logging, data.settings.build, data.settings.spp, settings, progress);
   });
   return costs;
 }

@@ -45,8 +45,7 @@ PathId SampledPaths::operator[](std::uint64_t i) const {
           in_cell(row, rows_, height_, sobol::to_unit_float(hash(key, 1))), hash(key, 2) % spp_};
 }
 
-void add_path_rays(const Frame& frame, const PathId& path, PathBatch& batch,
-                   PathRays& rays) {
+void add_path_rays(const Frame& frame, const PathId& path, PathBatch& batch, PathRays& rays) {
   const Tile pixel{path.x, path.y, path.x + 1, path.y + 1};
   frame.stages.generate(frame, pixel, {path.sample, 1}, batch);
   while (!batch.active.empty()) {

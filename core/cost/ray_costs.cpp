@@ -31,8 +31,7 @@ struct Counter {
 
 class Counting {
  public:
-  Counting(const Frame& frame, const CostTally& none)
-      : frame_(frame), tracer_(frame.world), none_(none) {}
+  Counting(const Frame& frame, const CostTally& none) : frame_(frame), tracer_(frame.world), none_(none) {}
 
   void count(const SampledPaths& paths, std::uint64_t first, std::uint64_t last) {
     parallel_for_ranges(last - first, kPathsPerTask, [&](std::size_t begin, std::size_t end) {

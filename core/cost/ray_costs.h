@@ -59,8 +59,8 @@ struct RayCosts {
 // Finished share in [0, 1], from the calling thread; false cancels.
 using RayCostProgress = std::function<bool(double)>;
 
-// `frame` is a frame whose tracer logs (Tracer::logging), without AOVs; `spp`: the samples that a pixel of it has. Uses the
-// threads of the calling arena; the same on any number of them. Throws Cancelled.
+// `frame` is a frame whose tracer logs (Tracer::logging), without AOVs; `spp`: the samples that a pixel of it
+// has. Uses the threads of the calling arena; the same on any number of them. Throws Cancelled.
 RayCosts ray_costs(const Frame& frame, const BuildSettings& build, std::uint32_t spp,
                    const RayCostSettings& settings, const RayCostProgress& progress = {});
 

@@ -16,8 +16,7 @@ void accumulate(PathBatch& batch, std::uint32_t pixels, SumTrees<FilmSum>& sums)
   }
 }
 
-void accumulate_aovs(PathBatch& batch, std::uint32_t pixels, std::uint32_t first,
-                     SumTrees<AovSum>& sums) {
+void accumulate_aovs(PathBatch& batch, std::uint32_t pixels, std::uint32_t first, SumTrees<AovSum>& sums) {
   batch.mark.enter(Stage::kAovs, 0);
   const std::vector<PathIndex>& path_at = batch.path_at_slot;
   for (std::size_t slot = 0; slot < path_at.size(); ++first) {

@@ -102,7 +102,7 @@ void generate(const Frame& frame, const Tile& tile, SampleRange samples, PathBat
       batch.sampler[path] = sampler;
       batch.slot[path] = slot;
       batch.active[path] = path;
-      batch.rays[path] = kLens ? lens_ray(camera, screen_x, screen_y, *time, sampler.pair(on_lens))
+      batch.rays[path] = kLens     ? lens_ray(camera, screen_x, screen_y, *time, sampler.pair(on_lens))
                          : kMoving ? rays.ray(screen_x, screen_y, *time)
                                    : rays.still_ray(screen_x, screen_y, *time);
     }

@@ -75,7 +75,8 @@ void go_on(const Frame& frame, PathBatch& batch) {
 
 PathStage choose_scatter(EffectSet effects) {
   return variant_for<Effect::kDomeLight, Effect::kAreaLights, Effect::kIndirectLight>(
-      effects, []<EffectSet kOn>() -> PathStage { return kOn == kPlain ? no_stage : scatter_where_read<kOn>; });
+      effects,
+      []<EffectSet kOn>() -> PathStage { return kOn == kPlain ? no_stage : scatter_where_read<kOn>; });
 }
 
 PathStage choose_go_on(EffectSet effects) {

@@ -1,8 +1,8 @@
 // What a thread is doing at the moment, for somebody who looks now and then: where time goes in a frame, by
 // sampling (core/integrate/stage_samples.h).
 //
-// Stages mark where they begin, once for a whole batch of paths. Where nobody looks that is one branch, and nothing
-// is written.
+// Stages mark where they begin, once for a whole batch of paths. Where nobody looks that is one branch, and
+// nothing is written.
 #pragma once
 
 #include <atomic>
@@ -38,7 +38,8 @@ struct StageNow {
 
   static constexpr std::size_t kValues = kStageCount * 4;
   constexpr std::uint8_t code() const {
-    return static_cast<std::uint8_t>(static_cast<unsigned>(stage) * 4 + (tracing ? 2 : 0) + (bounced ? 1 : 0));
+    return static_cast<std::uint8_t>(static_cast<unsigned>(stage) * 4 + (tracing ? 2 : 0) +
+                                     (bounced ? 1 : 0));
   }
   static constexpr StageNow of(std::size_t code) {
     return {static_cast<Stage>(code / 4), (code & 2) != 0, (code & 1) != 0};

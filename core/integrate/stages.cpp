@@ -1,5 +1,6 @@
 #include "core/integrate/stages.h"
 
+#include "core/bvh/bvh.h"
 #include "core/integrate/accumulate.h"
 #include "core/integrate/aovs.h"
 #include "core/integrate/direct.h"
@@ -19,16 +20,30 @@ PathStage stage_of(EffectSet effects, PathStage stage) {
   return kKnownEffects.has(kEffect) && effects.has(kEffect) ? stage : no_stage;
 }
 
+// Whether all that can be hit is still triangles, without instances.
+bool is_plain(EffectSet effects, const Bvh& world) {
+  constexpr EffectSet kOthers = EffectSet{}
+                                    .with(Effect::kDeformingKeys)
+                                    .with(Effect::kInstances)
+                                    .with(Effect::kPolynomialMotion)
+                                    .with(Effect::kTimeRemaps)
+                                    .with(Effect::kCurves)
+                                    .with(Effect::kPoints)
+                                    .with(Effect::kDisplacement);
+  return (effects.bits & kOthers.bits) == 0 && world.movement == Movement::kStill &&
+         world.slice_roots.empty() && kTrianglesAlone.with(LeafKind::kCompactTree).contains(world.leaf_kinds);
+}
+
 }  // namespace
 
 void no_stage(const Frame&, PathBatch&) {}
 
-Stages choose_stages(EffectSet effects, Sampling sampling, bool plain_geometry) {
+Stages choose_stages(EffectSet effects, Sampling sampling, const Bvh& world) {
   const bool aovs = kKnownEffects.has(Effect::kAovs) && effects.has(Effect::kAovs);
   return {
       .generate = choose_generate(effects, sampling),
       .see_through = stage_of<Effect::kOpacity>(effects, see_through),
-      .find_surfaces = choose_surfaces(effects, plain_geometry),
+      .find_surfaces = choose_surfaces(effects, is_plain(effects, world)),
       .record_aovs = stage_of<Effect::kAovs>(effects, record_aovs),
       .scatter = choose_scatter(effects),
       .add_direct = choose_direct(effects),

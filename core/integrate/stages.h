@@ -1,5 +1,5 @@
-// The stages of a frame's paths, chosen once by the effects that are on: a stage that is off does nothing, and one that
-// is on has no code for effects that are off.
+// The stages of a frame's paths, chosen once by the effects that are on: a stage that is off does nothing,
+// and one that is on has no code for effects that are off.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +12,7 @@
 
 namespace msbvh {
 
+class Bvh;
 struct Frame;
 
 using Generate = void (*)(const Frame& frame, const Tile& tile, SampleRange samples, PathBatch& batch);
@@ -33,7 +34,7 @@ struct Stages {
 // Does nothing: a stage that is off.
 void no_stage(const Frame& frame, PathBatch& batch);
 
-// `plain_geometry`: the world is a tree of still triangles, without instances, and `effects` are those of its scene.
-Stages choose_stages(EffectSet effects, Sampling sampling, bool plain_geometry);
+// `effects` are those of the scene that `world` is the tree of.
+Stages choose_stages(EffectSet effects, Sampling sampling, const Bvh& world);
 
 }  // namespace msbvh

@@ -33,7 +33,8 @@ void fetch_vertices(const Frame& frame, const Hit& hit, float shutter_time) {
 template <EffectSet kGeometry>
 void find_surface(const Frame& frame, std::uint32_t place, PathBatch& batch) {
   const Hit& hit = batch.hits[place];
-  batch.surfaces[place] = surface_at<kGeometry>(frame.scene(), frame.index.resolve<kGeometry>(hit), hit, batch.rays[place]);
+  batch.surfaces[place] =
+      surface_at<kGeometry>(frame.scene(), frame.index.resolve<kGeometry>(hit), hit, batch.rays[place]);
 }
 
 // In the order of their materials, so that what a material reads stays in cache from one to the next.
@@ -44,21 +45,26 @@ void find_by_material(const Frame& frame, PathBatch& batch) {
   for (std::uint32_t place = 0; place < batch.active.size(); ++place) {
     const Hit& hit = batch.hits[place];
     if (hit.found())
-      order.push_back(std::uint64_t(material_index<kGeometry>(frame.index.resolve<kGeometry>(hit), hit)) << 32 | place);
+      order.push_back(
+          std::uint64_t(material_index<kGeometry>(frame.index.resolve<kGeometry>(hit), hit)) << 32 | place);
   }
   std::ranges::sort(order);
-  for (const std::uint64_t entry : order) find_surface<kGeometry>(frame, static_cast<std::uint32_t>(entry), batch);
+  for (const std::uint64_t entry : order)
+    find_surface<kGeometry>(frame, static_cast<std::uint32_t>(entry), batch);
 }
 
 template <EffectSet kGeometry>
 void find_all(const Frame& frame, PathBatch& batch) {
   if (frame.scene().materials.size() > 1) return find_by_material<kGeometry>(frame, batch);
   const std::size_t count = batch.active.size();
-  for (std::size_t i = 0; i < std::min(kTrianglesAhead, count); ++i) fetch_triangle<kGeometry>(frame, batch.hits[i]);
+  for (std::size_t i = 0; i < std::min(kTrianglesAhead, count); ++i)
+    fetch_triangle<kGeometry>(frame, batch.hits[i]);
   for (std::uint32_t place = 0; place < count; ++place) {
-    if (place + kTrianglesAhead < count) fetch_triangle<kGeometry>(frame, batch.hits[place + kTrianglesAhead]);
+    if (place + kTrianglesAhead < count)
+      fetch_triangle<kGeometry>(frame, batch.hits[place + kTrianglesAhead]);
     if (place + kVerticesAhead < count)
-      fetch_vertices<kGeometry>(frame, batch.hits[place + kVerticesAhead], batch.rays[place + kVerticesAhead].time);
+      fetch_vertices<kGeometry>(frame, batch.hits[place + kVerticesAhead],
+                                batch.rays[place + kVerticesAhead].time);
     if (batch.hits[place].found()) find_surface<kGeometry>(frame, place, batch);
   }
 }
@@ -82,7 +88,8 @@ void find_surfaces(const Frame& frame, PathBatch& batch) {
     if (batch.depth == 0) batch.alpha[path] = 1.0f;
     batch.radiance[path] += throughput * surface.emission;
     throughput = throughput * surface.albedo;
-    if (throughput == Vec3f{} || !clear_origin<kGeometry>(frame.surroundings(), ray, surface.origin)) continue;
+    if (throughput == Vec3f{} || !clear_origin<kGeometry>(frame.surroundings(), ray, surface.origin))
+      continue;
     batch.shaded.push_back(place);
     batch.shaded_paths.push_back(path);
   }

@@ -6,8 +6,8 @@
 
 namespace msbvh {
 
-// The stage fills batch.surfaces and batch.shaded. Paths that met nothing, or that reflect nothing, end there.
-// `plain_geometry`: as for choose_stages().
+// The stage fills batch.surfaces and batch.shaded. Paths that met nothing, or that reflect nothing, end
+// there. `plain_geometry`: all that can be hit is still triangles, without instances.
 PathStage choose_surfaces(EffectSet effects, bool plain_geometry);
 
 }  // namespace msbvh

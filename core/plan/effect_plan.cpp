@@ -203,8 +203,7 @@ float largest(const Light& light, float LightValues::*size) {
 
 void plan_light(const Light& light, Planner& planner) {
   if (!shines(light)) return;
-  const bool placeless = light.kind == LightKind::kDome || light.kind == LightKind::kCamera;
-  if (light.segments > 0 && !(placeless && light.moving_values.empty())) {
+  if (!is_still(light)) {
     planner.add(Effect::kMovingLights, light.name, segments_phrase(light.segments));
   }
   if (light.kind == LightKind::kDome) planner.add(Effect::kDomeLight, light.name, "constant dome");

@@ -1,5 +1,5 @@
-// Code that is compiled once for each subset of some effects and chosen by those that are on, so that what is off
-// costs no instruction.
+// Code that is compiled once for each subset of some effects and chosen by those that are on, so that what is
+// off costs no instruction.
 #pragma once
 
 #include "core/plan/known_effects.h"
@@ -25,8 +25,8 @@ auto variant(EffectSet on, const Make& make) {
 
 }  // namespace detail
 
-// What make.operator()<kOn>() returns, where kOn are those of kEffects that `on` has. Variants with an effect that is
-// left out of the build are not compiled.
+// What make.operator()<kOn>() returns, where kOn are those of kEffects that `on` has. Variants with an effect
+// that is left out of the build are not compiled.
 template <Effect... kEffects, typename Make>
 auto variant_for(EffectSet on, const Make& make) {
   return detail::variant<kPlain, kEffects...>(on, make);

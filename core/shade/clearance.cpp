@@ -173,7 +173,8 @@ class Search {
   void look_at(const BlockHeader& block, const Walk& walk, std::uint32_t instance) {
     const bool grids = kEffects.has(Effect::kDisplacement) && block.kind == BlockKind::kGrid;
     if (!grids && block.kind != BlockKind::kGathered && block.kind != BlockKind::kIndexed) return;
-    const HitSource source = around_.index.template resolve<kEffects>({.geometry = block.geometry(), .instance = instance});
+    const HitSource source =
+        around_.index.template resolve<kEffects>({.geometry = block.geometry(), .instance = instance});
     const std::optional<InstancePose> pose = instance_pose<kEffects>(source, time_);
     if (grids) {
       look_at_tiles(grid_of(block), walk.tiles_met(block), source, pose);

@@ -96,7 +96,8 @@ class SceneIndex {
                     HitSource& source) const {
     constexpr bool kGrids = kEffects.has(Effect::kDisplacement), kCurves = kEffects.has(Effect::kCurves),
                    kPoints = kEffects.has(Effect::kPoints);
-    if (!(kGrids || kCurves || kPoints) || in_tree.is(GeometryKind::kTriangleMesh)) {  // the first kind, and nearly always the one
+    if (!(kGrids || kCurves || kPoints) ||
+        in_tree.is(GeometryKind::kTriangleMesh)) {  // the first kind, and nearly always the one
       source.look = source.mesh = &scene_->mesh(list[in_tree.index()]);
       return;
     }

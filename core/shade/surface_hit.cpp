@@ -96,8 +96,8 @@ SurfaceHit triangle_surface(const HitSource& source, const Hit& hit, const Ray& 
   SurfaceHit surface;
   surface.position = Vec3f(position);
   surface.geometric_normal = Vec3f(normal);
-  surface.shading_normal =
-      shading_normal<kEffects>(source, hit, source.own_time<kEffects>(ray.time), pose, surface.geometric_normal);
+  surface.shading_normal = shading_normal<kEffects>(source, hit, source.own_time<kEffects>(ray.time), pose,
+                                                    surface.geometric_normal);
   surface.origin = origin_at(triangle, hit, ray, position, normal, doubled_area);
   return surface;
 }

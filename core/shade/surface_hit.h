@@ -16,8 +16,8 @@ struct SurfaceHit {
   RayOrigin origin;  // of rays that leave; see clear_origin()
 };
 
-// The hit of `ray`, through the instance's transform at the ray's time. kEffects: those that the scene may have;
-// kPlain or kKnownEffects.
+// The hit of `ray`, through the instance's transform at the ray's time. kEffects: those that the scene may
+// have; kPlain or kKnownEffects.
 template <EffectSet kEffects = kKnownEffects>
 SurfaceHit surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray);
 

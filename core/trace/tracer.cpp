@@ -98,7 +98,8 @@ Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
   }
   const std::size_t leaves = kernel_set_for(bvh.leaf_kinds);
   if (!kernels->intersect[leaves] || bvh.leaf_kinds.without(kOmittedKinds) != bvh.leaf_kinds) {
-    throw Error("tree: found motion or geometry that this build leaves out; expected none of MSBVH_OMIT_EFFECTS");
+    throw Error(
+        "tree: found motion or geometry that this build leaves out; expected none of MSBVH_OMIT_EFFECTS");
   }
   intersect_ = kernels->intersect[leaves];
   intersect_many_ = kernels->intersect_many[leaves][bvh.still_parts];

@@ -174,7 +174,8 @@ HWY_NOINLINE std::uint32_t test_grid(const Bvh& bvh, const BlockHeader& block,
 template <Movement kMovement, bool kAnyHit>
 HWY_NOINLINE void test_round(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& setup,
                              std::uint32_t instance, Query& query) {
-  constexpr bool kCurves = !kOmittedKinds.has(LeafKind::kCurves), kPoints = !kOmittedKinds.has(LeafKind::kPoints);
+  constexpr bool kCurves = !kOmittedKinds.has(LeafKind::kCurves),
+                 kPoints = !kOmittedKinds.has(LeafKind::kPoints);
   if (kCurves && (!kPoints || block.kind == BlockKind::kCurves)) {
     const bool found =
         test_curves<kMovement>(bvh, block, setup, query.tfar, [&](std::uint32_t span, const CurveHit& hit) {

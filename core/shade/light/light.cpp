@@ -40,8 +40,6 @@ bool sample_camera_light(const PlacedLight& light, const Camera& camera, const V
   return true;
 }
 
-bool is_still(const Light& light) { return light.segments == 0 && light.moving_values.empty(); }
-
 LightValues values_at(const Light& light, float time) {
   if (light.moving_values.empty()) return light;
   const SegmentTime at = locate(time, light.segments);
@@ -75,8 +73,10 @@ bool sample_light(const Light& light, const Camera& camera, const Vec3f& point, 
   return sample_light<kExtended>(PlacedLight(light, time), camera, point, time, random, sample);
 }
 
-template bool sample_light<true>(const PlacedLight&, const Camera&, const Vec3f&, float, Point2, LightSample&);
-template bool sample_light<false>(const PlacedLight&, const Camera&, const Vec3f&, float, Point2, LightSample&);
+template bool sample_light<true>(const PlacedLight&, const Camera&, const Vec3f&, float, Point2,
+                                 LightSample&);
+template bool sample_light<false>(const PlacedLight&, const Camera&, const Vec3f&, float, Point2,
+                                  LightSample&);
 template bool sample_light<true>(const Light&, const Camera&, const Vec3f&, float, Point2, LightSample&);
 template bool sample_light<false>(const Light&, const Camera&, const Vec3f&, float, Point2, LightSample&);
 
