@@ -53,13 +53,18 @@ TraceModes render_tile(const TileJob& job, const Tile& tile, TileWorkspace& work
 
 std::unique_ptr<TileWorkspace> WorkspacePool::take() {
   const std::scoped_lock lock(mutex_);
-  if (idle_.empty()) return std::make_unique<TileWorkspace>();
+  if (idle_.empty()) {
+    auto workspace = std::make_unique<TileWorkspace>();
+    if (sampler_) workspace->batch.mark = sampler_->mark();
+    return workspace;
+  }
   std::unique_ptr<TileWorkspace> workspace = std::move(idle_.back());
   idle_.pop_back();
   return workspace;
 }
 
 void WorkspacePool::give_back(std::unique_ptr<TileWorkspace> workspace) {
+  workspace->batch.mark.enter(Stage::kNone, 0);
   const std::scoped_lock lock(mutex_);
   idle_.push_back(std::move(workspace));
 }

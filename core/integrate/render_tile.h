@@ -12,6 +12,7 @@
 #include "core/film/tile.h"
 #include "core/integrate/frame.h"
 #include "core/integrate/path_batch.h"
+#include "core/integrate/stage_samples.h"
 
 namespace msbvh {
 
@@ -37,10 +38,13 @@ TraceModes render_tile(const TileJob& job, const Tile& tile, TileWorkspace& work
 // Workspaces for as many threads as there turn out to be.
 class WorkspacePool {
  public:
+  // `sampler`: of what the threads do that hold workspaces; must outlive them. Null: nobody looks.
+  explicit WorkspacePool(StageSampler* sampler = nullptr) : sampler_(sampler) {}
   std::unique_ptr<TileWorkspace> take();
   void give_back(std::unique_ptr<TileWorkspace> workspace);
 
  private:
+  StageSampler* sampler_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<TileWorkspace>> idle_;
 };

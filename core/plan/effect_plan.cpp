@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/base/error.h"
 #include "core/scene/opacity.h"
 
 namespace msbvh {
@@ -277,6 +278,15 @@ EffectPlan plan_all(const Scene& scene, const PlanSettings& settings, Planner pl
 
 EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings) {
   return plan_all(scene, settings, Planner(Collect::kFirst));
+}
+
+void expect_known(const EffectPlan& plan, EffectSet known) {
+  for (const Reason& reason : plan.why) {
+    if (known.has(reason.effect)) continue;
+    throw Error((reason.prim.empty() ? "render settings" : reason.prim) + ": found " +
+                effect_name(reason.effect) + " (" + reason.why +
+                "); expected none, since MSBVH_OMIT_EFFECTS left its code out of this build");
+  }
 }
 
 std::vector<Reason> all_reasons(const Scene& scene, const PlanSettings& settings) {

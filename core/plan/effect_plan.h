@@ -33,6 +33,10 @@ const char* effect_name(Effect effect);  // "deforming keys", "moving instances"
 // Pure: the same scene and settings give the same plan.
 EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings);
 
+// Throws Error for the first effect that is on and not among `known`, those that the build has code for
+// (core/plan/known_effects.h): its prim, and why it is on.
+void expect_known(const EffectPlan& plan, EffectSet known);
+
 // All that ask, not just the first: each prim once an effect, in the order of the enum, then of the scene.
 // For people: reads the opacity of every prim, which plan_effects does until it finds one.
 std::vector<Reason> all_reasons(const Scene& scene, const PlanSettings& settings);
