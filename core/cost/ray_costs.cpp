@@ -98,8 +98,8 @@ class Counting {
 
 double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
 
-void set_prims(const SceneRows& rows, const CostTally& tally, const std::vector<double>& build_seconds,
-               RayCosts& costs) {
+void set_prims(const SceneRows& rows, const CostTally& tally, const SceneOwners& owners, RayCosts& costs) {
+  const std::vector<double> build_seconds = owners.build_seconds(), tree_bytes = owners.tree_bytes();
   double all = tally.empty_cost();
   for (std::uint32_t row = 0; row < rows.size(); ++row) all += tally.cost(row);
   costs.cost = all;
@@ -113,7 +113,8 @@ void set_prims(const SceneRows& rows, const CostTally& tally, const std::vector<
                            .blocks = work.blocks,
                            .primitives = work.primitives,
                            .share = share(tally.cost(row), all),
-                           .build_share = share(build_seconds[row], build)});
+                           .build_share = share(build_seconds[row], build),
+                           .tree_bytes = tree_bytes[row]});
   }
   costs.empty_nodes = tally.of_empty_space().nodes();
   costs.empty_share = share(tally.empty_cost(), all);
@@ -144,7 +145,7 @@ RayCosts ray_costs(const Frame& frame, const BuildSettings& build, std::uint32_t
   costs.paths = paths.size();
   costs.all = sum.all;
   costs.camera = sum.camera;
-  set_prims(rows, sum.tally, owners.build_seconds(), costs);
+  set_prims(rows, sum.tally, owners, costs);
   return costs;
 }
 

@@ -44,6 +44,7 @@ struct PrimCosts {
   // Of the seconds that building the trees took (SceneOwners::build_seconds); all are 0 where none was built.
   // In contrast to all else it is measured, and differs from run to run where there are several trees.
   double build_share = 0.0;
+  double tree_bytes = 0.0;  // of those that the trees hold (SceneOwners::tree_bytes)
 };
 
 struct RayCosts {

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from .. import _core
+from .measured import MeasuredEffect, measured_effects
 from .ray_shares import ray_shares
 
 
@@ -29,6 +31,8 @@ class EffectRow:
     ray_share: float | None
     """Of the rays' work, in [0, 1], predicted by a few rays: ray_shares(). None: no rays were traced, or the effect has no
     geometry of its own."""
+    measured: MeasuredEffect | None
+    """What it took of a render. None: nothing was rendered, or the effect is off."""
 
 
 @dataclass(frozen=True)
@@ -40,21 +44,26 @@ class PlanReport:
     """Of geometry that no effect brings: still triangles."""
     geometry_bytes: int
     """Of the base and all effects."""
+    samples: int
+    """Of what the render's threads were found at; 0: nothing was rendered."""
 
 
 MOST_PRIMS = 3
 
 
-def plan_report(scene: _core.Scene, costs: _core.RayCosts | None = None) -> PlanReport:
-    """`costs`: of a sample of the frame's rays. Raises _core.Error for a scene that is wrong."""
+def plan_report(
+    scene: _core.Scene, costs: _core.RayCosts | None = None, stages: Sequence[_core.StageSamples] = ()
+) -> PlanReport:
+    """`costs`: of a sample of the frame's rays. `stages`: of a render of it. Raises _core.Error for a scene that is wrong."""
     found = _core.effects(scene)
+    measured = measured_effects(found, stages, costs)
     shares = ray_shares(found, costs) if costs else {}
     total = found["base_bytes"] + sum(row["geometry_bytes"] for row in found["effects"])
-    rows = [_row(row, total, shares.get(row["effect"])) for row in found["effects"]]
-    return PlanReport(rows, found["base_bytes"], total)
+    rows = [_row(row, total, shares.get(row["effect"]), measured.get(row["effect"])) for row in found["effects"]]
+    return PlanReport(rows, found["base_bytes"], total, sum(row["samples"] for row in stages))
 
 
-def _row(found: _core.FoundEffect, total: int, ray_share: float | None) -> EffectRow:
+def _row(found: _core.FoundEffect, total: int, ray_share: float | None, measured: MeasuredEffect | None) -> EffectRow:
     asked_by = found["asked_by"]
     prims = [prim for prim, _ in asked_by if prim]
     return EffectRow(
@@ -66,6 +75,7 @@ def _row(found: _core.FoundEffect, total: int, ray_share: float | None) -> Effec
         geometry_bytes=found["geometry_bytes"],
         geometry_share=found["geometry_bytes"] / total if total else 0.0,
         ray_share=ray_share,
+        measured=measured,
     )
 
 
