@@ -1,0 +1,147 @@
+"""The page docs/ablation.md from rows of docs/make_ablation.py; nothing here knows a figure."""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from statistics import fmean, median
+from typing import Any
+
+Row = dict[str, Any]
+"""Of an effect: "on" for table 1, "omitted" for table 2; what is absent was not measured."""
+
+RESAMPLES = 10_000
+CONFIDENCE = 0.95
+NOT_MEASURED = "not measured"
+NO_CODE = ("subdivision",)
+"""Effects that the front-end turns into triangles: a frame has no code for them."""
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What the rows were measured on."""
+
+    commit: str
+    processor: str
+    cores: int
+    system: str
+    load_average: float
+    """Of the last minute before the run."""
+
+
+HEAD = """# What each effect costs, and what it costs where it is off
+
+Made by `python docs/make_ablation.py`: msbvh ({commit}), {processor}, {cores} cores, {system}; load average
+{load_average:.1f} before the run. Rows that this run did not measure say so. Seconds are medians of one thread's, of a frame of 4
+samples a pixel; on a machine that others use too only the ratios and their spread say much.
+
+## With the effect
+
+The base scene is one bumpy ball of still triangles under one distant light of no extent, without bounces and AOVs, through a
+pinhole that stands still. Each row is that scene with what the effect *needs*, against the same with the effect, rendered in
+turn; the ratio is the median of the rounds' own ratios, with the lowest and the highest in brackets. Some effects bring
+geometry or rays of their own, which the columns show: a ratio is not the price of an instruction.
+
+| effect | on top of | s | ratio | rays | tree bytes |
+|---|---|---|---|---|---|"""
+
+OMITTED = """
+## Without its code
+
+Each row is the base scene, which needs no effect, rendered by a build that has every effect and by one from which the code of
+this one was left out (`-DMSBVH_OMIT_EFFECTS`). *Bits*: of the pixels. *Instructions*: of all tiles of a frame of 64 x 64 pixels
+and 2,000 triangles by `valgrind --tool=callgrind --toggle-collect='msbvh::render_tile(*'`, by the kernels of SSE4 and of AVX2,
+with and without; AVX-512 is not counted, which valgrind does not know. *Time*: without over with, the median of interleaved pairs
+and its {confidence:.0%} interval by {resamples:,} resamples, as the second witness. Equal code may lie elsewhere in memory, so
+that time may differ where instructions do not.
+
+Deforming keys and moving instances share the kernels of moving trees: leaving out one of the two leaves those in. Displaced
+triangle meshes and subdivision come from the front-end as triangles: of displacement the code of patches is left out, of
+subdivision there is none. *Stage marks* are no effect: they are what `msbvh plan --measure` looks at.
+
+| effect | bits | instructions, SSE4 | instructions, AVX2 | time |
+|---|---|---|---|---|"""
+
+
+def page(machine: Machine, rows: Mapping[str, Row]) -> Iterator[str]:
+    """Its lines. `rows`: by effect, in the order of the tables."""
+    yield HEAD.format(**vars(machine))
+    for effect, row in rows.items():
+        if effect == "stage marks":
+            continue
+        yield f"| {' | '.join(on_cells(effect, row.get('on')))} |"
+    yield OMITTED.format(confidence=CONFIDENCE, resamples=RESAMPLES)
+    for effect, row in rows.items():
+        yield f"| {' | '.join(omitted_cells(effect, row.get('omitted')))} |"
+    yield from unequal(rows)
+
+
+def on_cells(effect: str, row: Row | None) -> list[str]:
+    if row is None:
+        return [effect, NOT_MEASURED, "", "", "", ""]
+    return [
+        effect,
+        row["needs"] or "the base scene",
+        f"{row['without_seconds']:.4f} -> {row['with_seconds']:.4f}",
+        f"**{row['ratio']:.3f}** [{row['ratio_low']:.3f}, {row['ratio_high']:.3f}]",
+        f"{row['without_rays']:,} -> {row['with_rays']:,}",
+        f"{row['without_bytes']:,} -> {row['with_bytes']:,}",
+    ]
+
+
+def omitted_cells(effect: str, row: Row | None) -> list[str]:
+    if row is None:
+        return [effect, NOT_MEASURED, "", "", ""]
+    name = f"{effect} (no code)" if effect in NO_CODE else effect
+    bits = "equal" if bits_equal(row) else "**differ**"
+    return [name, bits, _count(row["count"]["sse4"]), _count(row["count"]["avx2"]), _time(row["seconds"])]
+
+
+def bits_equal(row: Row) -> bool:
+    return all(with_all == without for with_all, without in row["hash"].values())
+
+
+def _count(pair: Sequence[int]) -> str:
+    with_all, without = pair
+    if with_all == without:
+        return f"{with_all:,}, equal"
+    return f"{with_all:,} -> {without:,} ({without / with_all - 1.0:+.4%})"
+
+
+def _time(pairs: Sequence[Sequence[float]]) -> str:
+    if len(pairs) < 2:
+        return NOT_MEASURED
+    middle, low, high = interval([without / with_all for with_all, without in pairs])
+    return f"{middle:.4f} [{low:.4f}, {high:.4f}], {len(pairs)} pairs"
+
+
+def interval(values: Sequence[float]) -> tuple[float, float, float]:
+    """The median, and its confidence interval by the bootstrap's percentiles (B. Efron, 1979); the same at every call."""
+    pick = random.Random(1)
+    medians = sorted(median(pick.choices(values, k=len(values))) for _ in range(RESAMPLES))
+    tail = math.floor(0.5 * (1.0 - CONFIDENCE) * RESAMPLES)
+    return median(values), medians[tail], medians[-1 - tail]
+
+
+def unequal(rows: Mapping[str, Row]) -> Iterator[str]:
+    """What an effect that is off costs after all, or that nothing does."""
+    omitted = {effect: row["omitted"] for effect, row in rows.items() if "omitted" in row}
+    if not omitted:
+        return
+    bits = [effect for effect, row in omitted.items() if not bits_equal(row)]
+    costs = {effect: _extra(row) for effect, row in omitted.items() if _extra(row) != 0.0}
+    yield ""
+    yield f"Of {len(omitted)} builds, {len(omitted) - len(bits)} drew the same bits" + (
+        f"; not those without {', '.join(bits)}." if bits else "."
+    )
+    if costs:
+        yield "Instructions that the base scene spends on what it does not use, in the mean of both sets:"
+        yield from (f"- {effect}: {share:+.4%}" for effect, share in costs.items())
+    else:
+        yield "All counted the same instructions."
+
+
+def _extra(row: Row) -> float:
+    return fmean(with_all / without - 1.0 for with_all, without in row["count"].values())

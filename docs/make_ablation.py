@@ -1,0 +1,223 @@
+"""Writes docs/ablation.md: what each effect costs where it is on, and that it costs nothing where it is off.
+
+    python docs/make_ablation.py [--only GLOB] [--pairs N] [--table-1-only] [--allow-dirty]
+
+For each effect whose name (with hyphens for spaces) matches GLOB:
+
+1. Table 1: build/release/bench/msbvh_bench_ablation (`make setup`) renders a base scene and the same with the effect in turn.
+2. Table 2: the bench is built in build/ablation without the effect's code (-DMSBVH_OMIT_EFFECTS), and renders the base scene,
+   which does not need it, beside a build that has everything: the picture's bits, instructions by callgrind, and time in
+   interleaved pairs.
+
+A build takes a minute, or ten where the effect is in the kernels too (instances, displacement, curves, points, polynomial motion,
+time remaps). What is measured is kept in build/ablation by commit: the same command goes on after an interruption. Rows that
+were not measured say so. Needs valgrind. A tree with uncommitted changes is refused, or with --allow-dirty measured, marked, and
+not kept.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Any
+
+import provenance
+from ablation_page import Machine, Row, page
+
+ROOT = Path(__file__).resolve().parents[1]
+BENCH = ROOT / "build/release/bench/msbvh_bench_ablation"
+BUILD = ROOT / "build/ablation"
+EFFECTS = (
+    "deforming keys",
+    "instances",
+    "moving instances",
+    "camera motion",
+    "moving lights",
+    "opacity",
+    "area lights",
+    "dome light",
+    "indirect light",
+    "lens",
+    "polynomial motion",
+    "time remaps",
+    "AOVs",
+    "curves",
+    "points",
+    "displacement",
+    "subdivision",
+)
+"""As `msbvh plan` names them: core/plan/effect_plan.cpp."""
+STAGE_MARKS = "stage marks"
+"""No effect, but left out in the same way: what samples stages (core/integrate/stage_mark.h)."""
+INSTRUCTION_SETS = ("sse4", "avx2")
+"""That callgrind knows; valgrind 3.19 knows no AVX-512."""
+COUNTED = ("2000", "64")
+"""Triangles and width of the frame whose instructions are counted."""
+COUNTED_FUNCTION = "msbvh::render_tile(*"
+TIMED_SET = "avx2"
+
+
+class Failed(Exception):
+    """Ends the run, with a message for people."""
+
+
+def main() -> None:
+    options = _parser().parse_args()
+    try:
+        commit = provenance.commit(allow_dirty=options.allow_dirty)
+        chosen = [name for name in (*EFFECTS, STAGE_MARKS) if fnmatch(option_name(name), options.only)]
+        if not chosen:
+            raise Failed(f"--only: found no effect that matches '{options.only}'; expected one of {_known()}")
+        if not options.table_1_only and not shutil.which("valgrind"):
+            raise Failed(
+                "valgrind: found none on PATH; expected it for the instructions of table 2: install the package valgrind, or"
+                " ask for --table-1-only"
+            )
+        load = os.getloadavg()[0]
+        kept = Kept(BUILD / "rows.json", commit)
+        measure(chosen, options, kept)
+    except (Failed, provenance.DirtyTree) as error:
+        sys.exit(f"make_ablation: error: {error}")
+    machine = Machine(
+        commit, provenance.processor(), os.cpu_count() or 1, f"{platform.system()} {platform.release()}", load
+    )
+    rows = {name: kept.rows.get(name, {}) for name in (*EFFECTS, STAGE_MARKS)}
+    (ROOT / "docs" / "ablation.md").write_text("\n".join(page(machine, rows)) + "\n", encoding="utf-8")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--only", default="*", metavar="GLOB", help="effects, by names with hyphens for spaces")
+    parser.add_argument("--pairs", type=int, default=25, metavar="N", help="of runs that are timed for table 2")
+    parser.add_argument("--table-1-only", action="store_true", help="build nothing")
+    parser.add_argument("--allow-dirty", action="store_true", help="measure a tree with uncommitted changes")
+    return parser
+
+
+def option_name(effect: str) -> str:
+    """As MSBVH_OMIT_EFFECTS has it."""
+    return effect.lower().replace(" ", "-")
+
+
+def _known() -> str:
+    return ", ".join(option_name(name) for name in (*EFFECTS, STAGE_MARKS))
+
+
+class Kept:
+    """Rows that this commit has."""
+
+    def __init__(self, path: Path, commit: str) -> None:
+        self._path, self._commit = path, commit
+        found = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+        same = found.get("commit") == commit and not commit.endswith("-dirty")
+        self.rows: dict[str, Row] = found["rows"] if same else {}
+
+    def has(self, effect: str, table: str) -> bool:
+        return table in self.rows.get(effect, {})
+
+    def add(self, effect: str, table: str, row: dict[str, Any]) -> None:
+        self.rows.setdefault(effect, {})[table] = row
+        self._path.parent.mkdir(parents=True, exist_ok=True)
+        unfinished = self._path.with_suffix(".part")
+        unfinished.write_text(json.dumps({"commit": self._commit, "rows": self.rows}, indent=1), encoding="utf-8")
+        unfinished.replace(self._path)
+
+
+def measure(chosen: Sequence[str], options: argparse.Namespace, kept: Kept) -> None:
+    for effect in chosen:
+        if effect in EFFECTS and not kept.has(effect, "on"):
+            _say(f"{effect}: on and off in turn")
+            kept.add(effect, "on", on_row(effect))
+    missing = [effect for effect in chosen if not kept.has(effect, "omitted")]
+    if options.table_1_only or not missing:
+        return
+    whole = built(None)
+    for effect in missing:
+        _say(f"{effect}: a build without")
+        kept.add(effect, "omitted", omitted_row(whole, built(effect), options.pairs))
+
+
+def _say(text: str) -> None:
+    print(f"make_ablation: {text}", file=sys.stderr, flush=True)
+
+
+def on_row(effect: str) -> dict[str, Any]:
+    """Table 1's, as the bench prints it."""
+    if not BENCH.is_file():
+        raise Failed(f"{BENCH}: found none; expected it of `make setup`")
+    rows = [json.loads(line) for line in _output([BENCH, "effects", "20000", "256", "15", effect]).splitlines()]
+    (row,) = [row for row in rows if row["effect"] == effect]  # "instances" is a part of "moving instances"
+    return dict(row)
+
+
+def built(effect: str | None) -> Path:
+    """The bench without the effect's code. One build tree: the kernels are compiled again only where it is in them."""
+    omitted = option_name(effect) if effect else ""
+    tree = BUILD / "tree"
+    generator = ["-G", "Ninja"] if shutil.which("ninja") else []
+    _output(
+        ["cmake", "-S", ROOT, "-B", tree, *generator, "-DCMAKE_BUILD_TYPE=Release", "-DMSBVH_BUILD_BENCH=ON",
+         "-DMSBVH_BUILD_TESTS=OFF", "-DMSBVH_BUILD_PYTHON=OFF", f"-DMSBVH_OMIT_EFFECTS={omitted}"]
+    )  # fmt: skip
+    _output(["cmake", "--build", tree, "--target", "msbvh_bench_ablation"])
+    kept = BUILD / f"without-{omitted}" if omitted else BUILD / "whole"
+    shutil.copy2(tree / "bench/msbvh_bench_ablation", kept)
+    return kept
+
+
+def omitted_row(whole: Path, without: Path, pairs: int) -> dict[str, Any]:
+    """Table 2's: both on the base scene."""
+    row: dict[str, Any] = {"hash": {}, "count": {}}
+    for instructions in INSTRUCTION_SETS:
+        sides = [counted(bench, instructions) for bench in (whole, without)]
+        row["hash"][instructions] = [side["hash"] for side in sides]
+        row["count"][instructions] = [side["count"] for side in sides]
+    row["seconds"] = [timed_pair(whole, without, turn) for turn in range(pairs)]
+    return row
+
+
+def counted(bench: Path, instructions: str) -> dict[str, Any]:
+    """What the bench prints of a small frame, and how many instructions its tiles took."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "callgrind.out"
+        text = _output(
+            ["valgrind", "--tool=callgrind", f"--toggle-collect={COUNTED_FUNCTION}", f"--callgrind-out-file={out}",
+             "--quiet", bench, "base", instructions, *COUNTED]
+        )  # fmt: skip
+        return {**json.loads(text), "count": total_of(out.read_text(encoding="utf-8"))}
+
+
+def total_of(callgrind: str) -> int:
+    """Instructions that a callgrind file counts. Raises Failed for none, as where the function was not called."""
+    totals = [line.split()[1] for line in callgrind.splitlines() if line.startswith(("summary:", "totals:"))]
+    if not totals or int(totals[-1]) == 0:
+        raise Failed(f"callgrind: found no instructions of {COUNTED_FUNCTION}; expected some")
+    return int(totals[-1])
+
+
+def timed_pair(whole: Path, without: Path, turn: int) -> tuple[float, float]:
+    """Seconds of a frame by each build, the first one first in every other turn."""
+    order = (whole, without) if turn % 2 == 0 else (without, whole)
+    seconds = {bench: json.loads(_output([bench, "base", TIMED_SET]))["seconds"] for bench in order}
+    return seconds[whole], seconds[without]
+
+
+def _output(command: Sequence[str | Path]) -> str:
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode != 0:
+        said = (done.stderr.strip() or done.stdout.strip()).splitlines()[-5:]
+        raise Failed(f"{' '.join(map(str, command))}: found exit code {done.returncode}: {' '.join(said)}")
+    return done.stdout
+
+
+if __name__ == "__main__":
+    main()
