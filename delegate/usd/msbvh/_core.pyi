@@ -97,6 +97,7 @@ from ._core_statistics import RayCosts as RayCosts
 from ._core_statistics import RayMeans as RayMeans
 from ._core_statistics import RenderStatistics as RenderStatistics
 from ._core_statistics import SceneStatistics as SceneStatistics
+from ._core_statistics import StageSamples as StageSamples
 
 __version__: str
 

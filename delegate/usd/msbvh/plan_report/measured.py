@@ -62,9 +62,9 @@ def measured_effects(
             continue
         measured = MeasuredEffect(time_share=None, by="model", tree_share=None)
         if effect in _OWN_STAGES:
-            measured.update(time_share=share(_OWN_STAGES[effect]), by="stage")
+            measured["time_share"], measured["by"] = share(_OWN_STAGES[effect]), "stage"
         elif effect in _PART_OF_STAGES:
-            measured.update(time_share=share(_PART_OF_STAGES[effect]), by="at most")
+            measured["time_share"], measured["by"] = share(_PART_OF_STAGES[effect]), "at most"
         elif effect in rays:
             measured["time_share"] = tracing * rays[effect]
         if effect in held and all_bytes:
