@@ -6,7 +6,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup render test lint sanitize fuzz bench accuracy soak clean FORCE
+.PHONY: help setup render test lint sanitize fuzz bench accuracy stability soak clean FORCE
 
 PYTHON ?= python3
 JOBS ?= $(shell nproc)
@@ -104,10 +104,12 @@ lint: setup  ## formatting of C++ and Python, ruff's rules, mypy's types
 sanitize: setup  ## a sample of the C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@cmake -S . -B build/sanitize -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO='-O1 -g1' \
 	  -DMSBVH_SANITIZE=address,undefined -DMSBVH_NATIVE_KERNELS=ON > build/sanitize.log
-	@cmake --build build/sanitize --target test_unit test_property test_render test_memory fuzz >> build/sanitize.log || \
+	@cmake --build build/sanitize --target test_unit test_property test_stability test_render \
+	  test_memory fuzz >> build/sanitize.log || \
 	  { tail -n 60 build/sanitize.log; exit 1; }
 	@for kind in unit render memory; do build/sanitize/tests/test_$$kind --test-suite-exclude=slow || exit 1; done
-	@build/sanitize/tests/test_property --test-suite-exclude=slow --test-case-exclude='$(LONG_CASES)'
+	@for kind in property stability; do \
+	  build/sanitize/tests/test_$$kind --test-suite-exclude=slow --test-case-exclude='$(LONG_CASES)' || exit 1; done
 	@ctest --test-dir build/sanitize --output-on-failure --no-tests=error -R '^fuzz\.'
 
 # OPTIONS: `--seconds N` for each target (60), `--only GLOB`, `--list`.
@@ -130,6 +132,10 @@ accuracy: setup  ## what each step of accuracy costs on six scenes: to docs/accu
 	  --config-settings=cmake.define.MSBVH_BUILD_TESTS=ON --config-settings=cmake.define.MSBVH_BUILD_BENCH=ON \
 	  --editable '.[test,accuracy]'
 	@$(BIN)/python docs/make_accuracy.py $(OPTIONS)
+
+# Embree as in `make bench`. Needs a clean tree. OPTIONS: `--probes` or `--mutants` makes one section anew.
+stability: setup  ## rays that get out of moving shapes, ours and Embree's, and deliberate defects: to docs/stability.md
+	@$(BIN)/python docs/make_stability.py $(OPTIONS)
 
 # Each check is remembered by commit: the same command goes on after an interruption. OPTIONS: `--list`, `--only GLOB`.
 soak: setup $(STAMPS)/fuzzers  ## every long check whole, for hours; goes on where it was interrupted; result in docs/soak.md

@@ -21,6 +21,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
+#include "core/geometry/grid_triangles.h"
 #include "tests/support/cages.h"
 
 namespace {
@@ -128,7 +129,7 @@ class Features {
   void interpolated_bounds() const {
     const Feature bounds{"boxes that move",
                          "boxes interpolated between keys; without: still ones around the whole motion",
-                         "paper, 3.3", "tests/property/test_watertight.cpp tests/property/test_oracle.cpp"};
+                         "paper, 3.3", "tests/stability/test_watertight.cpp tests/property/test_oracle.cpp"};
     const Feature one_tree{"one tree for all segments",
                            "one topology for the shutter; without: a tree for each segment", kBuildPage,
                            "tests/property/test_baselines.cpp"};

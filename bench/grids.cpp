@@ -19,6 +19,7 @@
 #include "core/base/parallel.h"
 #include "core/bvh/bvh.h"
 #include "core/bvh/statistics.h"
+#include "core/geometry/grid_triangles.h"
 #include "core/trace/tracer.h"
 #include "tests/support/cages.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/procedural.h"
+#include "core/geometry/grid_triangles.h"
 #include "core/motion/affine_track.h"
 
 namespace msbvh::bench {
@@ -71,7 +71,7 @@ class Filler {
         return;
       }
       case GeometryKind::kGridMesh:
-        out_.meshes.push_back(procedural::triangles_of(in_.grids[id.index()].shape));
+        out_.meshes.push_back(triangles_of(in_.grids[id.index()].shape));
         object.meshes.push_back(mesh(out_.meshes.back(), time_remap));
         return;
     }

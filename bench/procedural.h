@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 
-#include "core/geometry/grid_mesh.h"
 #include "core/geometry/triangle_mesh.h"
 #include "core/trace/ray.h"
 
@@ -48,9 +47,6 @@ TriangleMesh soup(int count, float size, std::uint64_t seed);  // free triangles
 TriangleMesh debris(int count, std::uint32_t segments, float speed,
                     std::uint64_t seed);    // each its own velocity
 TriangleMesh wheel(int spokes, int rings);  // rim and spokes in the xy plane
-
-// The grids' triangles as a mesh of triangles: triangle i is triangle i of the grids.
-TriangleMesh triangles_of(const GridMesh& grids);
 
 // From around to inside the box, at random times.
 Ray random_ray(Random& random, const Vec3f& centre, float radius);

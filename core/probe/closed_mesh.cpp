@@ -4,19 +4,22 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
 #include "core/base/affine.h"
 #include "core/base/triangle_distance.h"
 #include "core/trace/oracle.h"
+#include "core/trace/pose.h"
 
 namespace msbvh {
 namespace {
 
 constexpr int kTries = 16;
-// Of the largest coordinate: four times what a kernel may round of a vertex and of a ray.
+// Of rounded_size(): four times what a kernel may round of a vertex and of a ray.
 constexpr double kClearance = 4.0 * kOracleError;
 
 // Of the triangle as the origin sees it, signed by its side: A. van Oosterom, J. Strackee, "The Solid Angle
@@ -27,21 +30,26 @@ double solid_angle(const std::array<Vec3d, 3>& v) {
   return 2.0 * std::atan2(dot(v[0], cross(v[1], v[2])), below);
 }
 
-// Whether the mesh winds around the point, and no part of it is near.
-bool is_inside(const ShownMesh& shown, const MeshPose& pose, const Vec3d& point) {
-  constexpr double kSphere = 12.566370614359172;
-  double angle = 0.0, nearest = 1e300, size = 0.0;
-  for (std::uint32_t i = 0; i < shown.mesh->triangles.size(); ++i) {
-    std::array<Vec3d, 3> v = corners(shown, pose, i);
-    for (Vec3d& corner : v) {
-      const Vec3d m = abs(corner);
-      size = std::max({size, m.x, m.y, m.z});
-      corner = corner - point;
-    }
-    angle += solid_angle(v);
-    nearest = std::min(nearest, distance_to_triangle(v));
+// The largest number that goes into where the mesh and a ray from the point are: what a kernel rounds is a
+// share of it. Keys may be far larger than what lies between them, and a map that is nearly singular
+// magnifies.
+double rounded_size(const ShownMesh& shown, const MeshPose& pose, const Vec3d& point) {
+  const TriangleMesh& mesh = *shown.mesh;
+  double size = 0.0;
+  for (std::uint32_t v = 0; v < mesh.vertex_count; ++v) {
+    const auto of_vertex = [&](std::uint32_t c) {
+      return largest_coordinate(Vec3d(mesh.control_positions(c)[v]));
+    };
+    size = std::max(size, largest_control(mesh.form(), pose.time01, of_vertex));
   }
-  return std::abs(angle) > 0.5 * kSphere && nearest > kClearance * size;
+  if (shown.instance == kNoInstance) return std::max(size, largest_coordinate(point));
+  const Affine3d& map = pose.world_from_mesh;
+  if (map.determinant() == 0.0) return std::numeric_limits<double>::infinity();
+  const Affine3d back = inverse(map);
+  const Vec3d terms = abs(back.x) * std::abs(point.x) + abs(back.y) * std::abs(point.y) +
+                      abs(back.z) * std::abs(point.z) + abs(back.t);
+  const double magnified = (length(map.x) + length(map.y) + length(map.z)) * largest_coordinate(terms);
+  return std::max({magnified, pose.map_size * (3.0 * size + 1.0), largest_coordinate(point)});
 }
 
 // For each vertex, one that lies where it does at every control.
@@ -81,6 +89,29 @@ bool is_closed(const TriangleMesh& mesh) {
   std::ranges::sort(there);
   std::ranges::sort(back);
   return !there.empty() && there == back;
+}
+
+std::vector<const ShownMesh*> closed_meshes(const ShownMeshes& all) {
+  std::unordered_map<const TriangleMesh*, bool> known;
+  std::vector<const ShownMesh*> closed;
+  for (const ShownMesh& shown : all.meshes()) {
+    const auto [at, is_new] = known.try_emplace(shown.mesh, false);
+    if (is_new) at->second = is_closed(*shown.mesh);
+    if (at->second) closed.push_back(&shown);
+  }
+  return closed;
+}
+
+bool is_inside(const ShownMesh& shown, const MeshPose& pose, const Vec3d& point) {
+  constexpr double kSphere = 12.566370614359172;
+  double angle = 0.0, nearest = 1e300;
+  for (std::uint32_t i = 0; i < shown.mesh->triangles.size(); ++i) {
+    std::array<Vec3d, 3> v = corners(shown, pose, i);
+    for (Vec3d& corner : v) corner = corner - point;
+    angle += solid_angle(v);
+    nearest = std::min(nearest, distance_to_triangle(v));
+  }
+  return std::abs(angle) > 0.5 * kSphere && nearest > kClearance * rounded_size(shown, pose, point);
 }
 
 std::optional<Vec3f> point_inside(const ShownMesh& shown, const MeshPose& pose, ProbeRandom& random) {

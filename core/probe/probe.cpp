@@ -4,19 +4,22 @@
 #include <memory>
 #include <optional>
 #include <sstream>
-#include <unordered_map>
+#include <unordered_set>
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/probe/aimed_rays.h"
 #include "core/probe/closed_mesh.h"
+#include "core/probe/inside_rays.h"
+#include "core/probe/tracer_under_test.h"
 #include "core/trace/oracle.h"
 
 namespace msbvh {
 namespace {
 
-// Closed meshes that rays start in, spread evenly over all that are shown; and starts in each.
-constexpr std::size_t kMostMeshes = 64, kStarts = 4;
+// Closed meshes that rays start in, spread evenly over all that are shown; and places in each that they start
+// at.
+constexpr std::size_t kMostMeshes = 64, kStarts = 8;
 
 std::string describe(const Ray& ray) {
   std::ostringstream s;
@@ -76,69 +79,33 @@ void judge(const Bvh& world, const Tracer& tracer, const std::vector<Ray>& rays,
   }
 }
 
-// Rays that start inside of a closed mesh, and whose number it has.
-struct InsideRays {
-  std::vector<Ray> rays;
-  std::vector<const ShownMesh*> from;
-};
-
-void add_rays_from(const ShownMeshes& all, const ShownMesh& shown, std::size_t count, ProbeRandom& random,
-                   InsideRays& out) {
-  const float time = random.time();
-  const std::optional<MeshPose> pose = all.pose(shown, double(time));
-  if (!pose) return;
-  const std::optional<Vec3f> start = point_inside(shown, *pose, random);
-  if (!start) return;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto t = static_cast<std::uint32_t>(random.below(shown.mesh->triangles.size()));
-    const std::array<Vec3d, 3> v = corners(shown, *pose, t);
-    const std::size_t k = random.below(3);
-    const Vec3d at_edge = v[k] + (v[(k + 1) % 3] - v[k]) * random.uniform();
-    const Vec3d ways[] = {random.direction(), v[k] - Vec3d(*start), at_edge - Vec3d(*start)};
-    Ray ray;
-    ray.org = *start;
-    ray.dir = Vec3f(ways[random.below(3)]);
-    ray.time = time;
-    out.rays.push_back(ray);
-    out.from.push_back(&shown);
+void find_leaks(const Bvh& world, InstructionSet set, const InsideRays& inside, ProbeResult& result) {
+  compare_ways(world, Tracer(world, set), inside.rays, result);
+  constexpr std::size_t kOne = 0;  // the other ways are compared with it
+  for (const std::size_t i : lost_rays(OurTracerUnderTest(world, set), kOne, inside.rays)) {
+    note(result, inside.rays[i],
+         std::string(inside_aim_name(inside.aims[i])) + ", it gets out of " + inside.from[i]->mesh->name);
   }
 }
 
-InsideRays inside_rays(const ShownMeshes& all, const std::vector<const ShownMesh*>& closed, std::size_t count,
-                       std::uint64_t seed) {
-  InsideRays out;
-  ProbeRandom random(seed);
-  const std::size_t meshes = std::min(closed.size(), kMostMeshes);
-  for (std::size_t i = 0; i < meshes; ++i) {
-    const ShownMesh& shown = *closed[i * closed.size() / meshes];
-    for (std::size_t start = 0; start < kStarts; ++start)
-      add_rays_from(all, shown, std::max<std::size_t>(1, count / (meshes * kStarts)), random, out);
-  }
-  return out;
-}
-
-void find_leaks(const Bvh& world, const Tracer& tracer, const InsideRays& inside, ProbeResult& result) {
-  compare_ways(world, tracer, inside.rays, result);
-  std::vector<Hit> hits(inside.rays.size());
-  tracer.intersect(inside.rays, hits.data());
-  for (std::size_t i = 0; i < hits.size(); ++i) {
-    if (!hits[i].found()) note(result, inside.rays[i], "it gets out of " + inside.from[i]->mesh->name);
-  }
-}
-
+// Counts meshes, and returns those that are closed.
 std::vector<const ShownMesh*> closed_ones(const ShownMeshes& all, ProbeReport& report) {
-  std::unordered_map<const TriangleMesh*, bool> known;
-  std::vector<const ShownMesh*> closed;
-  for (const ShownMesh& shown : all.meshes()) {
-    const auto [at, is_new] = known.try_emplace(shown.mesh, false);
-    if (is_new) {
-      at->second = is_closed(*shown.mesh);
-      ++report.meshes;
-      report.closed_meshes += at->second;
-    }
-    if (at->second) closed.push_back(&shown);
-  }
+  std::vector<const ShownMesh*> closed = closed_meshes(all);
+  const auto count = [](const auto& meshes, const auto& mesh_of) {
+    std::unordered_set<const TriangleMesh*> known;
+    for (const auto& shown : meshes) known.insert(mesh_of(shown));
+    return known.size();
+  };
+  report.meshes = count(all.meshes(), [](const ShownMesh& shown) { return shown.mesh; });
+  report.closed_meshes = count(closed, [](const ShownMesh* shown) { return shown->mesh; });
   return closed;
+}
+
+// Spread evenly over all.
+std::vector<const ShownMesh*> at_most(std::size_t count, const std::vector<const ShownMesh*>& meshes) {
+  std::vector<const ShownMesh*> chosen(std::min(count, meshes.size()));
+  for (std::size_t i = 0; i < chosen.size(); ++i) chosen[i] = meshes[i * meshes.size() / chosen.size()];
+  return chosen;
 }
 
 }  // namespace
@@ -163,11 +130,12 @@ ProbeReport probe(const Bvh& world, const ProbeSettings& settings, const ProbePr
     }
   }
   const ShownMeshes shown(world);
-  const InsideRays inside = inside_rays(shown, closed_ones(shown, report), settings.rays, settings.seed);
+  const InsideRays inside = inside_rays(shown, at_most(kMostMeshes, closed_ones(shown, report)), kStarts,
+                                        settings.rays, settings.seed);
   for (const InstructionSet set : sets) {
     ProbeResult& result =
         report.results.emplace_back(ProbeResult{"rays from inside closed meshes", set, inside.rays.size()});
-    find_leaks(world, Tracer(world, set), inside, result);
+    find_leaks(world, set, inside, result);
     finished_one();
   }
   return report;

@@ -1,4 +1,4 @@
-// The triangles that a tree shows, its instances' among them, and where they are at a time.
+// The triangles that a tree shows, its grids' and its instances' among them, and where they are at a time.
 #pragma once
 
 #include <array>
@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -15,7 +16,7 @@
 
 namespace msbvh {
 
-// A mesh of the tree itself, or of an instance's object.
+// A mesh of the tree itself, or of an instance's object; or the triangles of grids as one.
 struct ShownMesh {
   const TriangleMesh* mesh;
   std::uint32_t instance = kNoInstance;
@@ -25,12 +26,14 @@ struct ShownMesh {
 struct MeshPose {
   double time01;  // the mesh's own
   Affine3d world_from_mesh;
+  double map_size = 0.0;  // of an instance: the largest element of the maps that it was interpolated from
 };
 
 class ShownMeshes {
  public:
-  // `world` must outlive it.
+  // `world` must outlive it. Copies the triangles of grids.
   explicit ShownMeshes(const Bvh& world);
+  ShownMeshes(const ShownMeshes&) = delete;
 
   std::span<const ShownMesh> meshes() const { return meshes_; }
   std::size_t triangle_count() const { return first_.back(); }
@@ -41,8 +44,10 @@ class ShownMeshes {
 
  private:
   void add(const Bvh& bvh, std::uint32_t instance);
+  void add(const TriangleMesh& mesh, std::uint32_t instance);
 
   const Bvh& world_;
+  std::unordered_map<const GridMesh*, TriangleMesh> of_grids_;
   std::vector<ShownMesh> meshes_;
   std::vector<std::size_t> first_{0};  // triangle of each mesh; and their number
 };

@@ -27,20 +27,26 @@ struct RoundHit {
   bool through = false;  // nothing is inside: a ray that goes on starts behind it
 };
 
+double largest(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
 // The ray in the space of the geometry; its parameter keeps its meaning.
 struct LocalRay {
   Vec3d org, dir;
+  double size;  // the largest of the terms that the origin is a sum of: it errs by a share of them
 
   LocalRay(const Ray& ray, const std::optional<InstancePose>& pose) : org(ray.org), dir(ray.dir) {
+    size = largest(org);
     if (!pose) return;
     const Affine3d object_from_world = inverse(pose->world_from_object);
+    const auto& [x, y, z, t] = object_from_world;
+    size = largest(abs(x) * std::abs(org.x) + abs(y) * std::abs(org.y) + abs(z) * std::abs(org.z) + abs(t));
     org = object_from_world.point(org);
     dir = object_from_world.vector(dir);
   }
   Vec3d at(double t) const { return org + dir * t; }
+  // What a place on it errs by a share of.
+  double size_at(double t) const { return std::max(size, std::abs(t) * length(dir)); }
 };
-
-double largest(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 Vec3d unit_or(const Vec3d& v, const Vec3d& fallback) {
   const Vec3d n = normalize(v);
@@ -80,6 +86,7 @@ SurfaceHit in_world(const RoundHit& hit, const Ray& ray, float t, const std::opt
 struct CurvePlace {
   Vec3d centre, tangent;
   double radius, size;
+  double growth;  // of the radius, along the centre line
 
   CurvePlace(const CurveSet& shape, std::uint32_t span, double u, float time) : size(0.0) {
     Vec3d p[kSpanVertices];
@@ -94,6 +101,21 @@ struct CurvePlace {
     radius = bezier([&](std::uint32_t i) { return r[i]; }, 3, u);
     tangent = bezier([&](std::uint32_t i) { return p[i + 1] - p[i]; }, 2, u);
     if (tangent == Vec3d{}) tangent = p[3] - p[0];
+    const double speed = length(tangent);
+    growth = speed > 0.0 ? bezier([&](std::uint32_t i) { return r[i + 1] - r[i]; }, 2, u) / speed : 0.0;
+  }
+
+  // From the centre to a hit, without how far along the curve the place has erred: on thin hair, far from the
+  // origin, that would tilt the normal, and rays that leave along the hair would run into it. `lean`: how
+  // far it is along the curve by rights. `hit_size`: what the hit errs by a share of.
+  Vec3d outwards(const Vec3d& hit, double lean, double hit_size) const {
+    const Vec3d out = hit - centre;
+    const double l2 = dot(tangent, tangent);
+    if (!(l2 > 0.0)) return out;
+    const Vec3d unit = tangent * (1.0 / std::sqrt(l2));
+    const double erred = dot(out, unit) - lean;
+    const double most = radius * kRadiusError + std::max(size, hit_size) * kPlaceError;
+    return std::abs(erred) <= most ? out - unit * erred : out;
   }
 };
 
@@ -107,7 +129,7 @@ Vec3d facing(const Vec3d& tangent, const Vec3d& dir) {
 RoundHit ribbon_hit(const CurvePlace& place, const LocalRay& ray, double t) {
   const Vec3d front = facing(place.tangent, ray.dir), at = ray.at(t);
   // How far across the hit is, as a share of the width; the rest goes round to the front.
-  const Vec3d aside = at - place.centre, across = aside - front * dot(aside, front);
+  const Vec3d aside = place.outwards(at, 0.0, ray.size_at(t)), across = aside - front * dot(aside, front);
   const double share = place.radius > 0.0 ? std::min(length(across) / place.radius, 1.0) : 0.0;
   const Vec3d round = front * std::sqrt(1.0 - share * share) + unit_or(across, front) * share;
   const Vec3d normal = unit_or(round, front);
@@ -115,7 +137,9 @@ RoundHit ribbon_hit(const CurvePlace& place, const LocalRay& ray, double t) {
 }
 
 RoundHit tube_hit(const CurvePlace& place, const LocalRay& ray, double t) {
-  const Vec3d out = unit_or(ray.at(t) - place.centre, facing(place.tangent, ray.dir));
+  // The balls of a tube that grows touch it behind their centres.
+  const Vec3d touched = place.outwards(ray.at(t), -place.growth * place.radius, ray.size_at(t));
+  const Vec3d out = unit_or(touched, facing(place.tangent, ray.dir));
   return {place.centre, place.radius, out, out, place.size, false};
 }
 

@@ -84,6 +84,8 @@ class ShearedTriangle {
     verdict.u = w[1] / area;
     verdict.v = w[2] / area;
     verdict.t = (w[0] * t_[0] + w[1] * t_[1] + w[2] * t_[2]) / area;
+    // What vertices err by may flatten it to a line, as a kernel sees it: it may be met anywhere along that.
+    if (std::abs(area) <= 2.0 * error_ * longest_edge()) return verdict;
     const double slack = t_error_ + slope(area) * error_ + lost;
     verdict.t_lo = std::max(verdict.t_lo, std::min(verdict.t, t_max) - slack);
     verdict.t_hi = std::min(verdict.t_hi, std::max(verdict.t, t_min) + slack);
@@ -96,6 +98,15 @@ class ShearedTriangle {
     const Vec2d e1{p_[1].x - p_[0].x, p_[1].y - p_[0].y}, e2{p_[2].x - p_[0].x, p_[2].y - p_[0].y};
     const double d1 = t_[1] - t_[0], d2 = t_[2] - t_[0];
     return std::hypot(d1 * e2.y - d2 * e1.y, d2 * e1.x - d1 * e2.x) / std::abs(area);
+  }
+
+  double longest_edge() const {
+    double most = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      const Vec2d &a = p_[i], &b = p_[(i + 1) % 3];
+      most = std::max(most, std::hypot(b.x - a.x, b.y - a.y));
+    }
+    return most;
   }
 
   // By how much a kernel's distance may be off because its weights, or their products with distances, are too
@@ -231,6 +242,22 @@ std::optional<std::string> judge_intersection(const Bvh& bvh, const Ray& ray, co
   });
   if (!answered)
     wrong << describe({hit->instance, hit->geometry, hit->triangle}) << " was hit; the ray misses it. ";
+  const std::string text = wrong.str();
+  return text.empty() ? std::nullopt : std::optional(text);
+}
+
+std::optional<std::string> judge_distance(const Bvh& bvh, const Ray& ray, float t) {
+  const bool found = !std::isinf(t);
+  bool answered = !found;
+  std::ostringstream wrong;
+  wrong.precision(9);
+  visit_all(bvh, ray, [&](const Id& id, const Verdict& v) {
+    answered |= v.t_lo <= t && t <= v.t_hi;
+    const double limit = found ? t : ray.tfar;
+    if (v.clear && v.t_lo > ray.tnear && v.t_hi < limit)
+      wrong << describe(id) << " lies at t = " << v.t << ", before " << limit << ", and was not found. ";
+  });
+  if (!answered) wrong << "a hit at t = " << t << ", where nothing lies. ";
   const std::string text = wrong.str();
   return text.empty() ? std::nullopt : std::optional(text);
 }

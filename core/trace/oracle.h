@@ -24,6 +24,10 @@ inline constexpr double kOracleError = 0x1p-19;
 // closest hit, none for a miss. Takes time proportional to the number of triangles.
 std::optional<std::string> judge_intersection(const Bvh& bvh, const Ray& ray, const std::optional<Hit>& hit);
 
+// The same for an answer of which only the distance is known: that something lies there, and nothing clearly
+// before it. Infinity: nothing was hit. Another tracer than ours may be held to it.
+std::optional<std::string> judge_distance(const Bvh& bvh, const Ray& ray, float t);
+
 // The same for an any-hit query.
 std::optional<std::string> judge_occlusion(const Bvh& bvh, const Ray& ray, bool occluded);
 

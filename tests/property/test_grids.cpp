@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "core/geometry/grid_triangles.h"
 #include "tests/property/support.h"
 #include "tests/support/cages.h"
 

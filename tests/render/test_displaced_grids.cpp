@@ -6,6 +6,7 @@
 
 #include "core/api/scene_trees.h"
 #include "core/bvh/bvh.h"
+#include "core/geometry/grid_triangles.h"
 #include "core/shade/surface_hit.h"
 #include "core/trace/tracer.h"
 #include "tests/render/pictures.h"
@@ -74,7 +75,7 @@ std::shared_ptr<const Scene> scene_of_grids(const Case& c) {
 std::shared_ptr<const Scene> scene_of_triangles(const Case& c, const Grids& grids) {
   const auto scene = scene_with(c, mesh_id(0));
   Mesh& mesh = scene->meshes.emplace_back();
-  mesh.shape = validated(procedural::triangles_of(grids.shape));
+  mesh.shape = validated(triangles_of(grids.shape));
   mesh.normals = {Interpolation::kFaceVarying, 0, {}};
   mesh.display_color = {Interpolation::kTriangle, 0, {}};
   for (std::uint32_t id = 0; id < grids.shape.triangle_count(); ++id) {

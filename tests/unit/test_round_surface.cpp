@@ -68,6 +68,24 @@ TEST_CASE("rays that leave a ribbon start on the tube that it stands for, clear 
   CHECK(through.org.z < 0.0f);
 }
 
+TEST_CASE("a place that errs along a hair does not tilt its normal") {
+  for (const float error : {-1e-4f, 0.0f, 1e-4f}) {
+    for (const CurveShape shape : {CurveShape::kRibbon, CurveShape::kTube}) {
+      const Scene even = curve_scene(shape);
+      const float way = shape == CurveShape::kTube ? 3.6f : 4.0f;
+      const SurfaceHit hit = surface(even, on_curve(way, 0.5f + error, 0.6f), down_at(1.5f, 0.3f));
+      check_near(hit.geometric_normal, {0, 0.6f, 0.8f});
+    }
+    Scene cone = curve_scene(CurveShape::kTube);  // its radius grows by 1/6 of the way
+    for (RoundVertex& v : cone.curves[0].shape.vertices) v.radius += v.p.x / 6.0f;
+    const float back = 1.0f / 6.0f, up = std::sqrt(1.0f - back * back);
+    const Hit touched = on_curve(4.0f - 0.75f * up, 0.5f + error);
+    const SurfaceHit hit = surface(cone, touched, down_at(1.5f - 0.75f * back, 0.0f));
+    // Its radius is that of the place, an error of 1e-4 off: 1.1e-5 of the normal, which was 4e-4.
+    CHECK(length(hit.geometric_normal - Vec3f{-back, 0, up}) < 2e-5f);
+  }
+}
+
 TEST_CASE("a tube's normal leads from its centre line, its ends included") {
   const Scene scene = curve_scene(CurveShape::kTube);
   const SurfaceHit hit = surface(scene, on_curve(3.6f, 0.5f), down_at(1.5f, 0.3f));

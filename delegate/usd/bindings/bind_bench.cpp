@@ -6,9 +6,11 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 #include <optional>
+#include <span>
 #include <tuple>
 
 #include "bench/run_scene.h"
+#include "bench/stability.h"
 #include "core/build/settings.h"
 #include "delegate/usd/bindings/bindings.h"
 
@@ -87,6 +89,42 @@ std::vector<std::string> run(const SceneHandle& scene, const Ball& interior, con
   return bench::run_scene({scene.scene, {{x, y, z}, radius}}, settings);
 }
 
+// (shape, motion, segments, degree, position, scale)
+using Cell = std::tuple<std::string, std::string, std::uint32_t, std::uint32_t, double, double>;
+
+std::vector<Cell> stability_cells() {
+  std::vector<Cell> cells;
+  for (const bench::StabilityShape& shape : bench::stability_shapes()) {
+    for (const bench::StabilityMotion& motion : bench::stability_motions()) {
+      for (const TrackForm& form : bench::stability_forms()) {
+        for (const bench::StabilityPlace& place : bench::stability_places()) {
+          if (bench::is_measured({shape.name, motion.name, form, place}))
+            cells.emplace_back(shape.name, motion.name, form.segments, form.degree, place.position,
+                               place.scale);
+        }
+      }
+    }
+  }
+  return cells;
+}
+
+std::string run_stability(const Cell& cell, std::size_t rays, std::uint32_t seed, double oracle_tests,
+                          const std::string& peer, const std::string& peer_folder) {
+  const auto& [shape, motion, segments, degree, position, scale] = cell;
+  bench::StabilitySettings settings{rays, seed, oracle_tests, nullptr, heed_signals};
+  nb::gil_scoped_release release;
+  std::optional<bench::PeerLibrary> library;
+  if (!peer.empty()) settings.peer = &library.emplace(peer, peer_folder);
+  return bench::run_stability({shape, motion, {segments, degree}, {position, scale}}, settings);
+}
+
+template <typename Named>
+nb::dict what_is(std::span<const Named> all) {
+  nb::dict result;
+  for (const Named& one : all) result[one.name] = one.what;
+  return result;
+}
+
 }  // namespace
 
 void bind_bench(nb::module_& m) {
@@ -98,6 +136,11 @@ void bind_bench(nb::module_& m) {
         nb::arg("builders"), nb::arg("threads"), nb::arg("rays"), nb::arg("repetitions"),
         nb::arg("build_repetitions"), nb::arg("seed"), nb::arg("oracle_tests"), nb::arg("robust"),
         nb::arg("peer"), nb::arg("peer_folder"));
+  m.def("stability_cells", &stability_cells);
+  m.def("stability_shapes", [] { return what_is(bench::stability_shapes()); });
+  m.def("stability_motions", [] { return what_is(bench::stability_motions()); });
+  m.def("stability_run", &run_stability, nb::arg("cell"), nb::kw_only(), nb::arg("rays"), nb::arg("seed"),
+        nb::arg("oracle_tests"), nb::arg("peer"), nb::arg("peer_folder"));
   m.def("bench_peer_name", [](const std::string& path, const std::string& folder) {
     return std::string(bench::PeerLibrary(path, folder).name());
   });

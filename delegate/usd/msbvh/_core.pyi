@@ -449,6 +449,24 @@ def bench_run(
 def bench_peer_name(path: str, folder: str) -> str:
     """The name, version and instruction set that a peer's library states; arguments as in bench_run."""
 
+StabilityCell = tuple[str, str, int, int, float, float]
+"""(shape, motion, segments, degree, position, scale)."""
+
+def stability_cells() -> list[StabilityCell]:
+    """All that the stability bench knows (bench/stability_scene.h)."""
+
+def stability_shapes() -> dict[str, str]:
+    """What each is, in a line."""
+
+def stability_motions() -> dict[str, str]:
+    """What each does, in a line."""
+
+def stability_run(
+    cell: StabilityCell, *, rays: int, seed: int, oracle_tests: float, peer: str, peer_folder: str
+) -> str:
+    """A row as JSON (bench/stability.h); ``peer`` and ``peer_folder`` as in bench_run. Raises Error for a cell that
+    cannot be. Without the GIL; a signal's exception ends it between two measurements."""
+
 def arm_crash_line(line: str) -> None: ...
 def disarm_crash_line() -> None: ...
 

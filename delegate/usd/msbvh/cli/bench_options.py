@@ -1,4 +1,4 @@
-"""The options of `msbvh bench`: of rays, of whole frames, and which go together."""
+"""The options of `msbvh bench`: of rays, of whole frames, of stability, and which go together."""
 
 from __future__ import annotations
 
@@ -64,10 +64,20 @@ BENCH: Sequence[Decorator] = (
         "--out",
         type=click.Path(path_type=Path, file_okay=False),
         metavar="DIR",
-        help="Write bench.json to this folder.",
+        help="Write bench.json, or frames.json or stability.json, to this folder.",
     ),
 )
 """What is measured, against whom, and how often."""
+
+STABILITY: Sequence[Decorator] = (
+    click.option(
+        "--stability",
+        is_flag=True,
+        help="Count the rays that get out of closed moving shapes instead of rays a second: ours, and with --peer embree"
+        " Embree's. About 10 minutes on two cores; with --quick 20 seconds. --scenes: shapes, or ball-129 for one number of"
+        " keys.",
+    ),
+)
 
 FRAMES: Sequence[Decorator] = (
     click.option(
@@ -115,21 +125,25 @@ FRAMES: Sequence[Decorator] = (
 )
 
 RAYS_ONLY = ("builders", "triangles")
+RAYS_OR_FRAMES = ("threads", "repetitions")
 FRAMES_ONLY = ("old", "peer_folder", "resolution", "spp", "reference_spp", "max_bounces")
+FOREIGN = {"rays": FRAMES_ONLY, "frames": RAYS_ONLY, "stability": (*RAYS_ONLY, *RAYS_OR_FRAMES, *FRAMES_ONLY)}
+"""What the other benchmarks take alone."""
 NAMES = {"builders": "--builder", "peer_folder": "--peer-env"}
 """Of options whose parameter is called something else."""
 
 
-def frame_options(options: dict[str, Any]) -> tuple[bool, dict[str, Any]]:
-    """Whether frames are asked for, and the options of that benchmark alone. Raises UsageError for those of the other
-    one."""
-    frames = options["frames"]
-    foreign = RAYS_ONLY if frames else FRAMES_ONLY
-    for name in foreign:
+def chosen_bench(options: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """Which of FOREIGN is asked for, and its options alone. Raises UsageError for those of another one."""
+    frames, stability = options["frames"], options["stability"]
+    if frames and stability:
+        raise click.UsageError("--stability and --frames exclude each other")
+    chosen = "frames" if frames else "stability" if stability else "rays"
+    for name in FOREIGN[chosen]:
         if options[name] not in (None, ()):
             option = NAMES.get(name, f"--{name.replace('_', '-')}")
             raise click.UsageError(
-                f"{option} and --frames exclude each other" if frames else f"{option} needs --frames"
+                f"{option} needs --frames" if chosen == "rays" else f"{option} and --{chosen} exclude each other"
             )
     peer = options["peer"]
     if peer and (peer == "cycles") != frames:
@@ -138,5 +152,6 @@ def frame_options(options: dict[str, Any]) -> tuple[bool, dict[str, Any]]:
         )
     if options["peer_folder"] and peer != "cycles":
         raise click.UsageError("--peer-env needs --peer cycles")
-    kept = {name: value for name, value in options.items() if name not in (*foreign, "frames")}
-    return frames, {name: value for name, value in kept.items() if not (name == "max_bounces" and value is None)}
+    left_out = {*FOREIGN[chosen], "frames", "stability"}
+    kept = {name: value for name, value in options.items() if name not in left_out}
+    return chosen, {name: value for name, value in kept.items() if not (name == "max_bounces" and value is None)}

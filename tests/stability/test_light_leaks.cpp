@@ -3,16 +3,14 @@
 #include <string>
 
 #include "core/base/parallel.h"
-#include "tests/render/shells.h"
+#include "tests/stability/shells.h"
+#include "tests/stability/walker.h"
 #include "tests/support/soak.h"
 
 namespace msbvh {
 namespace {
 using namespace pictures;
 using namespace shells;
-
-constexpr int kBounces = 4;  // of a path
-constexpr int kProbes = 4;   // shadow rays from each place where it bounces
 
 // Just above a power of two, where single precision is coarsest.
 constexpr float kFar = 1026.0f, kFarther = 8200.0f;
@@ -32,70 +30,6 @@ const Shell kShells[] = {
     {.name = "moving instance of a moving mesh, far", .form = {2, 1}, .place = kFar, .instanced = true},
 };
 
-struct Tally {
-  std::uint64_t rays = 0, escaped = 0, bounces = 0, ended = 0;  // ended: no place to go on from
-  std::uint64_t looked = 0;                                     // bounces whose neighbours were looked at
-
-  Tally& operator+=(const Tally& b) {
-    rays += b.rays;
-    escaped += b.escaped;
-    bounces += b.bounces;
-    ended += b.ended;
-    looked += b.looked;
-    return *this;
-  }
-};
-
-class Walker {
- public:
-  Walker(const Trap& trap, float aimed, std::uint64_t seed) : trap_(trap), aimed_(aimed), random_(seed) {}
-
-  void walk() {
-    Ray ray = trap_.first_ray(random_);
-    if (random_.uniform() < aimed_) ray.dir = trap_.towards_edge(ray.org, ray.time, random_);
-    Hit hit;
-    for (int depth = 0; depth < kBounces && meets(ray, hit); ++depth) {
-      SurfaceHit surface = surface_at(trap_.scene(), trap_.index().resolve(hit), hit, ray);
-      ++tally_.bounces;
-      tally_.looked += surface.origin.beside_edge;
-      if (!clear_origin({trap_.index(), trap_.accel().bvh()}, ray, surface.origin)) {
-        ++tally_.ended;
-        return;
-      }
-      const float time = ray.time;
-      for (int i = 0; i < kProbes; ++i) {
-        ray = leaving(surface, time);
-        ++tally_.rays;
-        tally_.escaped += !trap_.accel().occluded(ray);
-      }
-    }
-  }
-  const Tally& tally() const { return tally_; }
-
- private:
-  bool meets(const Ray& ray, Hit& hit) {
-    ++tally_.rays;
-    if (trap_.accel().intersect(ray, hit)) return true;
-    ++tally_.escaped;
-    return false;
-  }
-
-  Ray leaving(const SurfaceHit& surface, float time) {
-    Vec3f direction = random_.direction();
-    if (random_.uniform() < aimed_) direction = trap_.towards_edge(surface.position, time, random_);
-    const float cosine = dot(direction, surface.geometric_normal);
-    // To the upper side, by a mirror.
-    if (cosine < 0.0f) direction += surface.geometric_normal * (-2.0f * cosine);
-    if (dot(direction, surface.geometric_normal) < 0.0f) direction = surface.geometric_normal;
-    return leave(surface, direction, time);
-  }
-
-  const Trap& trap_;
-  const float aimed_;
-  Random random_;
-  Tally tally_;
-};
-
 constexpr std::uint64_t kPathsAShell = 256;  // then the next shell of the kind
 
 // `aimed`: the share of the rays that head for an edge or a corner.
@@ -104,7 +38,7 @@ Tally walk_shells(const Shell& shell, float aimed, std::uint64_t paths) {
   std::vector<Tally> tallies(count);
   parallel_for(count, [&](std::size_t i) {
     const Trap trap(shell, i + 1);
-    Walker walker(trap, aimed, i + 1000);
+    Walker<Trap> walker(trap, aimed, i + 1000);
     for (std::uint64_t path = 0; path < kPathsAShell; ++path) walker.walk();
     tallies[i] = walker.tally();
   });
