@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/plan/ray_reach.h"
 #include "core/scene/opacity.h"
 
 namespace msbvh {
@@ -223,14 +224,6 @@ void plan_light(const Light& light, Planner& planner) {
   }
 }
 
-// Bounces look for light: where there is none, not even a surface that glows, they would find nothing.
-bool anything_shines(const Scene& scene) {
-  const auto glows = [](const Material& material) {
-    return material.emissive_from_display_color || !(material.emissive_color == Vec3f{});
-  };
-  return std::ranges::any_of(scene.lights, shines) || std::ranges::any_of(scene.materials, glows);
-}
-
 std::string range_phrase(float a, float b) {
   return a == b ? phrase(a, "") : phrase(a, " to ") + phrase(b, "");
 }
@@ -265,6 +258,7 @@ EffectPlan plan_all(const Scene& scene, const PlanSettings& settings, Planner pl
   plan_instances(scene, planner);
   plan_camera(scene.camera, planner);
   for (const Light& light : scene.lights) plan_light(light, planner);
+  // Bounces look for light: where there is none, they would find nothing.
   if (settings.max_bounces > 0 && anything_shines(scene)) {
     planner.add(Effect::kIndirectLight, "",
                 "up to " + std::to_string(settings.max_bounces) +

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "delegate/translate/displace/displaced_shape.h"
+#include "delegate/translate/drawn_box.h"
 #include "delegate/translate/instance_chain.h"
 #include "delegate/translate/mesh_shape.h"
 #include "delegate/translate/moving_array.h"
@@ -302,25 +303,10 @@ const std::string& TranslatedMesh::name() const {
 }
 
 Box3d TranslatedMesh::box() const {
-  Box3d box;
-  const auto add = [&](const Box3f& b) {
-    box.grow(Vec3d(b.lo));
-    box.grow(Vec3d(b.hi));
-  };
-  const auto add_round = [&](const std::vector<RoundVertex>& vertices) {
-    for (const RoundVertex& v : vertices) {
-      const Vec3f r{v.radius, v.radius, v.radius};
-      add({v.p - r, v.p + r});
-    }
-  };
-  if (curves) add_round(curves->shape.vertices);
-  if (points) add_round(points->shape.vertices);
-  for (std::size_t i = 0; i < mesh.shape.position_count(); ++i) box.grow(Vec3d(mesh.shape.positions[i]));
-  if (!grids) return box;
-  for (const GridPatch& patch : grids->shape.patches) {
-    for (std::uint32_t c = 0; c < grids->shape.form().controls(); ++c) add(grids->shape.bounds(patch, c));
-  }
-  return box;
+  if (grids) return drawn_box(grids->shape);
+  if (curves) return drawn_box(curves->shape.vertices);
+  if (points) return drawn_box(points->shape.vertices);
+  return drawn_box(mesh.shape);
 }
 
 }  // namespace msbvh::translate

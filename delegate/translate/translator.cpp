@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -93,6 +94,8 @@ struct Translator::Data {
   MeshTarget target(const ScreenMeasure* in_world);
   // The geometry into the scene.
   GeometryId add(TranslatedMesh& translated);
+  // Whether it is hidden throughout the shutter; notes it.
+  bool is_hidden(const TranslatedMesh& translated);
   void add_instanced(TranslatedMesh translated);
   std::uint32_t part_with(const TimeRemap& time_remap, PrototypeState& state);
 
@@ -108,6 +111,7 @@ struct Translator::Data {
   std::vector<Diagnostic> diagnostics;
   std::vector<TrackReport> tracks;
   std::size_t empty_meshes = 0;
+  std::vector<LeftOut> left_out;
 };
 
 MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
@@ -160,6 +164,11 @@ GeometryId Translator::Data::add(TranslatedMesh& translated) {
   return mesh_id(std::uint32_t(scene.meshes.size() - 1));
 }
 
+bool Translator::Data::is_hidden(const TranslatedMesh& translated) {
+  if (translated.never_seen) left_out.push_back({translated.name(), Unreached::kHidden});
+  return translated.never_seen;
+}
+
 // One instance, which carries the transform's track or, of a baked mesh, only brings it into the time remap's
 // time.
 void Translator::Data::add_instanced(TranslatedMesh translated) {
@@ -206,7 +215,7 @@ Translator::~Translator() = default;
 void Translator::add_mesh(const MeshInput& input) {
   MeshTarget world = data_->target(&data_->measure);
   std::optional<TranslatedMesh> translated = data_->translated(input, world);
-  if (!translated || translated->never_seen) return;
+  if (!translated || data_->is_hidden(*translated)) return;
   if (translated->world_from_mesh.empty() && translated->time_remap.is_shutter()) {
     data_->scene.world.push_back(data_->add(*translated));
   } else {
@@ -232,7 +241,7 @@ void Translator::add_prototype_mesh(std::uint32_t prototype, const MeshInput& in
   }
   PrototypeState& state = data_->prototypes[prototype];
   std::optional<TranslatedMesh> translated = data_->translated(input, state.target);
-  if (!translated || translated->never_seen) return;
+  if (!translated || data_->is_hidden(*translated)) return;
   state.box.grow(translated->box());
   if (input.stray > 0.0 && !(state.target.pixels_per_unit > 0.0))
     state.stray = std::max(state.stray, placed_stray(input));
@@ -294,9 +303,15 @@ const std::vector<TrackReport>& Translator::tracks() const { return data_->track
 
 Vec3d Translator::origin() const { return data_->origin; }
 
+const std::vector<LeftOut>& Translator::left_out() const { return data_->left_out; }
+
 std::shared_ptr<const Scene> Translator::finish() {
   sort_by_kind(data_->scene.world);
   for (Prototype& prototype : data_->scene.prototypes) sort_by_kind(prototype.geometry);
+  const TranslatorSettings& settings = data_->settings;
+  std::vector<LeftOut> found =
+      leave_out_unreached(data_->scene, settings.width, settings.height, settings.max_bounces);
+  std::ranges::move(found, std::back_inserter(data_->left_out));
   auto scene = std::make_shared<Scene>(std::move(data_->scene));
   data_->scene = {};
   data_->scene.camera = scene->camera;

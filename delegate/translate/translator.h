@@ -20,6 +20,7 @@
 #include "delegate/translate/fit.h"
 #include "delegate/translate/inputs.h"
 #include "delegate/translate/look/displacement.h"
+#include "delegate/translate/unreached.h"
 
 namespace msbvh::translate {
 
@@ -43,6 +44,9 @@ struct TranslatorSettings {
   // Of kByMemory: about as many bytes of trees as a frame's displaced surfaces may take as triangles, one
   // after the other; those that do not fit become patches.
   std::uint64_t displaced_triangle_bytes = 256ull << 20;
+  // Of the render that the scene is for: what none of its rays can reach is left out (unreached.h). None:
+  // nothing but what is hidden throughout the shutter, so that the scene serves any render.
+  std::optional<std::uint32_t> max_bounces{};
 };
 
 // How a prim's motion was kept: the camera's, then one for each mesh, set of instances and light. For
@@ -113,6 +117,8 @@ class Translator {
 
   // The finished scene; the translator is empty afterwards.
   std::shared_ptr<const Scene> finish();
+  // Prims that no ray can reach, and that are not in the scene therefore; after finish().
+  const std::vector<LeftOut>& left_out() const;
 
  private:
   struct Data;

@@ -16,272 +16,17 @@ from hypothesis import strategies as st
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "python"))
 
+from fuzzed_schemas import ALL, APIS, PATHS, RELATIONSHIPS, SCHEMAS, SOUND, WORDS
 from mutations import NUMBERS, TYPES, outcome
 
 _SIZES = {"2": 2, "3": 3, "4": 4}
-_WORDS = (
-    "none",
-    "garbage",
-    "",
-    "X",
-    "vertex",
-    "faceVarying",
-    "uniform",
-    "constant",
-    "invisible",
-    "inherited",
-    "catmullClark",
-    "loop",
-    "bilinear",
-    "leftHanded",
-    "proxy",
-    "cubic",
-    "linear",
-    "bezier",
-    "bspline",
-    "catmullRom",
-    "periodic",
-    "pinned",
-    "orthographic",
-    "cards",
-    "bounds",
-    "origin",
-    "dualQuaternion",
-    "xformOp:translate",
-    "!invert!xformOp:translate",
-    "!resetXformStack!",
-    "a",
-    "a/b",
-    "repeat",
-    "mirror",
-    "displayColor",
-    "expandPrims",
-    "explicitOnly",
-)
-_PATHS = (
-    "/World",
-    "/World/P0",
-    "/World/P1",
-    "/World/P2",
-    "/World/P0/Child",
-    "/Looks/Red",
-    "/Looks/Red/Surface",
-    "/Nowhere",
-    "/World/P0.points",
-)
-
-_GEOMETRY = (
-    "point3f[] points",
-    "vector3f[] velocities",
-    "vector3f[] accelerations",
-    "normal3f[] normals",
-    "color3f[] primvars:displayColor",
-    "int[] primvars:displayColor:indices",
-    "float[] primvars:displayOpacity",
-    "float3[] extent",
-    "uniform token orientation",
-    "int[] primvars:skel:jointIndices",
-    "float[] primvars:skel:jointWeights",
-    "matrix4d primvars:skel:geomBindTransform",
-    "uniform token primvars:skel:skinningMethod",
-    "uniform token[] skel:blendShapes",
-)
-_ALL = (
-    "double3 xformOp:translate",
-    "float3 xformOp:rotateXYZ",
-    "quatf xformOp:orient",
-    "float3 xformOp:scale",
-    "matrix4d xformOp:transform",
-    "uniform token[] xformOpOrder",
-    "token visibility",
-    "token purpose",
-    "float motion:blurScale",
-    "float motion:velocityScale",
-    "uniform token model:drawMode",
-)
-_LIGHT = (
-    "float inputs:intensity",
-    "float inputs:exposure",
-    "color3f inputs:color",
-    "bool inputs:normalize",
-    "bool inputs:enableColorTemperature",
-    "float inputs:colorTemperature",
-    "float inputs:radius",
-    "float inputs:width",
-    "float inputs:height",
-    "float inputs:angle",
-    "asset inputs:texture:file",
-    "bool collection:lightLink:includeRoot",
-    "uniform token collection:lightLink:expansionRule",
-)
-SCHEMAS: dict[str, tuple[str, ...]] = {
-    "Xform": (),
-    "Scope": (),
-    "Mesh": (
-        *_GEOMETRY,
-        "int[] faceVertexCounts",
-        "int[] faceVertexIndices",
-        "int[] holeIndices",
-        "uniform token subdivisionScheme",
-        "token interpolateBoundary",
-        "int[] creaseLengths",
-        "int[] creaseIndices",
-        "float[] creaseSharpnesses",
-        "int[] cornerIndices",
-        "float[] cornerSharpnesses",
-    ),
-    "Points": (*_GEOMETRY, "float[] widths", "int64[] ids"),
-    "BasisCurves": (
-        *_GEOMETRY,
-        "int[] curveVertexCounts",
-        "float[] widths",
-        "uniform token type",
-        "uniform token basis",
-        "uniform token wrap",
-    ),
-    "NurbsCurves": (
-        *_GEOMETRY,
-        "int[] curveVertexCounts",
-        "float[] widths",
-        "int[] order",
-        "double[] knots",
-        "double2[] ranges",
-        "double[] pointWeights",
-    ),
-    "NurbsPatch": (
-        *_GEOMETRY,
-        "int uVertexCount",
-        "int vVertexCount",
-        "int uOrder",
-        "int vOrder",
-        "double[] uKnots",
-        "double[] vKnots",
-        "double2 uRange",
-        "double2 vRange",
-        "double[] pointWeights",
-    ),
-    "TetMesh": (*_GEOMETRY, "int4[] tetVertexIndices", "int3[] surfaceFaceVertexIndices"),
-    "Sphere": ("double radius",),
-    "Cube": ("double size",),
-    "Cone": ("double radius", "double height", "uniform token axis"),
-    "Capsule": ("double radius", "double height", "uniform token axis"),
-    "Plane": ("double width", "double length", "uniform token axis"),
-    "PointInstancer": (
-        "int[] protoIndices",
-        "point3f[] positions",
-        "quath[] orientations",
-        "quatf[] orientationsf",
-        "float3[] scales",
-        "vector3f[] velocities",
-        "vector3f[] accelerations",
-        "vector3f[] angularVelocities",
-        "int64[] ids",
-        "int64[] invisibleIds",
-        "color3f[] primvars:displayColor",
-    ),
-    "Camera": (
-        "float focalLength",
-        "float horizontalAperture",
-        "float verticalAperture",
-        "float horizontalApertureOffset",
-        "float2 clippingRange",
-        "float fStop",
-        "float focusDistance",
-        "token projection",
-        "double shutter:open",
-        "double shutter:close",
-    ),
-    "SphereLight": _LIGHT,
-    "RectLight": _LIGHT,
-    "DistantLight": _LIGHT,
-    "DomeLight": _LIGHT,
-    "DiskLight": _LIGHT,
-    "CylinderLight": _LIGHT,
-    "SkelRoot": (),
-    "Skeleton": ("uniform token[] joints", "uniform matrix4d[] bindTransforms", "uniform matrix4d[] restTransforms"),
-    "SkelAnimation": (
-        "uniform token[] joints",
-        "float3[] translations",
-        "quatf[] rotations",
-        "half3[] scales",
-        "uniform token[] blendShapes",
-        "float[] blendShapeWeights",
-    ),
-    "BlendShape": ("uniform vector3f[] offsets", "uniform int[] pointIndices", "uniform vector3f[] normalOffsets"),
-    "GeomSubset": ("uniform token elementType", "uniform token familyName", "int[] indices"),
-    "Material": (),
-    "Shader": (
-        "uniform token info:id",
-        "color3f inputs:diffuseColor",
-        "float inputs:opacity",
-        "float inputs:displacement",
-    ),
-    "RenderSettings": ("int2 resolution", "float pixelAspectRatio", "token aspectRatioConformPolicy"),
-    "Nonsense": (),
-}
-_RELATIONSHIPS = (
-    "material:binding",
-    "prototypes",
-    "skel:skeleton",
-    "skel:animationSource",
-    "skel:blendShapeTargets",
-    "proxyPrim",
-    "camera",
-    "collection:lightLink:includes",
-    "collection:lightLink:excludes",
-    "material:binding:collection:all",
-)
-_APIS = ("MaterialBindingAPI", "SkelBindingAPI", "MotionAPI", "GeomModelAPI", "CollectionAPI:lightLink", "NoSuchAPI")
-
-# What makes a prim sound, of which anything may then be replaced.
-_SOUND = {
-    "Mesh": {
-        "point3f[] points": "[(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]",
-        "int[] faceVertexCounts": "[4]",
-        "int[] faceVertexIndices": "[0, 1, 2, 3]",
-    },
-    "Points": {"point3f[] points": "[(0, 0, 0), (1, 0, 0)]", "float[] widths": "[0.3]"},
-    "BasisCurves": {
-        "point3f[] points": "[(-1, 0, 0), (0, 1, 0), (1, 0, 0), (2, 1, 0)]",
-        "int[] curveVertexCounts": "[4]",
-        "float[] widths": "[0.2]",
-    },
-    "NurbsCurves": {
-        "point3f[] points": "[(-1, 0, 0), (0, 1, 0), (1, 0, 0), (2, 1, 0)]",
-        "int[] curveVertexCounts": "[4]",
-        "int[] order": "[4]",
-        "double[] knots": "[0, 0, 0, 0, 1, 1, 1, 1]",
-        "float[] widths": "[0.2]",
-    },
-    "NurbsPatch": {
-        "point3f[] points": "[(-1, -1, 0), (1, -1, 0), (-1, 1, 0), (1, 1, 0)]",
-        "int uVertexCount": "2",
-        "int vVertexCount": "2",
-        "int uOrder": "2",
-        "int vOrder": "2",
-        "double[] uKnots": "[0, 0, 1, 1]",
-        "double[] vKnots": "[0, 0, 1, 1]",
-    },
-    "TetMesh": {
-        "point3f[] points": "[(-1, -1, 0), (1, -1, 0), (0, 1, 0), (0, 0, 1)]",
-        "int4[] tetVertexIndices": "[(0, 1, 2, 3)]",
-    },
-    "PointInstancer": {"int[] protoIndices": "[0, 0]", "point3f[] positions": "[(0, 0, 0), (1, 0, 0)]"},
-    "Skeleton": {
-        "uniform token[] joints": '["a"]',
-        "uniform matrix4d[] bindTransforms": "[((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))]",
-        "uniform matrix4d[] restTransforms": "[((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))]",
-    },
-    "Shader": {"uniform token info:id": '"UsdPreviewSurface"'},
-}
-
 _numbers = st.one_of(
     st.sampled_from(("0", "1", "2", "0.5", "-1", "3", "4")),
     st.sampled_from(NUMBERS),
     st.floats(-10, 10, width=32).map(lambda value: f"{value:g}"),
 )
 _integers = st.one_of(st.integers(-1, 8), st.sampled_from((2147483647, 100, 65536))).map(str)
-_words = st.sampled_from(_WORDS).map(json.dumps)
+_words = st.sampled_from(WORDS).map(json.dumps)
 _assets = st.sampled_from(("@@", "@nowhere.png@", "@nowhere.<UDIM>.png@", "@./a.usda@"))
 
 
@@ -341,16 +86,16 @@ def _attribute(draw: st.DrawFn, declaration: str) -> tuple[str, str]:
 
 @st.composite
 def _relationship(draw: st.DrawFn) -> tuple[str, str]:
-    name = draw(st.sampled_from(_RELATIONSHIPS))
-    targets = draw(st.lists(st.sampled_from(_PATHS), min_size=1, max_size=3, unique=True))
+    name = draw(st.sampled_from(RELATIONSHIPS))
+    targets = draw(st.lists(st.sampled_from(PATHS), min_size=1, max_size=3, unique=True))
     return name, f"rel {name} = [{', '.join(f'<{path}>' for path in targets)}]"
 
 
 @st.composite
 def _prim(draw: st.DrawFn, name: str, depth: int) -> str:
     kind = draw(st.sampled_from(sorted(SCHEMAS)))
-    lines = {declaration.split()[-1]: f"{declaration} = {value}" for declaration, value in _SOUND.get(kind, {}).items()}
-    declarations = SCHEMAS[kind] + _ALL
+    lines = {declaration.split()[-1]: f"{declaration} = {value}" for declaration, value in SOUND.get(kind, {}).items()}
+    declarations = SCHEMAS[kind] + ALL
     for declaration in draw(st.lists(st.sampled_from(declarations), max_size=5, unique=True)):
         attribute, line = draw(_attribute(declaration))
         lines[attribute] = line
@@ -361,7 +106,7 @@ def _prim(draw: st.DrawFn, name: str, depth: int) -> str:
         lines["xformOpOrder"] = f"uniform token[] xformOpOrder = {json.dumps(ops)}"
     if kind == "PointInstancer" and "prototypes" not in lines:
         lines["prototypes"] = "rel prototypes = [</World/P0/Child>]"
-    apis = draw(st.lists(st.sampled_from(_APIS), max_size=2, unique=True))
+    apis = draw(st.lists(st.sampled_from(APIS), max_size=2, unique=True))
     head = [f"prepend apiSchemas = {json.dumps(apis)}"] if apis else []
     if draw(st.integers(0, 9)) == 9:
         head.append("instanceable = true")

@@ -63,6 +63,9 @@ class Recording:
     def tracks(self) -> list:
         return self._core.tracks()
 
+    def left_out(self) -> list:
+        return self._core.left_out()
+
     def finish(self) -> Recording:
         self._scene = self._core.finish()
         return self

@@ -13,6 +13,7 @@
 #include "bench/moved_mesh.h"
 #include "core/api/scene_trees.h"
 #include "core/motion/affine_track.h"
+#include "core/trace/oracle.h"
 #include "tests/stability/shells.h"
 #include "tests/stability/walker.h"
 #include "tests/support/cages.h"
@@ -197,7 +198,7 @@ bool is_back(const Scene& scene, const SurfaceHit& surface, float time) {
 }
 
 struct Acne {
-  std::uint64_t paths = 0, rays = 0, found = 0, hits = 0, ended = 0, backs = 0;
+  std::uint64_t paths = 0, rays = 0, found = 0, hits = 0, ended = 0, backs = 0, wrong_backs = 0;
   Acne& operator+=(const Acne& b) {
     paths += b.paths;
     rays += b.rays;
@@ -205,6 +206,7 @@ struct Acne {
     hits += b.hits;
     ended += b.ended;
     backs += b.backs;
+    wrong_backs += b.wrong_backs;
     return *this;
   }
 };
@@ -232,6 +234,7 @@ void leave_body(const Stage& stage, double scale, Random& random, Acne& acne) {
   SurfaceHit surface = surface_at(stage.scene(), stage.index().resolve(hit), hit, ray);
   if (is_back(stage.scene(), surface, ray.time)) {
     ++acne.backs;
+    acne.wrong_backs += judge_intersection(stage.accel().bvh(), ray, hit).has_value();
     return;
   }
   if (!clear_origin({stage.index(), stage.accel().bvh()}, ray, surface.origin)) {
@@ -269,6 +272,7 @@ Acne check_bodies(double scale, std::uint64_t paths) {
         });
         CHECK(acne.found == 0);
         CHECK(2 * acne.hits > acne.paths);
+        CHECK(acne.wrong_backs == 0);  // the oracle finds a front no nearer
         CHECK(double(acne.backs) <= 1.0 + 1e-4 * double(acne.hits));
         all += acne;
       }

@@ -1,4 +1,4 @@
-// Tracers under test: ours loses no ray, and one that is broken is told.
+// Tracers under test: ours loses no ray, and those that a broken one loses are counted.
 #include <algorithm>
 #include <doctest/doctest.h>
 #include <limits>

@@ -131,6 +131,8 @@ TranslatorSettings settings_from(Arguments& arguments) {
   if (!arguments.optional("displaced_triangle_bytes").is_none())
     settings.displaced_triangle_bytes = arguments.value<std::uint64_t>("displaced_triangle_bytes", "an int");
   settings.curves = curves_from(arguments);
+  if (!arguments.optional("max_bounces").is_none())
+    settings.max_bounces = arguments.value<std::uint32_t>("max_bounces", "an int or None");
   return settings;
 }
 
@@ -291,6 +293,18 @@ void bind_reports(nb::module_& m) {
       .def_ro("shape_error_pixels", &TrackReport::shape_error_pixels);
 }
 
+nb::list left_out(const Translator& translator) {
+  nb::list result;
+  for (const LeftOut& prim : translator.left_out()) {
+    nb::dict row;
+    row["path"] = prim.path;
+    row["why"] = prim.why == Unreached::kHidden ? "hidden" : "outside the picture";
+    row["count"] = prim.count;
+    result.append(row);
+  }
+  return result;
+}
+
 void bind_refinements(nb::module_& m) {
   nb::class_<RefinementCache>(m, "RefinementCache")
       .def(nb::init<std::size_t>(), nb::arg("most_bytes") = RefinementCache::kMostBytes)
@@ -332,6 +346,7 @@ void bind_translator(nb::module_& m) {
       .def_prop_ro("empty_meshes", &Translator::empty_meshes)
       .def("diagnostics", &Translator::diagnostics, nb::rv_policy::copy)
       .def("tracks", &Translator::tracks, nb::rv_policy::copy)
+      .def("left_out", &left_out)
       .def("finish", [](Translator& translator) {
         const Vec3d origin = translator.origin();
         return SceneHandle{translator.finish(), origin};

@@ -190,6 +190,14 @@ class RefinementCache:
     def counts(self) -> dict[str, int]:
         """cages_made, cages_kept, meshes_made, meshes_kept: of all frames so far."""
 
+class LeftOut(TypedDict):
+    """A prim that is drawn, but that no ray can reach: delegate/translate/unreached.h."""
+
+    path: str
+    why: Literal["hidden", "outside the picture"]
+    count: int
+    """Of instances; else 1."""
+
 class Translator:
     """From what was read of a stage to a Scene: checks, triangulates, and fits the fewest keys that follow
     the samples within ``motion_tolerance`` pixels. See delegate/translate/translator.h."""
@@ -219,6 +227,7 @@ class Translator:
         displacement: Literal["auto", "patches", "tessellate", "none"] = "auto",
         displaced_triangle_bytes: int = 2**28,
         curves: Literal["ribbon", "tube"] = "ribbon",
+        max_bounces: int | None = None,
         refinements: RefinementCache | None = None,
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
@@ -231,6 +240,7 @@ class Translator:
         0: cages are drawn as polygons. ``displacement``: what surfaces become whose
         materials displace them; auto: triangles, as long as their trees take about
         ``displaced_triangle_bytes``, then patches. ``curves``: flat, across their normals where they have some, or round.
+        ``max_bounces``: of the render that the scene is for, whose rays decide what is left out; None: any.
         ``refinements``: of earlier frames, for this one and the next.
 
         Raises Error for a camera or settings that cannot be used.
@@ -289,6 +299,8 @@ class Translator:
     def diagnostics(self) -> list[Diagnostic]: ...
     def tracks(self) -> list[TrackReport]:
         """The camera's first."""
+    def left_out(self) -> list[LeftOut]:
+        """Prims that no ray can reach, after finish()."""
     def finish(self) -> Scene:
         """The translator is empty afterwards."""
 

@@ -25,6 +25,8 @@ from .bench_options import BENCH, FRAMES, STABILITY, chosen_bench
 from .options import with_options
 from .thread_note import note_threads
 
+TABLES = {"rays": bench_table, "frames": frames_table, "stability": stability_table}
+
 
 @click.command("bench")
 @with_options(BENCH, STABILITY, FRAMES)
@@ -54,9 +56,6 @@ def bench_command(as_json: bool, out: Path | None, **options: Any) -> int:
         write_whole(out / name, f"{json.dumps(result, indent=1)}\n".encode())
     print(json.dumps(result) if as_json else TABLES[chosen](result))
     return WRONG if any(wrong_row(row) for row in result["rows"]) else DONE
-
-
-TABLES = {"rays": bench_table, "frames": frames_table, "stability": stability_table}
 
 
 def wrong_row(row: dict[str, Any]) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import click
@@ -34,7 +35,7 @@ def read_one_frame(
         raise click.UsageError(
             f"{command} looks at one frame: --frame takes one time code, and not beside --defaultTime"
         )
-    settings = read_settings(options)
+    settings = replace(read_settings(options), max_bounces=options.get("max_bounces"))
     diagnostics = Diagnostics()
     stage = open_stage(scene, diagnostics, options["mask"])
     report(diagnostics, reporter)

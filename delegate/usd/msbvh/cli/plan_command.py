@@ -17,8 +17,10 @@ from ..render.record import report
 from ..scene.reader import ReadResult
 from .frame_options import read_one_frame
 from .options import MAX_SPP, ONE_FRAME, SCENE, with_options
+from .render_options import MAX_BOUNCES
 
 OPTIONS = (
+    MAX_BOUNCES,
     click.option(
         "--rays",
         type=click.IntRange(0, 1_000_000),
@@ -58,8 +60,9 @@ def plan_command(
     reporter = Reporter()
     _, _, result = read_one_frame("plan", scene, frame, options, reporter)
     report(result.diagnostics, reporter)
-    costs, stages = _traced(result, rays, spp if measure else 0)
-    found = plan_report(result.scene, costs, stages)
+    bounces = options["max_bounces"]
+    costs, stages = _traced(result, rays, spp if measure else 0, bounces)
+    found = plan_report(result.scene, costs, stages, max_bounces=bounces, left_out=result.left_out)
     if as_json:
         said = {"warnings": reporter.warnings, "errors": reporter.errors}
         print(json.dumps({"scene": scene, "plan": first_reasons(found), **plain(found), **said}, indent=2))
@@ -68,14 +71,21 @@ def plan_command(
     return DONE
 
 
-def _traced(result: ReadResult, rays: int, spp: int) -> tuple[_core.RayCosts | None, list[_core.StageSamples]]:
+def _traced(
+    result: ReadResult, rays: int, spp: int, bounces: int
+) -> tuple[_core.RayCosts | None, list[_core.StageSamples]]:
     """The costs of a sample of so many of the frame's rays, and what threads were found at in a render of `spp` samples a pixel;
     0: none. No costs where nothing is in the frame that rays could meet."""
     if not rays and not spp:
         return None, []
     camera = result.camera
     renderer = _core.Renderer(
-        result.scene, width=camera.width, height=camera.height, spp=max(spp, 1), sample_stages=spp > 0
+        result.scene,
+        width=camera.width,
+        height=camera.height,
+        spp=max(spp, 1),
+        max_bounces=bounces,
+        sample_stages=spp > 0,
     )
     costs = renderer.ray_costs(camera_samples=rays) if rays else None
     if spp:

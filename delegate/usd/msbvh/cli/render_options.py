@@ -17,6 +17,14 @@ THREADS = click.option(
     help="Threads to render with; 0: all cores.",
 )
 
+MAX_BOUNCES = click.option(
+    "--max-bounces",
+    type=click.IntRange(0, 64),
+    default=2,
+    show_default=True,
+    help="Bounces of indirect light; 0: direct light only.",
+)
+
 RENDER: Sequence[Decorator] = (
     click.option(
         "--spp",
@@ -32,13 +40,7 @@ RENDER: Sequence[Decorator] = (
         show_default=True,
         help="Random seed. The same seed gives the same pixels, whatever the number of threads.",
     ),
-    click.option(
-        "--max-bounces",
-        type=click.IntRange(0, 64),
-        default=2,
-        show_default=True,
-        help="Bounces of indirect light; 0: direct light only.",
-    ),
+    MAX_BOUNCES,
     click.option(
         "--enableDomeLightVisibility",
         "show_domes",

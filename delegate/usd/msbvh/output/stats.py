@@ -43,6 +43,8 @@ class FrameStats:
     were found at (stages; with a budget, of its last samples), and what each effect took (effects: plan_report/measured.py)."""
     plan: list[dict[str, str]] = field(default_factory=list)
     """The effects that the frame calls for: effect, prim, why."""
+    left_out: list[dict[str, Any]] = field(default_factory=list)
+    """Prims that are not in the scene, because no ray can reach them: path, why, count (of instances)."""
     tracks: list[dict[str, Any]] = field(default_factory=list)
     """How the motion of the camera and of each prim was kept, and by which rule: record.TRACK_FIELDS."""
 

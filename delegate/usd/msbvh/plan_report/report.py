@@ -46,21 +46,29 @@ class PlanReport:
     """Of the base and all effects."""
     samples: int
     """Of what the render's threads were found at; 0: nothing was rendered."""
+    left_out: list[_core.LeftOut]
+    """Prims that are not in the scene, because no ray can reach them."""
 
 
 MOST_PRIMS = 3
 
 
 def plan_report(
-    scene: _core.Scene, costs: _core.RayCosts | None = None, stages: Sequence[_core.StageSamples] = ()
+    scene: _core.Scene,
+    costs: _core.RayCosts | None = None,
+    stages: Sequence[_core.StageSamples] = (),
+    *,
+    max_bounces: int = 2,
+    left_out: Sequence[_core.LeftOut] = (),
 ) -> PlanReport:
-    """`costs`: of a sample of the frame's rays. `stages`: of a render of it. Raises _core.Error for a scene that is wrong."""
-    found = _core.effects(scene)
+    """`costs`: of a sample of the frame's rays; `stages`: of a render of it; `left_out`: what reading the scene left out. Raises
+    _core.Error for a scene that is wrong."""
+    found = _core.effects(scene, max_bounces=max_bounces)
     measured = measured_effects(found, stages, costs)
     shares = ray_shares(found, costs) if costs else {}
     total = found["base_bytes"] + sum(row["geometry_bytes"] for row in found["effects"])
     rows = [_row(row, total, shares.get(row["effect"]), measured.get(row["effect"])) for row in found["effects"]]
-    return PlanReport(rows, found["base_bytes"], total, sum(row["samples"] for row in stages))
+    return PlanReport(rows, found["base_bytes"], total, sum(row["samples"] for row in stages), list(left_out))
 
 
 def _row(found: _core.FoundEffect, total: int, ray_share: float | None, measured: MeasuredEffect | None) -> EffectRow:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from .measured import MeasuredEffect
-from .report import EffectRow, PlanReport
+from .report import MOST_PRIMS, EffectRow, PlanReport
 
 
 def plan_text(report: PlanReport) -> str:
-    """A line for each effect that is on, with those who ask for it; then the effects that are off, and the geometry."""
+    """A line for each effect that is on, with those who ask for it; then the effects that are off, the geometry, and the prims
+    that are left out."""
     lines = [_line(row) for row in report.effects if row.on]
     off = [row.effect for row in report.effects if not row.on]
     if off:
@@ -18,7 +19,15 @@ def plan_text(report: PlanReport) -> str:
         lines.append(
             f'{"measured":20} by {report.samples:,} looks at what threads did; "about": traversal, split by a model'
         )
+    lines += [_left_out(report, why) for why in dict.fromkeys(prim["why"] for prim in report.left_out)]
     return "\n".join(lines)
+
+
+def _left_out(report: PlanReport, why: str) -> str:
+    prims = [prim for prim in report.left_out if prim["why"] == why]
+    named = ", ".join(prim["path"] for prim in prims[:MOST_PRIMS])
+    more = f", {len(prims) - MOST_PRIMS:,} more" if len(prims) > MOST_PRIMS else ""
+    return f"{'left out':20} {len(prims):,} that no ray can reach, {why} throughout the shutter: {named}{more}"
 
 
 def _line(row: EffectRow) -> str:

@@ -191,7 +191,8 @@ def _record_frame(
     with stats.timed("sample"), reading_progress(frame) as progress:
         read = partial(_read, stage, frame, progress, kept)
         wanted = settings.goals.error_px
-        result = read(settings.read) if wanted is None else kept.fine_enough.read(stage, read, settings.read, wanted)
+        asked = replace(settings.read, max_bounces=settings.render.max_bounces)
+        result = read(asked) if wanted is None else kept.fine_enough.read(stage, read, asked, wanted)
     stats.subdivision = {name: count - before[name] for name, count in kept.refinements.counts.items()}
     rate = frames_per_second(stage, result.diagnostics)
     report(result.diagnostics, reporter)
@@ -199,6 +200,7 @@ def _record_frame(
     stats.width, stats.height = camera.width, camera.height
     stats.shutter = (camera.shutter.open, camera.shutter.close)
     stats.scene = dict(result.scene.statistics())
+    stats.left_out = result.left_out
     stats.tracks = [{name: getattr(track, name) for name in TRACK_FIELDS} for track in result.tracks]
     with stats.timed("build"):
         renderer = kept.trees.renderer(result)

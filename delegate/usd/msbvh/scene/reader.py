@@ -83,6 +83,8 @@ class ReadSettings:
     """More are refused, nested ones multiplied out."""
     keep_faces: bool = False
     """Which face each triangle is of, for the AOV elementId: four bytes a triangle."""
+    max_bounces: int | None = None
+    """Of the render that the scene is for: prims that none of its rays can reach are left out. None: of any render."""
     measure_shape: bool = False
     """Whether TrackReport.shape_error_pixels is measured: how far what is drawn strays from the true surface. Takes a few
     times as long as refining the surfaces."""
@@ -100,6 +102,8 @@ class ReadResult:
     """msbvh._core.TrackReport of every mesh and instance."""
     seconds: dict[str, float] = field(default_factory=dict)
     """Wall-clock time of each part of the reading."""
+    left_out: list = field(default_factory=list)
+    """msbvh._core.LeftOut of each prim that no ray can reach."""
 
 
 def read_frame(
@@ -259,6 +263,7 @@ class _FrameReader:
             "segments": settings.segments,
             "keep_faces": settings.keep_faces,
             "measure_shape": settings.measure_shape,
+            "max_bounces": settings.max_bounces,
             "edge_length": self._edge_length,
             "displacement": settings.displacement,
             "displaced_triangle_bytes": settings.displaced_triangle_bytes,
@@ -327,12 +332,7 @@ class _FrameReader:
         return self._shared.gather(group.shapes, group.root)
 
     def _add_prototype(
-        self,
-        group: Group,
-        placed: list[Placement],
-        drafts: list[Draft],
-        pixel: PixelSize,
-        box: Box,
+        self, group: Group, placed: list[Placement], drafts: list[Draft], pixel: PixelSize, box: Box
     ) -> None:
         prototype = self._translator.begin_prototype(group.path, 1.0 / pixel.per_unit)
 
@@ -393,4 +393,5 @@ class _FrameReader:
             )
             report_overs(self._context.stage, diagnostics)
         tracks = self._translator.tracks()
-        return ReadResult(self._translator.finish(), self._camera, diagnostics, tracks, self._seconds)
+        scene = self._translator.finish()
+        return ReadResult(scene, self._camera, diagnostics, tracks, self._seconds, self._translator.left_out())
