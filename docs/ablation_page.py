@@ -27,14 +27,12 @@ class Machine:
     processor: str
     cores: int
     system: str
-    load_average: float
-    """Of the last minute before the run."""
 
 
 HEAD = """# What each effect costs, and what it costs where it is off
 
-Made by `python docs/make_ablation.py`: msbvh ({commit}), {processor}, {cores} cores, {system}; load average
-{load_average:.1f} before the run. Rows that this run did not measure say so. Seconds are medians of one thread's, of a frame of 4
+Made by `python docs/make_ablation.py`: msbvh ({commit}), {processor}, {cores} cores, {system}; {loads}.
+Rows that were not measured say so, and which command makes them. Seconds are medians of one thread's, of a frame of 4
 samples a pixel; on a machine that others use too only the ratios and their spread say much.
 
 ## With the effect
@@ -67,7 +65,7 @@ subdivision there is none. *Stage marks* are no effect: they are what `msbvh pla
 
 def page(machine: Machine, rows: Mapping[str, Row]) -> Iterator[str]:
     """Its lines. `rows`: by effect, in the order of the tables."""
-    yield HEAD.format(**vars(machine))
+    yield HEAD.format(**vars(machine), loads=_loads(rows))
     for effect, row in rows.items():
         if effect == "stage marks":
             continue
@@ -78,9 +76,21 @@ def page(machine: Machine, rows: Mapping[str, Row]) -> Iterator[str]:
     yield from unequal(rows)
 
 
+def _loads(rows: Mapping[str, Row]) -> str:
+    """How busy the machine was: load averages of a minute."""
+    loads = [table["load"] for row in rows.values() for table in row.values()]
+    if not loads:
+        return "nothing was measured"
+    return f"load averages from {min(loads):.1f} to {max(loads):.1f} after each row"
+
+
+def _not_measured(effect: str) -> str:
+    return f"{NOT_MEASURED}: `--only {effect.lower().replace(' ', '-')}`"
+
+
 def on_cells(effect: str, row: Row | None) -> list[str]:
     if row is None:
-        return [effect, NOT_MEASURED, "", "", "", ""]
+        return [effect, _not_measured(effect), "", "", "", ""]
     return [
         effect,
         row["needs"] or "the base scene",
@@ -93,7 +103,7 @@ def on_cells(effect: str, row: Row | None) -> list[str]:
 
 def omitted_cells(effect: str, row: Row | None) -> list[str]:
     if row is None:
-        return [effect, NOT_MEASURED, "", "", ""]
+        return [effect, _not_measured(effect), "", "", ""]
     name = f"{effect} (no code)" if effect in NO_CODE else effect
     bits = "equal" if bits_equal(row) else "**differ**"
     return [name, bits, _count(row["count"]["sse4"]), _count(row["count"]["avx2"]), _time(row["seconds"])]

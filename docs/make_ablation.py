@@ -1,6 +1,6 @@
 """Writes docs/ablation.md: what each effect costs where it is on, and that it costs nothing where it is off.
 
-    python docs/make_ablation.py [--only GLOB] [--pairs N] [--table-1-only] [--allow-dirty]
+    python docs/make_ablation.py [--only GLOB] [--pairs N] [--table-1-only] [--time-again] [--page-only] [--allow-dirty]
 
 For each effect whose name (with hyphens for spaces) matches GLOB:
 
@@ -10,14 +10,16 @@ For each effect whose name (with hyphens for spaces) matches GLOB:
    interleaved pairs.
 
 A build takes a minute, or ten where the effect is in the kernels too (instances, displacement, curves, points, polynomial motion,
-time remaps). What is measured is kept in build/ablation by commit: the same command goes on after an interruption. Rows that
-were not measured say so. Needs valgrind. A tree with uncommitted changes is refused, or with --allow-dirty measured, marked, and
-not kept.
+time remaps). What is measured is kept in build/ablation as long as the sources of the bench do not change: the same command
+goes on after an interruption, and --page-only writes what there is. Rows that were not measured say so. --time-again repeats
+the times of both tables where they were taken on a busy machine. Needs valgrind. A tree with uncommitted changes is refused, or
+with --allow-dirty measured, marked, and not kept.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import json
 import os
 import platform
@@ -36,6 +38,10 @@ from ablation_page import Machine, Row, page
 ROOT = Path(__file__).resolve().parents[1]
 BENCH = ROOT / "build/release/bench/msbvh_bench_ablation"
 BUILD = ROOT / "build/ablation"
+TREE = ROOT / "build/omitted"
+"""Of all builds. As deep as build/release, so that a compiler cache knows what they share."""
+SOURCES = ("CMakeLists.txt", "cmake", "core", "bench")
+"""Of the bench."""
 EFFECTS = (
     "deforming keys",
     "instances",
@@ -82,14 +88,14 @@ def main() -> None:
                 "valgrind: found none on PATH; expected it for the instructions of table 2: install the package valgrind, or"
                 " ask for --table-1-only"
             )
-        load = os.getloadavg()[0]
-        kept = Kept(BUILD / "rows.json", commit)
-        measure(chosen, options, kept)
+        kept = Kept(BUILD / "rows.json", sources_key())
+        if options.time_again:
+            time_again(chosen, options, kept)
+        elif not options.page_only:
+            measure(chosen, options, kept)
     except (Failed, provenance.DirtyTree) as error:
         sys.exit(f"make_ablation: error: {error}")
-    machine = Machine(
-        commit, provenance.processor(), os.cpu_count() or 1, f"{platform.system()} {platform.release()}", load
-    )
+    machine = Machine(commit, provenance.processor(), os.cpu_count() or 1, f"{platform.system()} {platform.release()}")
     rows = {name: kept.rows.get(name, {}) for name in (*EFFECTS, STAGE_MARKS)}
     (ROOT / "docs" / "ablation.md").write_text("\n".join(page(machine, rows)) + "\n", encoding="utf-8")
 
@@ -99,6 +105,10 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--only", default="*", metavar="GLOB", help="effects, by names with hyphens for spaces")
     parser.add_argument("--pairs", type=int, default=25, metavar="N", help="of runs that are timed for table 2")
     parser.add_argument("--table-1-only", action="store_true", help="build nothing")
+    parser.add_argument(
+        "--time-again", action="store_true", help="the times of rows that there are, with the same binaries"
+    )
+    parser.add_argument("--page-only", action="store_true", help="measure nothing: the page of rows that there are")
     parser.add_argument("--allow-dirty", action="store_true", help="measure a tree with uncommitted changes")
     return parser
 
@@ -112,23 +122,35 @@ def _known() -> str:
     return ", ".join(option_name(name) for name in (*EFFECTS, STAGE_MARKS))
 
 
-class Kept:
-    """Rows that this commit has."""
+def sources_key() -> str | None:
+    """Of what the bench is compiled from, as it is committed. None: it has uncommitted changes."""
+    if any(path.startswith(SOURCES) for path in provenance.changed_files()):
+        return None
+    ids = _output(["git", "-C", ROOT, "rev-parse", *(f"HEAD:{path}" for path in SOURCES)])
+    return hashlib.sha256(ids.encode()).hexdigest()
 
-    def __init__(self, path: Path, commit: str) -> None:
-        self._path, self._commit = path, commit
+
+class Kept:
+    """Rows that were measured of these sources. A file of others' rows is removed, since its binaries will be replaced."""
+
+    def __init__(self, path: Path, key: str | None) -> None:
+        self._path, self._key = path, key
         found = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-        same = found.get("commit") == commit and not commit.endswith("-dirty")
+        same = key is not None and found.get("key") == key
         self.rows: dict[str, Row] = found["rows"] if same else {}
+        if not same:
+            path.unlink(missing_ok=True)
 
     def has(self, effect: str, table: str) -> bool:
         return table in self.rows.get(effect, {})
 
     def add(self, effect: str, table: str, row: dict[str, Any]) -> None:
         self.rows.setdefault(effect, {})[table] = row
+        if self._key is None:
+            return
         self._path.parent.mkdir(parents=True, exist_ok=True)
         unfinished = self._path.with_suffix(".part")
-        unfinished.write_text(json.dumps({"commit": self._commit, "rows": self.rows}, indent=1), encoding="utf-8")
+        unfinished.write_text(json.dumps({"key": self._key, "rows": self.rows}, indent=1), encoding="utf-8")
         unfinished.replace(self._path)
 
 
@@ -146,6 +168,18 @@ def measure(chosen: Sequence[str], options: argparse.Namespace, kept: Kept) -> N
         kept.add(effect, "omitted", omitted_row(whole, built(effect), options.pairs))
 
 
+def time_again(chosen: Sequence[str], options: argparse.Namespace, kept: Kept) -> None:
+    for effect in chosen:
+        if kept.has(effect, "omitted"):
+            _say(f"{effect}: times of pairs")
+            row = kept.rows[effect]["omitted"]
+            kept.add(effect, "omitted", row | timed_pairs(binary(None), binary(effect), options.pairs))
+    for effect in chosen:
+        if kept.has(effect, "on"):
+            _say(f"{effect}: on and off in turn")
+            kept.add(effect, "on", on_row(effect))
+
+
 def _say(text: str) -> None:
     print(f"make_ablation: {text}", file=sys.stderr, flush=True)
 
@@ -156,22 +190,25 @@ def on_row(effect: str) -> dict[str, Any]:
         raise Failed(f"{BENCH}: found none; expected it of `make setup`")
     rows = [json.loads(line) for line in _output([BENCH, "effects", "20000", "256", "15", effect]).splitlines()]
     (row,) = [row for row in rows if row["effect"] == effect]  # "instances" is a part of "moving instances"
-    return dict(row)
+    return {**row, "load": os.getloadavg()[0]}
 
 
 def built(effect: str | None) -> Path:
     """The bench without the effect's code. One build tree: the kernels are compiled again only where it is in them."""
     omitted = option_name(effect) if effect else ""
-    tree = BUILD / "tree"
     generator = ["-G", "Ninja"] if shutil.which("ninja") else []
     _output(
-        ["cmake", "-S", ROOT, "-B", tree, *generator, "-DCMAKE_BUILD_TYPE=Release", "-DMSBVH_BUILD_BENCH=ON",
+        ["cmake", "-S", ROOT, "-B", TREE, *generator, "-DCMAKE_BUILD_TYPE=Release", "-DMSBVH_BUILD_BENCH=ON",
          "-DMSBVH_BUILD_TESTS=OFF", "-DMSBVH_BUILD_PYTHON=OFF", f"-DMSBVH_OMIT_EFFECTS={omitted}"]
     )  # fmt: skip
-    _output(["cmake", "--build", tree, "--target", "msbvh_bench_ablation"])
-    kept = BUILD / f"without-{omitted}" if omitted else BUILD / "whole"
-    shutil.copy2(tree / "bench/msbvh_bench_ablation", kept)
-    return kept
+    _output(["cmake", "--build", TREE, "--target", "msbvh_bench_ablation"])
+    BUILD.mkdir(parents=True, exist_ok=True)
+    shutil.copy2(TREE / "bench/msbvh_bench_ablation", binary(effect))
+    return binary(effect)
+
+
+def binary(effect: str | None) -> Path:
+    return BUILD / (f"without-{option_name(effect)}" if effect else "whole")
 
 
 def omitted_row(whole: Path, without: Path, pairs: int) -> dict[str, Any]:
@@ -181,8 +218,7 @@ def omitted_row(whole: Path, without: Path, pairs: int) -> dict[str, Any]:
         sides = [counted(bench, instructions) for bench in (whole, without)]
         row["hash"][instructions] = [side["hash"] for side in sides]
         row["count"][instructions] = [side["count"] for side in sides]
-    row["seconds"] = [timed_pair(whole, without, turn) for turn in range(pairs)]
-    return row
+    return row | timed_pairs(whole, without, pairs)
 
 
 def counted(bench: Path, instructions: str) -> dict[str, Any]:
@@ -202,6 +238,11 @@ def total_of(callgrind: str) -> int:
     if not totals or int(totals[-1]) == 0:
         raise Failed(f"callgrind: found no instructions of {COUNTED_FUNCTION}; expected some")
     return int(totals[-1])
+
+
+def timed_pairs(whole: Path, without: Path, pairs: int) -> dict[str, Any]:
+    """A row's part, with how busy the machine was."""
+    return {"seconds": [timed_pair(whole, without, turn) for turn in range(pairs)], "load": os.getloadavg()[0]}
 
 
 def timed_pair(whole: Path, without: Path, turn: int) -> tuple[float, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import re
 import subprocess
@@ -16,11 +17,11 @@ sys.path.insert(0, str(ROOT / "docs"))
 import ablation_page
 import make_ablation
 
-MACHINE = ablation_page.Machine("abc1234", "A processor", 2, "Linux", 0.1)
+MACHINE = ablation_page.Machine("abc1234", "A processor", 2, "Linux")
 ON = {
     "effect": "lens", "needs": "", "triangles": 20000, "width": 256, "rounds": 3, "without_seconds": 0.5, "with_seconds": 0.6,
     "ratio": 1.2, "ratio_low": 1.1, "ratio_high": 1.3, "without_bytes": 1000, "with_bytes": 1000, "without_rays": 7,
-    "with_rays": 8,
+    "with_rays": 8, "load": 0.5,
 }  # fmt: skip
 
 
@@ -29,6 +30,7 @@ def omitted(**changed: Any) -> dict[str, Any]:
         "hash": {"sse4": ["aa", "aa"], "avx2": ["bb", "bb"]},
         "count": {"sse4": [1000, 1000], "avx2": [900, 900]},
         "seconds": [[1.0, 1.0], [1.0, 1.1], [1.0, 0.9]],
+        "load": 2.0,
     } | changed
 
 
@@ -46,8 +48,9 @@ def test_what_was_measured_stands_in_both_tables_and_what_was_not_says_so() -> N
         "| lens | the base scene | 0.5000 -> 0.6000 | **1.200** [1.100, 1.300] | 7 -> 8 | 1,000 -> 1,000 |"
     )
     assert row(text, "| lens", last=True).startswith("| lens | equal | 1,000, equal | 900, equal | 1.0000 [0.9")
-    assert row(text, "| opacity") == "| opacity | not measured |  |  |  |  |"
-    assert row(text, "| opacity", last=True) == "| opacity | not measured |  |  |  |"
+    assert row(text, "| opacity") == "| opacity | not measured: `--only opacity` |  |  |  |  |"
+    assert row(text, "| opacity", last=True) == "| opacity | not measured: `--only opacity` |  |  |  |"
+    assert any("load averages from 0.5 to 2.0" in line for line in text)
     assert "Of 1 builds, 1 drew the same bits." in text
     assert "All counted the same instructions." in text
 
@@ -117,11 +120,24 @@ def test_an_unknown_name_stops_the_build(tmp_path: Path) -> None:
     assert "MSBVH_OMIT_EFFECTS: found fog; expected some of deforming-keys," in " ".join(done.stderr.split())
 
 
-def test_rows_of_another_commit_are_not_kept(tmp_path: Path) -> None:
+def test_rows_of_other_sources_are_not_kept(tmp_path: Path) -> None:
     path = tmp_path / "rows.json"
     make_ablation.Kept(path, "abc1234").add("lens", "on", ON)
     assert make_ablation.Kept(path, "abc1234").has("lens", "on")
     assert not make_ablation.Kept(path, "abc1234").has("lens", "omitted")
     assert not make_ablation.Kept(path, "def5678").has("lens", "on")
-    make_ablation.Kept(path, "abc1234-dirty").add("lens", "on", ON)
-    assert not make_ablation.Kept(path, "abc1234-dirty").has("lens", "on")
+    assert not make_ablation.Kept(path, "abc1234").has("lens", "on")  # its binaries are replaced
+    unsaved = make_ablation.Kept(path, None)
+    unsaved.add("lens", "on", ON)
+    assert unsaved.has("lens", "on") and not path.exists()
+
+
+def test_times_again_leave_the_rest_of_a_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    kept = make_ablation.Kept(tmp_path / "rows.json", "abc1234")
+    kept.add("lens", "omitted", omitted())
+    monkeypatch.setattr(make_ablation, "timed_pair", lambda whole, without, turn: (1.0, 2.0 + turn))
+    make_ablation.time_again(["lens", "opacity"], argparse.Namespace(pairs=2), kept)
+    found = make_ablation.Kept(tmp_path / "rows.json", "abc1234").rows
+    assert list(found) == ["lens"]
+    assert found["lens"]["omitted"]["seconds"] == [[1.0, 2.0], [1.0, 3.0]]
+    assert found["lens"]["omitted"]["count"] == omitted()["count"]
