@@ -10,6 +10,7 @@ import pytest
 from msbvh import _core
 from msbvh.cli.main import main
 from msbvh.plan_report.measured import measured_effects
+from msbvh.plan_report.pilot import PILOT_PATHS, pilot_size
 from test_plan_command import CAMERA, CORNERS, STILL, deforming, row
 
 
@@ -88,6 +89,38 @@ def test_plan_measures_where_it_is_asked_to(tmp_path: Path, capfd: pytest.Captur
     assert main([*arguments]) == 0
     found = json.loads(capfd.readouterr().out)
     assert found["samples"] == 0 and all(effect["measured"] is None for effect in found["effects"])
+
+
+def test_a_small_render_predicts_what_the_frame_takes(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """Also of effects without geometry: both see the same work, by hundreds of looks each, which differ by a few percent."""
+    path = tmp_path / "scene.usda"
+    path.write_text(CAMERA + BIG + STILL + DOME)
+    assert main(["plan", str(path), "-w", "256", "--json", "--measure", "--spp", "32"]) == 0
+    found = json.loads(capfd.readouterr().out)
+    for effect in ("indirect light", "dome light", "deforming keys"):
+        predicted, measured = row(found, effect)["predicted"], row(found, effect)["measured"]
+        assert predicted["by"] == measured["by"]
+        assert predicted["time_share"] == pytest.approx(measured["time_share"], abs=0.15)
+    assert row(found, "indirect light")["predicted"]["time_share"] > 0.1
+    assert row(found, "lens")["predicted"] is None
+
+
+def test_without_rays_nothing_is_predicted(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "scene.usda"
+    path.write_text(CAMERA + BIG + DOME)
+    assert main(["plan", str(path), "-w", "64", "--rays", "0"]) == 0
+    assert "predicted" not in capfd.readouterr().out
+    assert main(["plan", str(path), "-w", "64"]) == 0
+    out = capfd.readouterr().out
+    assert "predicted to take about" in out and "took" not in out
+
+
+def test_a_large_frame_is_predicted_by_a_small_one_of_its_aspect() -> None:
+    assert pilot_size((64, 48)) == (64, 48)
+    width, height = pilot_size((7680, 4320))
+    assert width * height == pytest.approx(PILOT_PATHS, rel=0.01)
+    assert width / height == pytest.approx(16 / 9, rel=0.01)
+    assert pilot_size((65536, 1)) == (65536, 1)
 
 
 def test_measured_shares_are_in_the_table(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

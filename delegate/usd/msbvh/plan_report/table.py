@@ -36,6 +36,9 @@ def _line(row: EffectRow) -> str:
     also = ", ".join([*row.prims[1:], *([f"{more:,} more"] if more else [])])
     shares = [f"{row.geometry_share:.1%} of the geometry"] if row.geometry_bytes else []
     shares += [] if row.ray_share is None else [f"about {row.ray_share:.0%} of the rays' work"]
+    if row.predicted and row.predicted["time_share"] is not None:
+        bound = "at most" if row.predicted["by"] == "at most" else "about"
+        shares.append(f"predicted to take {bound} {row.predicted['time_share']:.0%} of the render")
     shares += _measured(row.measured) if row.measured else []
     held = f" [{', '.join(shares)}]" if shares else ""
     return f"{row.effect:20} {first}{f'; also {also}' if also else ''}{held}"
