@@ -8,6 +8,7 @@ For each effect whose name (with hyphens for spaces) matches GLOB:
 2. Table 2: the bench is built in build/ablation without the effect's code (-DMSBVH_OMIT_EFFECTS), and renders the base scene,
    which does not need it, beside a build that has everything: the picture's bits, instructions by callgrind, and time in
    interleaved pairs.
+3. Table 3: both builds render the frames of table 1 that do not need the effect: instructions by callgrind.
 
 A build takes a minute, or ten where the effect is in the kernels too (instances, displacement, curves, points, polynomial motion,
 time remaps). What is measured is kept in build/ablation as long as the sources of the bench do not change: the same command
@@ -24,15 +25,14 @@ import json
 import os
 import platform
 import shutil
-import subprocess
 import sys
-import tempfile
 from collections.abc import Sequence
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
 import provenance
+from ablation_counts import Failed, base_count, beside_counts, effect_count, output
 from ablation_page import Machine, Row, page
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -64,16 +64,10 @@ EFFECTS = (
 """As `msbvh plan` names them: core/plan/effect_plan.cpp."""
 STAGE_MARKS = "stage marks"
 """No effect, but left out in the same way: what samples stages (core/integrate/stage_mark.h)."""
+WHOLE = "whole"
 INSTRUCTION_SETS = ("sse4", "avx2")
 """That callgrind knows; valgrind 3.19 knows no AVX-512."""
-COUNTED = ("2000", "64")
-"""Triangles and width of the frame whose instructions are counted."""
-COUNTED_FUNCTION = "msbvh::render_tile(*"
 TIMED_SET = "avx2"
-
-
-class Failed(Exception):
-    """Ends the run, with a message for people."""
 
 
 def main() -> None:
@@ -126,12 +120,12 @@ def sources_key() -> str | None:
     """Of what the bench is compiled from, as it is committed. None: it has uncommitted changes."""
     if any(path.startswith(SOURCES) for path in provenance.changed_files()):
         return None
-    ids = _output(["git", "-C", ROOT, "rev-parse", *(f"HEAD:{path}" for path in SOURCES)])
+    ids = output(["git", "-C", ROOT, "rev-parse", *(f"HEAD:{path}" for path in SOURCES)])
     return hashlib.sha256(ids.encode()).hexdigest()
 
 
 class Kept:
-    """Rows that were measured of these sources. A file of others' rows is removed, since its binaries will be replaced."""
+    """Rows that were measured of these sources. Those of others are removed, and their binaries."""
 
     def __init__(self, path: Path, key: str | None) -> None:
         self._path, self._key = path, key
@@ -139,7 +133,8 @@ class Kept:
         same = key is not None and found.get("key") == key
         self.rows: dict[str, Row] = found["rows"] if same else {}
         if not same:
-            path.unlink(missing_ok=True)
+            for old in [path, *path.parent.glob(binary("*").name), path.parent / binary(None).name]:
+                old.unlink(missing_ok=True)
 
     def has(self, effect: str, table: str) -> bool:
         return table in self.rows.get(effect, {})
@@ -159,13 +154,23 @@ def measure(chosen: Sequence[str], options: argparse.Namespace, kept: Kept) -> N
         if effect in EFFECTS and not kept.has(effect, "on"):
             _say(f"{effect}: on and off in turn")
             kept.add(effect, "on", on_row(effect))
-    missing = [effect for effect in chosen if not kept.has(effect, "omitted")]
-    if options.table_1_only or not missing:
+    if options.table_1_only:
         return
-    whole = built(None)
-    for effect in missing:
-        _say(f"{effect}: a build without")
-        kept.add(effect, "omitted", omitted_row(whole, built(effect), options.pairs))
+    for effect in chosen:
+        if not kept.has(effect, "omitted"):
+            _say(f"{effect}: a build without")
+            kept.add(effect, "omitted", omitted_row(built(None), built(effect), options.pairs))
+    for effect in chosen:
+        if not kept.has(effect, "beside"):
+            _say(f"{effect}: other effects without its code")
+            kept.add(effect, "beside", beside_counts(whole_counts(kept), built(effect), effect))
+
+
+def whole_counts(kept: Kept) -> dict[str, dict[str, Any]]:
+    """Of the build with everything, by effect."""
+    if not kept.has(WHOLE, "counts"):
+        kept.add(WHOLE, "counts", {effect: effect_count(built(None), effect) for effect in EFFECTS})
+    return dict(kept.rows[WHOLE]["counts"])
 
 
 def time_again(chosen: Sequence[str], options: argparse.Namespace, kept: Kept) -> None:
@@ -188,23 +193,27 @@ def on_row(effect: str) -> dict[str, Any]:
     """Table 1's, as the bench prints it."""
     if not BENCH.is_file():
         raise Failed(f"{BENCH}: found none; expected it of `make setup`")
-    rows = [json.loads(line) for line in _output([BENCH, "effects", "20000", "256", "15", effect]).splitlines()]
+    rows = [json.loads(line) for line in output([BENCH, "effects", "20000", "256", "15", effect]).splitlines()]
     (row,) = [row for row in rows if row["effect"] == effect]  # "instances" is a part of "moving instances"
     return {**row, "load": os.getloadavg()[0]}
 
 
 def built(effect: str | None) -> Path:
-    """The bench without the effect's code. One build tree: the kernels are compiled again only where it is in them."""
+    """The bench without the effect's code, which is built once. One build tree: the kernels are compiled again only where it is
+    in them."""
+    if binary(effect).is_file():
+        return binary(effect)
     omitted = option_name(effect) if effect else ""
     generator = ["-G", "Ninja"] if shutil.which("ninja") else []
-    _output(
+    output(
         ["cmake", "-S", ROOT, "-B", TREE, *generator, "-DCMAKE_BUILD_TYPE=Release", "-DMSBVH_BUILD_BENCH=ON",
          "-DMSBVH_BUILD_TESTS=OFF", "-DMSBVH_BUILD_PYTHON=OFF", f"-DMSBVH_OMIT_EFFECTS={omitted}"]
     )  # fmt: skip
-    _output(["cmake", "--build", TREE, "--target", "msbvh_bench_ablation"])
+    output(["cmake", "--build", TREE, "--target", "msbvh_bench_ablation"])
     BUILD.mkdir(parents=True, exist_ok=True)
-    shutil.copy2(TREE / "bench/msbvh_bench_ablation", binary(effect))
-    return binary(effect)
+    unfinished = binary(effect).with_suffix(".part")
+    shutil.copy2(TREE / "bench/msbvh_bench_ablation", unfinished)
+    return unfinished.replace(binary(effect))
 
 
 def binary(effect: str | None) -> Path:
@@ -215,29 +224,10 @@ def omitted_row(whole: Path, without: Path, pairs: int) -> dict[str, Any]:
     """Table 2's: both on the base scene."""
     row: dict[str, Any] = {"hash": {}, "count": {}}
     for instructions in INSTRUCTION_SETS:
-        sides = [counted(bench, instructions) for bench in (whole, without)]
+        sides = [base_count(bench, instructions) for bench in (whole, without)]
         row["hash"][instructions] = [side["hash"] for side in sides]
         row["count"][instructions] = [side["count"] for side in sides]
     return row | timed_pairs(whole, without, pairs)
-
-
-def counted(bench: Path, instructions: str) -> dict[str, Any]:
-    """What the bench prints of a small frame, and how many instructions its tiles took."""
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "callgrind.out"
-        text = _output(
-            ["valgrind", "--tool=callgrind", f"--toggle-collect={COUNTED_FUNCTION}", f"--callgrind-out-file={out}",
-             "--quiet", bench, "base", instructions, *COUNTED]
-        )  # fmt: skip
-        return {**json.loads(text), "count": total_of(out.read_text(encoding="utf-8"))}
-
-
-def total_of(callgrind: str) -> int:
-    """Instructions that a callgrind file counts. Raises Failed for none, as where the function was not called."""
-    totals = [line.split()[1] for line in callgrind.splitlines() if line.startswith(("summary:", "totals:"))]
-    if not totals or int(totals[-1]) == 0:
-        raise Failed(f"callgrind: found no instructions of {COUNTED_FUNCTION}; expected some")
-    return int(totals[-1])
 
 
 def timed_pairs(whole: Path, without: Path, pairs: int) -> dict[str, Any]:
@@ -248,16 +238,8 @@ def timed_pairs(whole: Path, without: Path, pairs: int) -> dict[str, Any]:
 def timed_pair(whole: Path, without: Path, turn: int) -> tuple[float, float]:
     """Seconds of a frame by each build, the first one first in every other turn."""
     order = (whole, without) if turn % 2 == 0 else (without, whole)
-    seconds = {bench: json.loads(_output([bench, "base", TIMED_SET]))["seconds"] for bench in order}
+    seconds = {bench: json.loads(output([bench, "base", TIMED_SET]))["seconds"] for bench in order}
     return seconds[whole], seconds[without]
-
-
-def _output(command: Sequence[str | Path]) -> str:
-    done = subprocess.run(command, capture_output=True, text=True)
-    if done.returncode != 0:
-        said = (done.stderr.strip() or done.stdout.strip()).splitlines()[-5:]
-        raise Failed(f"{' '.join(map(str, command))}: found exit code {done.returncode}: {' '.join(said)}")
-    return done.stdout
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ import pytest
 from conftest import ROOT
 
 sys.path.insert(0, str(ROOT / "docs"))
+import ablation_counts
 import ablation_page
 import make_ablation
 
@@ -47,9 +48,11 @@ def test_what_was_measured_stands_in_both_tables_and_what_was_not_says_so() -> N
     assert row(text, "| lens") == (
         "| lens | the base scene | 0.5000 -> 0.6000 | **1.200** [1.100, 1.300] | 7 -> 8 | 1,000 -> 1,000 |"
     )
-    assert row(text, "| lens", last=True).startswith("| lens | equal | 1,000, equal | 900, equal | 1.0000 [0.9")
+    assert row(text, "| lens | equal").startswith("| lens | equal | 1,000, equal | 900, equal | 1.0000 [0.9")
     assert row(text, "| opacity") == "| opacity | not measured: `--only opacity` |  |  |  |  |"
-    assert row(text, "| opacity", last=True) == "| opacity | not measured: `--only opacity` |  |  |  |"
+    assert [line for line in text if line.startswith("| opacity")][
+        1
+    ] == "| opacity | not measured: `--only opacity` |  |  |  |"
     assert any("load averages from 0.5 to 2.0" in line for line in text)
     assert "Of 1 builds, 1 drew the same bits." in text
     assert "All counted the same instructions." in text
@@ -58,7 +61,7 @@ def test_what_was_measured_stands_in_both_tables_and_what_was_not_says_so() -> N
 def test_what_differs_is_named() -> None:
     wrong = omitted(hash={"sse4": ["aa", "aa"], "avx2": ["bb", "cc"]}, count={"sse4": [1000, 990], "avx2": [900, 900]})
     text = lines({"lens": {"omitted": wrong}, "opacity": {"omitted": omitted()}})
-    assert row(text, "| lens", last=True).startswith("| lens | **differ** | 1,000 -> 990 (-1.0000%) | 900, equal |")
+    assert row(text, "| lens | **differ**").startswith("| lens | **differ** | 1,000 -> 990 (-1.0000%) | 900, equal |")
     assert "Of 2 builds, 1 drew the same bits; not those without lens." in text
     assert "- lens: +0.5051%" in text and "All counted the same instructions." not in text
 
@@ -76,9 +79,29 @@ def test_the_interval_holds_the_median_and_narrows_with_pairs() -> None:
 
 
 def test_instructions_are_the_files_total() -> None:
-    assert make_ablation.total_of("events: Ir\nfn=(1) f\n1 5\nsummary: 17\n\ntotals: 17\n") == 17
-    with pytest.raises(make_ablation.Failed, match="found no instructions"):
-        make_ablation.total_of("events: Ir\nsummary: 0\n")
+    assert ablation_counts.total_of("events: Ir\nfn=(1) f\n1 5\nsummary: 17\n\ntotals: 17\n") == 17
+    with pytest.raises(ablation_counts.Failed, match="found no instructions"):
+        ablation_counts.total_of("events: Ir\nsummary: 0\n")
+
+
+def test_scenes_that_need_the_omitted_effect_are_not_compared(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole: dict[str, dict[str, Any]] = {
+        "lens": {"count": 10, "scenes": ["lens"]},
+        "instances": {"count": 20, "scenes": ["instances", "moving instances"]},
+        "moving instances": {"count": 30, "scenes": ["instances", "moving instances"]},
+    }
+    monkeypatch.setattr(ablation_counts, "effect_count", lambda bench, effect: {"count": 10, "scenes": []})
+    assert ablation_counts.beside_counts(whole, Path("bench"), "moving instances") == {"lens": (10, 10)}
+    counts = ablation_counts.beside_counts(whole, Path("bench"), "lens")
+    assert counts == {"instances": (20, 10), "moving instances": (30, 10)}
+
+
+def test_frames_of_other_effects_are_counted_and_what_differs_is_named() -> None:
+    text = lines(
+        {"lens": {"beside": {"curves": [100, 100], "points": [101, 100]}}, "opacity": {"beside": {"lens": [5, 5]}}}
+    )
+    assert row(text, "| lens", last=True) == "| lens | 1 of 2 | points +1.00% |"
+    assert row(text, "| opacity", last=True) == "| opacity | 1 of 1 |  |"
 
 
 def test_effects_are_those_of_the_plan_and_of_the_option() -> None:
