@@ -128,7 +128,7 @@ def test_measured_shares_are_in_the_table(tmp_path: Path, capfd: pytest.CaptureF
     path.write_text(CAMERA + BIG + DOME)
     assert main(["plan", str(path), "-w", "128", "--measure", "--spp", "64"]) == 0
     lines = {line[:20].strip(): line for line in capfd.readouterr().out.splitlines()}
-    assert "[took " in lines["dome light"] and "% of the render]" in lines["dome light"]
+    assert ", took " in lines["dome light"] and "% of the render]" in lines["dome light"]
     assert "took about " in lines["deforming keys"] and "of the trees]" in lines["deforming keys"]
     assert "looks at what threads did" in lines["measured"]
 
