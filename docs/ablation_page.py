@@ -17,6 +17,8 @@ CONFIDENCE = 0.95
 NOT_MEASURED = "not measured"
 NO_CODE = ("subdivision",)
 """Effects that the front-end turns into triangles: a frame has no code for them."""
+NO_EFFECTS = ("all at once", "stage marks")
+"""Rows of code that is left out, but not of one effect."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,8 @@ that time may differ where instructions do not.
 
 Deforming keys and moving instances share the kernels of moving trees: leaving out one of the two leaves those in. Displaced
 triangle meshes and subdivision come from the front-end as triangles: of displacement the code of patches is left out, of
-subdivision there is none. *Stage marks* are no effect: they are what `msbvh plan --measure` looks at.
+subdivision there is none. *All at once* is a build that knows nothing but still triangles under lights without extent. *Stage
+marks* are no effect: they are what `msbvh plan --measure` looks at.
 
 | effect | bits | instructions, SSE4 | instructions, AVX2 | time |
 |---|---|---|---|---|"""
@@ -79,16 +82,16 @@ def page(machine: Machine, rows: Mapping[str, Row]) -> Iterator[str]:
     """Its lines. `rows`: by effect, in the order of the tables."""
     yield HEAD.format(**vars(machine), loads=_loads(rows))
     for effect, row in rows.items():
-        if effect == "stage marks":
-            continue
-        yield f"| {' | '.join(on_cells(effect, row.get('on')))} |"
+        if effect not in NO_EFFECTS:
+            yield f"| {' | '.join(on_cells(effect, row.get('on')))} |"
     yield OMITTED.format(confidence=CONFIDENCE, resamples=RESAMPLES)
     for effect, row in rows.items():
         yield f"| {' | '.join(omitted_cells(effect, row.get('omitted')))} |"
     yield from unequal(rows)
     yield BESIDE
     for effect, row in rows.items():
-        yield f"| {' | '.join(beside_cells(effect, row.get('beside')))} |"
+        if effect != "all at once":
+            yield f"| {' | '.join(beside_cells(effect, row.get('beside')))} |"
 
 
 def _loads(rows: Mapping[str, Row]) -> str:

@@ -10,8 +10,8 @@ For each effect whose name (with hyphens for spaces) matches GLOB:
    interleaved pairs.
 3. Table 3: both builds render the frames of table 1 that do not need the effect: instructions by callgrind.
 
-A build takes a minute, or ten where the effect is in the kernels too (instances, displacement, curves, points, polynomial motion,
-time remaps). What is measured is kept in build/ablation as long as the sources of the bench do not change: the same command
+The build `all-at-once` leaves out every effect that has code. A build takes a minute, or ten where the effect is in the kernels
+too (instances, displacement, curves, points, polynomial motion, time remaps). What is measured is kept in build/ablation as long as the sources of the bench do not change: the same command
 goes on after an interruption, and --page-only writes what there is. Rows that were not measured say so. --time-again repeats
 the times of both tables where they were taken on a busy machine. Needs valgrind. A tree with uncommitted changes is refused, or
 with --allow-dirty measured, marked, and not kept.
@@ -64,6 +64,9 @@ EFFECTS = (
 """As `msbvh plan` names them: core/plan/effect_plan.cpp."""
 STAGE_MARKS = "stage marks"
 """No effect, but left out in the same way: what samples stages (core/integrate/stage_mark.h)."""
+ALL = "all at once"
+"""A build that draws still triangles, and the limit surfaces that are made of such, under lights that stand still."""
+WITH_CODE = tuple(effect for effect in EFFECTS if effect != "subdivision")
 WHOLE = "whole"
 INSTRUCTION_SETS = ("sse4", "avx2")
 """That callgrind knows; valgrind 3.19 knows no AVX-512."""
@@ -74,7 +77,7 @@ def main() -> None:
     options = _parser().parse_args()
     try:
         commit = provenance.commit(allow_dirty=options.allow_dirty)
-        chosen = [name for name in (*EFFECTS, STAGE_MARKS) if fnmatch(option_name(name), options.only)]
+        chosen = [name for name in (*EFFECTS, ALL, STAGE_MARKS) if fnmatch(option_name(name), options.only)]
         if not chosen:
             raise Failed(f"--only: found no effect that matches '{options.only}'; expected one of {_known()}")
         if not options.table_1_only and not shutil.which("valgrind"):
@@ -90,7 +93,7 @@ def main() -> None:
     except (Failed, provenance.DirtyTree) as error:
         sys.exit(f"make_ablation: error: {error}")
     machine = Machine(commit, provenance.processor(), os.cpu_count() or 1, f"{platform.system()} {platform.release()}")
-    rows = {name: kept.rows.get(name, {}) for name in (*EFFECTS, STAGE_MARKS)}
+    rows = {name: kept.rows.get(name, {}) for name in (*EFFECTS, ALL, STAGE_MARKS)}
     (ROOT / "docs" / "ablation.md").write_text("\n".join(page(machine, rows)) + "\n", encoding="utf-8")
 
 
@@ -113,7 +116,7 @@ def option_name(effect: str) -> str:
 
 
 def _known() -> str:
-    return ", ".join(option_name(name) for name in (*EFFECTS, STAGE_MARKS))
+    return ", ".join(option_name(name) for name in (*EFFECTS, ALL, STAGE_MARKS))
 
 
 def sources_key() -> str | None:
@@ -161,7 +164,7 @@ def measure(chosen: Sequence[str], options: argparse.Namespace, kept: Kept) -> N
             _say(f"{effect}: a build without")
             kept.add(effect, "omitted", omitted_row(built(None), built(effect), options.pairs))
     for effect in chosen:
-        if not kept.has(effect, "beside"):
+        if effect != ALL and not kept.has(effect, "beside"):
             _say(f"{effect}: other effects without its code")
             kept.add(effect, "beside", beside_counts(whole_counts(kept), built(effect), effect))
 
@@ -203,7 +206,7 @@ def built(effect: str | None) -> Path:
     in them."""
     if binary(effect).is_file():
         return binary(effect)
-    omitted = option_name(effect) if effect else ""
+    omitted = ";".join(map(option_name, WITH_CODE)) if effect == ALL else option_name(effect) if effect else ""
     generator = ["-G", "Ninja"] if shutil.which("ninja") else []
     output(
         ["cmake", "-S", ROOT, "-B", TREE, *generator, "-DCMAKE_BUILD_TYPE=Release", "-DMSBVH_BUILD_BENCH=ON",

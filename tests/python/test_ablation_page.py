@@ -104,6 +104,11 @@ def test_frames_of_other_effects_are_counted_and_what_differs_is_named() -> None
     assert row(text, "| opacity", last=True) == "| opacity | 1 of 1 |  |"
 
 
+def test_a_build_without_all_effects_has_a_row_of_its_own() -> None:
+    text = lines({"lens": {}, "all at once": {"omitted": omitted()}})
+    assert [line[:21] for line in text if line.startswith("| all")] == ["| all at once | equal"]
+
+
 def test_effects_are_those_of_the_plan_and_of_the_option() -> None:
     """In one order everywhere, since CMake counts bits by it."""
     plan = (ROOT / "core/plan/effect_plan.cpp").read_text(encoding="utf-8")
