@@ -11,10 +11,10 @@ For each effect whose name (with hyphens for spaces) matches GLOB:
 3. Table 3: both builds render the frames of table 1 that do not need the effect: instructions by callgrind.
 
 The build `all-at-once` leaves out every effect that has code. A build takes a minute, or ten where the effect is in the kernels
-too (instances, displacement, curves, points, polynomial motion, time remaps). What is measured is kept in build/ablation as long as the sources of the bench do not change: the same command
-goes on after an interruption, and --page-only writes what there is. Rows that were not measured say so. --time-again repeats
-the times of both tables where they were taken on a busy machine. Needs valgrind. A tree with uncommitted changes is refused, or
-with --allow-dirty measured, marked, and not kept.
+too (instances, displacement, curves, points, polynomial motion, time remaps). What is measured is kept in build/ablation as long
+as the sources of the bench do not change: the same command goes on after an interruption, and --page-only writes what there is.
+Rows that were not measured say so. --time-again repeats the times of both tables where they were taken on a busy machine. Needs
+valgrind. A tree with uncommitted changes is refused, or with --allow-dirty measured, marked, and not kept.
 """
 
 from __future__ import annotations
