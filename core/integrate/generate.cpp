@@ -59,10 +59,11 @@ class TimeStrata {
   std::array<PathIndex, kMaxBatchPaths + 1> begin_{};
 };
 
-// Sets batch.times, sample by sample of each pixel in turn.
+// Sets batch.times, sample by sample of each pixel in turn. Out of line in every build, whichever variants
+// call it.
 template <Sampling kSampling>
-TimeStrata draw_times(const Frame& frame, const Tile& tile, const PixelOrder& pixels, SampleRange samples,
-                      PathBatch& batch) {
+[[gnu::noinline]] TimeStrata draw_times(const Frame& frame, const Tile& tile, const PixelOrder& pixels,
+                                        SampleRange samples, PathBatch& batch) {
   TimeStrata strata(samples.count);
   float* time = batch.times.data();
   for (const Pixel& p : pixels) {

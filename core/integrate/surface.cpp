@@ -53,8 +53,9 @@ void find_by_material(const Frame& frame, PathBatch& batch) {
     find_surface<kGeometry>(frame, static_cast<std::uint32_t>(entry), batch);
 }
 
+// Out of line in every build, whichever variants call it.
 template <EffectSet kGeometry>
-void find_all(const Frame& frame, PathBatch& batch) {
+[[gnu::noinline]] void find_all(const Frame& frame, PathBatch& batch) {
   if (frame.scene().materials.size() > 1) return find_by_material<kGeometry>(frame, batch);
   const std::size_t count = batch.active.size();
   for (std::size_t i = 0; i < std::min(kTrianglesAhead, count); ++i)

@@ -66,15 +66,18 @@ Vec3d line_normal(const WorldTriangle& triangle, const Vec3d& d) {
   return normalize(across == Vec3d{} ? -d : across);
 }
 
-// Where the mesh has none, the geometric one. Turned to the side that the ray came from.
+// Where the mesh has none, the geometric one. Turned to the side that the ray came from. Out of line, since
+// g++ inlines it or not by what else the build has, and it spills registers where it is inlined.
 template <EffectSet kEffects>
-Vec3f shading_normal(const HitSource& source, const Hit& hit, float mesh_time,
-                     const std::optional<InstancePose>& pose, const Vec3f& ng) {
+[[gnu::noinline]] Vec3f shading_normal(const HitSource& source, const Hit& hit, float mesh_time,
+                                       const std::optional<InstancePose>& pose, const Vec3f& ng) {
   const Primvar<Vec3f>& normals =
       !kEffects.has(Effect::kDisplacement) || source.mesh ? source.mesh->normals : source.grids->normals;
   if (!normals.authored()) return ng;
   const Vec3f authored = value_at<kEffects>(normals, source, hit, mesh_time);
-  const Vec3d in_world = pose ? transform_normal(pose->world_from_object, Vec3d(authored)) : Vec3d(authored);
+  const Vec3d in_world = kEffects.has(Effect::kInstances) && pose
+                             ? transform_normal(pose->world_from_object, Vec3d(authored))
+                             : Vec3d(authored);
   const Vec3f ns(normalize(in_world));
   if (ns == Vec3f{}) return ng;
   return dot(ns, ng) < 0.0f ? -ns : ns;
