@@ -41,7 +41,8 @@ BUILD = ROOT / "build/ablation"
 TREE = ROOT / "build/omitted"
 """Of all builds. As deep as build/release, so that a compiler cache knows what they share."""
 SOURCES = ("CMakeLists.txt", "cmake", "core", "bench")
-"""Of the bench."""
+NO_SOURCES = (".md", ".py")
+"""Among the bench's sources, but nothing that it is compiled from."""
 EFFECTS = (
     "deforming keys",
     "instances",
@@ -121,10 +122,11 @@ def _known() -> str:
 
 def sources_key() -> str | None:
     """Of what the bench is compiled from, as it is committed. None: it has uncommitted changes."""
-    if any(path.startswith(SOURCES) for path in provenance.changed_files()):
+    if any(path.startswith(SOURCES) and not path.endswith(NO_SOURCES) for path in provenance.changed_files()):
         return None
-    ids = output(["git", "-C", ROOT, "rev-parse", *(f"HEAD:{path}" for path in SOURCES)])
-    return hashlib.sha256(ids.encode()).hexdigest()
+    files = output(["git", "-C", ROOT, "ls-tree", "-r", "HEAD", "--", *SOURCES]).splitlines()
+    compiled = [line for line in files if not line.endswith(NO_SOURCES)]
+    return hashlib.sha256("\n".join(compiled).encode()).hexdigest()
 
 
 class Kept:
