@@ -15,6 +15,7 @@
 #include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
 #include "core/integrate/render_tile.h"
+#include "core/plan/known_effects.h"
 
 namespace msbvh {
 namespace {
@@ -43,6 +44,11 @@ void check(const RenderSettings& settings) {
   expect_range("spp", settings.spp, 1, kMaxSpp);
   expect_range("max_bounces", settings.max_bounces, 0, kMaxBounces);
   expect_range("batch_paths", settings.batch_paths, 1, kMaxBatchPaths);
+  if (settings.sample_stages && !kKnownStageMarks) {
+    throw Error(
+        "render settings: sample_stages: found true; expected false, since MSBVH_OMIT_EFFECTS left "
+        "stage-marks out of this build");
+  }
 }
 
 std::string names_of(const std::vector<Aov>& aovs) {
@@ -51,7 +57,8 @@ std::string names_of(const std::vector<Aov>& aovs) {
   return names;
 }
 
-Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const RenderSettings& settings) {
+Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const RenderSettings& settings,
+               EffectSet effects) {
   return {SceneIndex(scene),
           LightSampler(scene, bounds_of(world)),
           world,
@@ -61,7 +68,12 @@ Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const
           settings.seed,
           settings.max_bounces,
           settings.show_domes,
-          settings.sampling};
+          settings.sampling,
+          choose_stages(effects, settings.sampling, world)};
+}
+
+Tracer tracer_of(const Bvh& world, const RenderSettings& settings) {
+  return settings.instruction_set ? Tracer(world, *settings.instruction_set) : Tracer(world);
 }
 
 constexpr std::chrono::milliseconds kProgressInterval{100};
@@ -91,8 +103,10 @@ void Renderer::Data::build(SceneTrees* previous) {
 void Renderer::Data::render_tiles(SampleRange samples, Image& image, std::atomic<std::size_t>& finished_tiles,
                                   const std::atomic<bool>& cancelled) {
   const TileGrid grid(settings.width, settings.height);
-  const TileJob job{*frame, plan.set, samples, settings.batch_paths, cancelled};
-  WorkspacePool workspaces;
+  const TileJob job{*frame, samples, settings.batch_paths, cancelled};
+  std::optional<StageSampler> sampler;
+  if (settings.sample_stages) sampler.emplace();
+  WorkspacePool workspaces(sampler ? &*sampler : nullptr);
   std::mutex summing;
   TraceModes rays;
   const Stopwatch watch;
@@ -109,6 +123,7 @@ void Renderer::Data::render_tiles(SampleRange samples, Image& image, std::atomic
     });
   });
   statistics.trace_seconds = watch.seconds();
+  statistics.stages = sampler ? sampler->stop() : StageCounts{};
   statistics.rays = rays;
   statistics.camera_rays = std::uint64_t(settings.width) * settings.height * samples.count;
 }
@@ -125,9 +140,10 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   data->settings = settings;
   data->plan =
       plan_effects(*data->scene, {.max_bounces = settings.max_bounces, .aovs = names_of(settings.aovs)});
+  expect_known(data->plan, kKnownEffects);
   data->build(data_ && data_->trees ? &*data_->trees : nullptr);
   const Bvh& world = data->trees->world().bvh();
-  data->frame.emplace(frame_of(*data->scene, world, Tracer(world), settings));
+  data->frame.emplace(frame_of(*data->scene, world, tracer_of(world, settings), settings, data->plan.set));
   data_ = std::move(data);
 }
 
@@ -175,11 +191,11 @@ ProbeReport Renderer::probe(const ProbeSettings& settings, const ProbeProgress& 
 RayCosts Renderer::ray_costs(const RayCostSettings& settings, const RayCostProgress& progress) const {
   const Data& data = committed();
   const Bvh& world = data.trees->world().bvh();
-  const Frame logging = frame_of(*data.scene, world, Tracer::logging(world), data.settings);
+  const Frame logging = frame_of(*data.scene, world, Tracer::logging(world), data.settings,
+                                 data.plan.set.without(Effect::kAovs));
   RayCosts costs;
   Arena(data.settings.threads).execute([&] {
-    costs =
-        msbvh::ray_costs(logging, data.plan.set, data.settings.build, data.settings.spp, settings, progress);
+    costs = msbvh::ray_costs(logging, data.settings.build, data.settings.spp, settings, progress);
   });
   return costs;
 }

@@ -21,6 +21,7 @@ class CameraRays {
  public:
   explicit CameraRays(const Camera& camera);
   Ray ray(float screen_x, float screen_y, float time) const;
+  Ray still_ray(float screen_x, float screen_y, float time) const;  // of a camera without motion
 
  private:
   const Camera& camera_;
