@@ -160,6 +160,19 @@ def test_rows_of_other_sources_are_not_kept(tmp_path: Path) -> None:
     assert unsaved.has("lens", "on") and not path.exists()
 
 
+def test_rows_outlive_what_the_bench_is_not_compiled_from(monkeypatch: pytest.MonkeyPatch) -> None:
+    def key(*files: str) -> str | None:
+        monkeypatch.setattr(make_ablation, "output", lambda command: "".join(f"{file}\n" for file in files))
+        return make_ablation.sources_key()
+
+    monkeypatch.setattr(make_ablation.provenance, "changed_files", lambda: ["bench/README.md", "docs/accuracy.md"])
+    first = key("1 bench/README.md", "2 bench/ablation.cpp")
+    assert first and key("9 bench/README.md", "2 bench/ablation.cpp") == first
+    assert key("1 bench/README.md", "9 bench/ablation.cpp") != first
+    monkeypatch.setattr(make_ablation.provenance, "changed_files", lambda: ["bench/ablation.cpp"])
+    assert key("1 bench/README.md", "2 bench/ablation.cpp") is None
+
+
 def test_times_again_leave_the_rest_of_a_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     kept = make_ablation.Kept(tmp_path / "rows.json", "abc1234")
     kept.add("lens", "omitted", omitted())
