@@ -20,8 +20,8 @@ STAMPS := build/stamps
 SYSTEM_PACKAGES := g++ cmake ninja-build python3 python3-venv python3-dev libtbb-dev libhwy-dev libosd-dev \
   doctest-dev
 
-CXX_SOURCES := $(shell find CMakeLists.txt core delegate tests bench examples -name '*.h' -o -name '*.cpp' \
-  -o -name CMakeLists.txt -o -name '*.cmake.in')
+CXX_SOURCES := $(shell find CMakeLists.txt cmake core delegate tests bench examples -name '*.h' -o -name '*.cpp' \
+  -o -name CMakeLists.txt -o -name '*.cmake' -o -name '*.cmake.in' -o -name '*.h.in')
 PYTHON_SOURCES := $(shell find delegate/usd/msbvh -name '*.py')
 LINTERS := ruff==0.17.6 mypy==2.4.1 clang-format==16.0.6
 PYTHON_FOLDERS := cmake delegate docs testenv tests/python bench
@@ -42,6 +42,11 @@ $(STAMPS)/system: .ci/system_packages Makefile
 # for one at a time.
 $(STAMPS)/browser: .ci/system_packages Makefile | $(STAMPS)/system
 	@command -v chromium chromium-browser google-chrome >/dev/null || .ci/system_packages chromium
+	@mkdir -p $(STAMPS) && touch $@
+
+# Counts instructions; for `make bench` alone.
+$(STAMPS)/valgrind: .ci/system_packages Makefile
+	@.ci/system_packages valgrind
 	@mkdir -p $(STAMPS) && touch $@
 
 # libFuzzer; for `make fuzz` and `make soak` alone.
@@ -112,12 +117,13 @@ fuzz: setup $(STAMPS)/fuzzers  ## each fuzz target for a minute: libFuzzer on th
 
 # Embree comes with the extra `bench`; where its wheel is missing the page has our figures alone. Needs a clean tree.
 # OPTIONS: `--cycles` measures whole frames beside Cycles, in an environment that it makes (a GB).
-bench: setup  ## rays a second, build times, bytes and whole frames: to docs/performance.md and docs/features.md
+bench: setup $(STAMPS)/valgrind  ## rays, builds, bytes, frames, effects on and off: to docs/performance.md, features.md, ablation.md
 	@$(BIN)/pip install --quiet --no-build-isolation --config-settings=build-dir=$(BUILD) \
 	  --config-settings=cmake.define.MSBVH_BUILD_TESTS=ON --config-settings=cmake.define.MSBVH_BUILD_BENCH=ON \
 	  --editable '.[test,bench]'
 	@$(BIN)/python docs/make_performance.py $(OPTIONS)
 	@$(BIN)/python docs/make_features.py
+	@$(BIN)/python docs/make_ablation.py
 
 # Needs a clean tree. OPTIONS: `--reports DIR` makes the page of reports that are there.
 accuracy: setup  ## what each step of accuracy costs on six scenes: to docs/accuracy.md; reports in out/accuracy

@@ -1,4 +1,5 @@
-// Rays from inside of closed moving shapes, of which none may get out: ours and a peer's, the same rays.
+// Rays from inside of closed moving shapes, of which none may get out, and into tubes and spheres, which must
+// stop them: ours and a peer's, the same rays.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,7 @@
 namespace msbvh::bench {
 
 struct StabilitySettings {
-  std::size_t rays = 10'000;  // about; of all aims of core/probe/inside_rays.h in turn
+  std::size_t rays = 5'000;  // about; ten times as many of StabilityProbe::kInsidePlain
   std::uint32_t seed = 1;
   double oracle_tests = 2e6;  // primitives that the oracle tests for a cell and a side; one ray at least
   const PeerLibrary* peer = nullptr;   // with its robust flag
@@ -20,9 +21,9 @@ struct StabilitySettings {
 };
 
 // A JSON object. A side's leaks are those of the worst of its ways of being asked (ours: every instruction
-// set that this machine has); `wrong` counts the judged rays whose answer, one at a time, is farther from
-// double precision than core/trace/oracle.h states. null: not measured, since the peer has no tracks of this
-// degree or there is none.
+// set that this machine has), and "rays AIM" and "leaks AIM" are those of an aim; `wrong` counts the judged
+// rays whose answer, one at a time, is farther from double precision than core/trace/oracle.h states. null:
+// not measured, since the peer has no tracks of this degree, or tubes of another shape, or there is none.
 std::string run_stability(const StabilityCell& cell, const StabilitySettings& settings);
 
 }  // namespace msbvh::bench

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,52 +18,8 @@
 namespace msbvh::bench {
 namespace {
 
-constexpr StabilityShape kShapes[] = {
-    {"ball", "a closed ball of 960 triangles", true},
-    {"dense", "a closed ball of 9024 triangles, in flight at position 10000 alone", true},
-    {"shell", "a closed irregular shell of some 1000 triangles", true},
-    {"cube", "a closed cube of some 300 triangles, its faces in planes of two axes", true},
-    {"instances", "four instances of a deforming ball; what moves on the track is the instances", true},
-    {"displaced", "a closed displaced torus: for us patches, for Embree their 7680 triangles", false},
-};
-
-Vec3d turn(const Vec3d& p, double radians) { return turned(p, normalize(Vec3d{1.0, 2.0, 0.5}), radians); }
-
-constexpr StabilityMotion kMotions[] = {
-    {"translation", "by 24 times its size",
-     [](const Vec3d& p, double u) {
-       return p + Vec3d{40.0, -25.0, 10.0} * (u - 0.5);
-     }},
-    {"flight", "by 24 times its size, turning by 2 radians",
-     [](const Vec3d& p, double u) {
-       return turn(p, 2.0 * (u - 0.5)) + Vec3d{40.0, -25.0, 10.0} * (u - 0.5);
-     }},
-    {"rotation", "by 2 radians", [](const Vec3d& p, double u) { return turn(p, 2.0 * (u - 0.5)); }},
-    {"whole turn", "by 360 degrees: with two keys it stands still, with three it passes through a line",
-     [](const Vec3d& p, double u) { return turn(p, 2.0 * std::numbers::pi * (u - 0.5)); }},
-    {"shear", "back and forth, by up to twice its size",
-     [](const Vec3d& p, double u) {
-       const double slant = 2.0 * (u - 0.5) + std::sin(20.0 * u);
-       return p + Vec3d{slant * p.z, 0.3 * slant * p.x, 0.0};
-     }},
-    {"inversion", "through zero volume, inside out",
-     [](const Vec3d& p, double u) { return p * (1.0 - 2.0 * u); }},
-};
-
-constexpr StabilityPlace kPlaces[] = {{0.0, 1e-6}, {0.0, 1.0}, {0.0, 1e6}, {1e2, 1.0},
-                                      {1e4, 1.0},  {1e6, 1e2}, {1e7, 1e3}};
-constexpr double kDensePosition = 1e4;
-constexpr TrackForm kForms[] = {{1, 1}, {8, 1}, {32, 1}, {128, 1}, {2, 2}, {2, 3}};
-
-template <typename T>
-const T& named(std::span<const T> all, const std::string& name, const char* what) {
-  std::string known;
-  for (const T& one : all) {
-    if (name == one.name) return one;
-    known += (known.empty() ? "" : ", ") + std::string(one.name);
-  }
-  throw Error("bench: found the " + std::string(what) + " \"" + name + "\"; expected one of " + known);
-}
+constexpr float kRoundRadius = 0.18f;  // of tubes and spheres in a box of 2 units
+constexpr double kSwell = 0.3;         // by this share of it while the shutter is open
 
 // The controls of a track that passes through at(u) at the keys and, for curves, at places between.
 template <typename At>
@@ -82,17 +39,17 @@ std::vector<Vec3d> controls_of(const TrackForm& form, const At& at) {
 class Maker {
  public:
   Maker(const StabilityCell& cell, std::uint32_t seed)
-      : form_(cell.form),
-        motion_(named(stability_motions(), cell.motion, "motion")),
-        place_(cell.place),
-        random_(seed) {}
+      : form_(cell.form), motion_(stability_motion(cell.motion)), place_(cell.place), random_(seed) {}
 
   std::shared_ptr<const Scene> make(const std::string& shape) {
     if (shape == "ball") return mesh(pose_of(procedural::sphere(16)));
     if (shape == "dense") return mesh(pose_of(procedural::sphere(48)));
+    if (shape == "fine") return mesh(pose_of(procedural::sphere(100)));
     if (shape == "shell") return mesh(bumpy_sphere(1000, 0.25f, random_));
     if (shape == "cube") return mesh(cube_shell(300, 0.8f));
     if (shape == "instances") return instances();
+    if (shape == "tubes") return tubes();
+    if (shape == "points") return points();
     return displaced();
   }
 
@@ -161,6 +118,72 @@ class Maker {
     return scene;
   }
 
+  // Control-major; of centres at rest.
+  std::vector<RoundVertex> round_vertices(const std::vector<Vec3d>& rest) const {
+    std::vector<RoundVertex> vertices(std::size_t(form_.controls()) * rest.size());
+    for (std::size_t v = 0; v < rest.size(); ++v) {
+      const auto centres = controls_of(form_, [&](double u) { return at(rest[v], u); });
+      for (std::size_t c = 0; c < centres.size(); ++c) {
+        const double open = double(c) / double(std::max<std::size_t>(1, centres.size() - 1));
+        const auto radius = static_cast<float>(place_.scale * double(kRoundRadius) * (1.0 + kSwell * open));
+        vertices[c * rest.size() + v] = {Vec3f(centres[c]), radius};
+      }
+    }
+    return vertices;
+  }
+
+  // Side by side, each of two spans that bend.
+  std::shared_ptr<const Scene> tubes() {
+    CurveSet set;
+    set.name = "tubes";
+    set.segments = form_.segments;
+    set.degree = form_.degree;
+    set.shape = CurveShape::kTube;
+    // Two spans of one parabola: no kink where they meet, which a swept circle would leave open.
+    constexpr std::uint32_t kVertices = 7;
+    constexpr double kParabola[kVertices] = {1.0, 1.0 / 3.0, 0.0, 0.0, 0.0, 1.0 / 3.0, 1.0};
+    std::vector<Vec3d> rest;
+    for (const double x : {-0.9, 0.0, 0.9}) {
+      for (const double y : {-0.9, 0.0, 0.9}) {
+        const Vec3d bend = Vec3d(random_.direction()) * 0.2;
+        const auto first = static_cast<std::uint32_t>(rest.size());
+        set.spans.insert(set.spans.end(), {first, first + kSpanVertices - 1});
+        for (std::uint32_t i = 0; i < kVertices; ++i) {
+          const double along = 2.0 * i / (kVertices - 1.0) - 1.0;
+          rest.push_back(Vec3d{x, y, along} + bend * kParabola[i]);
+        }
+      }
+    }
+    set.vertex_count = static_cast<std::uint32_t>(rest.size());
+    set.vertices = round_vertices(rest);
+    auto scene = std::make_shared<Scene>();
+    validate(set);
+    scene->curves.emplace_back().shape = std::move(set);
+    scene->world = {curves_id(0)};
+    return scene;
+  }
+
+  std::shared_ptr<const Scene> points() {
+    PointSet set;
+    set.name = "points";
+    set.segments = form_.segments;
+    set.degree = form_.degree;
+    std::vector<Vec3d> rest;
+    for (const double x : {-0.9, 0.0, 0.9}) {
+      for (const double y : {-0.9, 0.0, 0.9}) {
+        for (const double z : {-0.9, 0.0, 0.9})
+          rest.push_back(Vec3d{x, y, z} + Vec3d(random_.direction()) * 0.1);
+      }
+    }
+    set.point_count = static_cast<std::uint32_t>(rest.size());
+    set.vertices = round_vertices(rest);
+    auto scene = std::make_shared<Scene>();
+    validate(set);
+    scene->points.emplace_back().shape = std::move(set);
+    scene->world = {points_id(0)};
+    return scene;
+  }
+
   const TrackForm form_;
   const StabilityMotion& motion_;
   const StabilityPlace place_;
@@ -168,19 +191,6 @@ class Maker {
 };
 
 }  // namespace
-
-std::span<const StabilityShape> stability_shapes() { return kShapes; }
-std::span<const StabilityMotion> stability_motions() { return kMotions; }
-std::span<const StabilityPlace> stability_places() { return kPlaces; }
-std::span<const TrackForm> stability_forms() { return kForms; }
-
-bool is_measured(const StabilityCell& cell) {
-  const StabilityShape& shape = named(stability_shapes(), cell.shape, "shape");
-  named(stability_motions(), cell.motion, "motion");
-  const bool too_long =
-      cell.shape == "dense" && (cell.motion != "flight" || cell.place.position != kDensePosition);
-  return is_valid_form(cell.form) && !too_long && (cell.form.degree == 1 || shape.curved_tracks);
-}
 
 std::shared_ptr<const Scene> stability_scene(const StabilityCell& cell, std::uint32_t seed) {
   if (!is_measured(cell))

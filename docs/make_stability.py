@@ -3,7 +3,7 @@
     python docs/make_stability.py [--probes [REPORT.json ...]] [--mutants] [--allow-dirty]
 
 Its two sections stand between markers and are made anew apart; without an option both are. --probes takes reports of
-`msbvh bench --stability --json`, of all shapes or several of some of them; without one it measures (ten minutes),
+`msbvh bench --stability --json`, of all shapes or several of some of them; without one it measures (ten minutes on two cores),
 beside Embree where the wheel embreex is installed. --mutants takes a quarter of an hour, most of it the build. A tree with
 uncommitted changes is refused, or with --allow-dirty marked. Exit 1 if a ray of ours gets out or a defect is not caught.
 """
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -29,9 +30,13 @@ PAGE = mutant_checks.ROOT / "docs" / "stability.md"
 TITLE = """# Numerical stability
 
 Made by `python docs/make_stability.py` (`make stability`), whose options `--probes` and `--mutants` make one section anew.
-"""
 
-SECTIONS = {"probes": "Rays from inside of closed moving shapes", "mutants": "Deliberate defects"}
+{summary}"""
+FOUND = re.compile(r"^- (.+)$|^(\d+ of \d+) are caught\.", re.MULTILINE)
+"""What a section says first: a list of what was found, or how many defects were caught."""
+MOST_FOUND = 3
+
+SECTIONS = {"probes": stability_probes.HEADING, "mutants": "Deliberate defects"}
 """Between markers, in this order: option -> heading."""
 
 NOT_MADE = """## {heading}
@@ -72,12 +77,24 @@ def mutants_section(found: Sequence[mutant_checks.Verdict], commit: str) -> str:
 
 def refreshed(page: str | None, made: dict[str, str]) -> str:
     """The page with some sections made anew; None: there was none. Raises PageError where markers are missing."""
-    parts = [TITLE]
+    sections = {}
     for name, heading in SECTIONS.items():
         kept = NOT_MADE.format(heading=heading, name=name) if page is None else _between(page, name)
+        sections[name] = made.get(name, kept)
+    parts = [TITLE.format(summary=summary(sections))]
+    for name, text in sections.items():
         begin, end = _markers(name)
-        parts.append(f"{begin}\n{made.get(name, kept)}{end}\n")
+        parts.append(f"{begin}\n{text}{end}\n")
     return "\n".join(parts)
+
+
+def summary(sections: dict[str, str]) -> str:
+    """The first of what each section has found, a line each; nothing of those that are not made yet."""
+    lines = []
+    for text in sections.values():
+        for found, caught in FOUND.findall(text.partition("\n### ")[0])[:MOST_FOUND]:
+            lines.append(f"- {found or f'Deliberate defects: {caught} are caught by the test named for them.'}\n")
+    return "".join(lines)
 
 
 def _markers(name: str) -> tuple[str, str]:

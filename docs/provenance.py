@@ -16,6 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 GENERATED = (
     "docs/performance.md",
     "docs/features.md",
+    "docs/ablation.md",
     "docs/conformance.md",
     "docs/soak.md",
     "docs/stability.md",

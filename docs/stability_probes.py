@@ -1,4 +1,5 @@
-"""The section of docs/stability.md that `msbvh bench --stability` fills: leaks of closed moving shapes, ours and a peer's."""
+"""The section of docs/stability.md that `msbvh bench --stability` fills: rays that closed moving shapes, tubes and spheres
+let through, ours and a peer's."""
 
 from __future__ import annotations
 
@@ -13,40 +14,62 @@ Report = dict[str, Any]
 
 AIMS = ("in any direction", "at edges", "at vertices", "along faces", "from surface", "in planes of boxes")
 """As core/probe/inside_rays.h names them; rays take them in turn."""
+INSIDE, PLAIN, ROUND = "from inside", "from inside, plain", "into round"
+"""As bench/stability_cells.h has it: what a row's rays are."""
 
-HEAD = """## Rays from inside of closed moving shapes
+FOUND = """## {heading}
 
 Made by `{command}`: msbvh {msbvh}{commit}{peer}, {processor},
-{instruction_set}, seed {seed}; {minutes:.1f} minutes.{alone}
+{instruction_set}, seed {seed}; {minutes:.1f} minutes{runs}.{alone} A ray that hits nothing is lost.
 
-{rays:,} rays in {rows} rows: {shapes} shapes, {motions} motions, {forms} kinds of track, {places} places. Each ray starts at a
-point that the shape surrounds at the ray's time, farther from the surface than what single precision rounds, or on the
-surface and goes through that point: a ray that hits nothing is a leak. Rays take six aims in turn. Half of the times are
-random, half are at keys and at their neighbours in single precision. Both sides get the same triangles and the same rays. We
-are asked in four ways (one ray or many, closest or any hit) by each instruction set of this machine; a peer one ray at a time
-and in packets of 16, with its robust flag, built in high quality, denormals flushed as it asks. A figure is that of the worst
-of a side's ways: leaks per million rays, "-" where nothing was measured, since a peer has linear keys alone.
+"""
+HEADING = "Rays from inside of closed moving shapes, and into tubes and spheres"
+
+METHOD = """### What was tried
+
+{rays:,} rays in {rows} rows: {shapes} shapes, {motions} motions, {forms} kinds of track, {places} places. Both sides get the
+same shapes and the same rays. We are asked in four ways (one ray or many, closest or any hit) by each instruction set of this
+machine; a peer one ray at a time and in packets of 16, with its robust flag, built in high quality, denormals flushed as it
+asks. A figure is that of the worst of a side's ways: rays lost of a million, "-" where nothing was measured, since a peer has
+linear keys alone.
+
+- **Closed shapes.** A ray starts at a point that the shape surrounds at the ray's time, farther from the surface than what single
+  precision rounds, or on the surface and goes through that point. Rays take six aims in turn; half of the times are random, half
+  are at keys and at their neighbours in single precision.
+- **Tubes and spheres.** A ray starts outside of everything, from the side of a tube, and ends well inside of one, away from a
+  tube's free ends: it must be stopped before. Embree's tubes (round Bezier curves) are not held against the oracle, since it may
+  close them otherwise. Ribbons have no inside. A displaced surface is its triangles for Embree, whose own displacement has no
+  such lattice.
+- **Degenerate motion**: `ball` and `cube` at three places, `ball` alone where triangles become slivers.
 """
 
 LIMITS = """**How to read it.** Each row weighs the same, and these rows are hard on purpose: shapes at 10^7, motion of 24 times a
 shape's size within a shutter, and four aims of six at places where a tracer is likeliest to lose a ray. A picture has fewer
-such rays: these shares are not what a frame loses. Zero leaks of {rays:,} rays are no proof: docs/design/watertight.md has
+such rays: these shares are not what a frame loses. Zero of {rays:,} rays are no proof: docs/design/watertight.md has
 that. Why Embree loses what it loses was not looked into. Where a shape has next to no volume, or is small beside what single
 precision resolves there, no start is safely inside, and a row has fewer rays.
 """
 
 
 def section(report: Report) -> str:
-    """All of it, with its heading."""
+    """All of it, with its heading; what was found comes first."""
     rows = report["rows"]
-    parts = [_head(report), "### What was found\n\n" + "".join(f"- {line}\n" for line in reading(report))]
+    closed, all_aims = _of(rows, INSIDE, degenerate=False), _of(rows, INSIDE)
+    parts = [_head(report) + "".join(f"- {line}\n" for line in reading(report))]
     parts.append(LIMITS.format(rays=sum(row["rays"] for row in rows)))
-    parts.append("### By place and keys\n\n" + by_place_and_keys(rows))
+    parts.append(_method(rows))
+    parts.append("### Closed shapes by place and keys\n\n" + by_place_and_keys(closed))
+    if round_rows := _of(rows, ROUND):
+        parts.append("### Tubes and spheres by place and keys\n\n" + by_place_and_keys(round_rows))
     parts.append("### By shape\n\n" + by(rows, "shape", _core.stability_shapes()))
-    parts.append("### By motion\n\n" + by(rows, "motion", _core.stability_motions()))
-    parts.append("### By aim, and by time\n\n" + by_aim(rows))
+    parts.append("### Closed shapes by motion\n\n" + by(all_aims, "motion", _core.stability_motions()))
+    parts.append("### Closed shapes by aim, and by time\n\n" + by_aim(all_aims))
     parts.append("### Farther from double precision than the stated bound\n\n" + wrong_by_place(rows))
     return "\n".join(parts)
+
+
+def _of(rows: Sequence[Row], probe: str, degenerate: bool | None = None) -> list[Row]:
+    return [row for row in rows if row["probe"] == probe and degenerate in (None, row["degenerate"])]
 
 
 def joined(reports: Sequence[Report]) -> Report:
@@ -57,9 +80,15 @@ def joined(reports: Sequence[Report]) -> Report:
         for key in same:
             if report["machine"][key] != first[key]:
                 raise ValueError(f"reports: found {key} {first[key]} and {report['machine'][key]}; expected one")
-    seconds = sum(report["machine"]["seconds"] for report in reports)
+    machines = [report["machine"] for report in reports]
+    together = {
+        "seconds": sum(machine["seconds"] for machine in machines),
+        "load_average": max(machine["load_average"] for machine in machines),
+        "scenes": [name for machine in machines for name in machine["scenes"]],
+        "runs": len(machines),
+    }
     return {
-        "machine": {**first, "seconds": seconds, "scenes": [s for r in reports for s in r["machine"]["scenes"]]},
+        "machine": {**first, **together},
         "rows": [row for report in reports for row in report["rows"]],
     }
 
@@ -75,10 +104,8 @@ def _head(report: Report) -> str:
     if scenes != "*" and {row["shape"] for row in rows} != set(_core.stability_shapes()):
         command.append(f"--scenes '{scenes}'")
 
-    def kinds(*keys: str) -> int:
-        return len({tuple(row[key] for key in keys) for row in rows})
-
-    return HEAD.format(
+    return FOUND.format(
+        heading=HEADING,
         command=" ".join(command),
         commit=f" ({machine['commit']})" if machine["commit"] else "",
         msbvh=machine["msbvh"],
@@ -88,6 +115,17 @@ def _head(report: Report) -> str:
         instruction_set=machine["instruction_set"],
         seed=machine["seed"],
         minutes=machine["seconds"] / 60,
+        runs=f" in {machine['runs']} runs at a load of up to {machine['load_average']:.0f}"
+        if "runs" in machine
+        else "",
+    )
+
+
+def _method(rows: Sequence[Row]) -> str:
+    def kinds(*keys: str) -> int:
+        return len({tuple(row[key] for key in keys) for row in rows})
+
+    return METHOD.format(
         rays=sum(row["rays"] for row in rows),
         rows=len(rows),
         shapes=kinds("shape"),
@@ -101,33 +139,47 @@ def reading(report: Report) -> Iterator[str]:
     """What the figures say, a sentence each; what is ours and wrong comes first."""
     rows = report["rows"]
     bad = [row for row in rows if row["leaks"] or row["wrong"]]
-    total = sum(row["rays"] for row in rows)
-    judged = sum(row["judged"] for row in rows)
     for row in bad:
-        yield f"**Ours is wrong**: {name(row)}: {row['leaks']:.0f} of {row['rays']} rays leak, {row['wrong']:.0f} differ."
+        yield f"**Ours is wrong**: {name(row)}: {row['leaks']:.0f} of {row['rays']} rays lost, {row['wrong']:.0f} differ."
     if not bad:
-        yield f"Ours: 0 of {total:,} rays get out, and 0 of {judged:,} judged differ beyond the bound."
+        judged = sum(row["judged"] for row in rows)
+        total = sum(row["rays"] for row in rows)
+        yield f"Ours: 0 of {total:,} rays are lost, and 0 of {judged:,} judged differ beyond the bound."
     beside = [row for row in rows if row["peer_leaks"] is not None]
-    if not beside:
-        return
-    peer = report["machine"]["peer"]
-    leaking = [row for row in beside if row["peer_leaks"]]
+    if beside:
+        yield from _reading_of_peer(beside, report["machine"]["peer"])
+
+
+def _reading_of_peer(rows: Sequence[Row], peer: str) -> Iterator[str]:
+    closed = _of(rows, INSIDE, degenerate=False)
+    leaking = [row for row in closed if row["peer_leaks"]]
     yield (
-        f"{peer}: {_million(beside, 'peer_leaks')} of a million rays get out, over all {len(beside)} rows that it has;"
-        f" {len(leaking)} of them leak at all."
+        f"{peer}: {_million(closed, 'peer_leaks')} of a million rays get out of closed shapes, over all {len(closed)} rows"
+        f" that it has; {len(leaking)} of them leak at all."
     )
-    worst = max(beside, key=lambda row: row["peer_leaks"] / max(1, row["rays"]))
-    if worst["peer_leaks"]:
-        yield f"Its worst row: {name(worst)}: {_million([worst], 'peer_leaks')} of a million."
-    for row in beside:
-        if (row["shape"], row["motion"], row["keys"], row["position"]) == ("dense", "flight", 129, 1e4):
-            share = _million([row], "peer_leaks")
-            yield f"A closed sphere of 9024 triangles with 129 keys at position 1e4, flying and turning: {share} of a million."
-    still = sorted({row["keys"] for row in beside} - {row["keys"] for row in leaking})
+    for row in _of(rows, PLAIN):
+        triangles = _core.stability_shapes()[row["shape"]].partition(",")[0]
+        share = _million([row], "peer_leaks")
+        yield f"{triangles.capitalize()}, rays in any direction at any time ({name(row)}): {share} of a million."
+    worst = max(closed, key=lambda row: row["peer_leaks"] / max(1, row["rays"]), default=None)
+    if worst and worst["peer_leaks"]:
+        yield f"Its worst other row: {name(worst)}: {_million([worst], 'peer_leaks')} of a million."
+    still = sorted({row["keys"] for row in closed} - {row["keys"] for row in leaking})
     if still:
-        yield f"It loses none with {' and '.join(map(str, still))} keys."
-    at, between = _by_time(beside, "peer_")
+        yield f"It loses none with {_listed(still)} keys."
+    at, between = _by_time(closed, "peer_")
     yield f"At keys and next to them it loses {at} of a million, at other times {between}."
+    if degenerate := _of(rows, INSIDE, degenerate=True):
+        yield f"In degenerate motion: {_million(degenerate, 'peer_leaks')} of a million, over {len(degenerate)} rows."
+    for shape in dict.fromkeys(row["shape"] for row in _of(rows, ROUND)):
+        share = _million([row for row in rows if row["shape"] == shape], "peer_leaks")
+        yield f"Into {_core.stability_shapes()[shape].partition(',')[0]}: {share} of a million."
+
+
+def _listed(numbers: Sequence[int]) -> str:
+    """`2, 3 and 9`."""
+    *first, last = map(str, numbers)
+    return f"{', '.join(first)} and {last}" if first else last
 
 
 def name(row: Row) -> str:
@@ -167,11 +219,10 @@ def by(rows: Sequence[Row], key: str, what: dict[str, str]) -> str:
 
 
 def by_aim(rows: Sequence[Row]) -> str:
-    """A line an aim, of which each is a sixth of the rays; then the two kinds of times."""
+    """A line an aim, then the two kinds of times."""
     lines = []
     for aim in AIMS:
-        figures = [per_million(rows, f"{side}leaks {aim}") for side in ("", "peer_")]
-        lines.append([aim, *("-" if figure is None else f"{len(AIMS) * figure:,.0f}" for figure in figures)])
+        lines.append([aim, *_columns(rows, f"leaks {aim}", f"rays {aim}")])
     both = [_by_time(rows, side) for side in ("", "peer_")]
     lines.append(["at keys and next to them", *(side[0] for side in both)])
     lines.append(["at other times", *(side[1] for side in both)])

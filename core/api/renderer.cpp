@@ -15,6 +15,7 @@
 #include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
 #include "core/integrate/render_tile.h"
+#include "core/plan/known_effects.h"
 
 namespace msbvh {
 namespace {
@@ -43,6 +44,11 @@ void check(const RenderSettings& settings) {
   expect_range("spp", settings.spp, 1, kMaxSpp);
   expect_range("max_bounces", settings.max_bounces, 0, kMaxBounces);
   expect_range("batch_paths", settings.batch_paths, 1, kMaxBatchPaths);
+  if (settings.sample_stages && !kKnownStageMarks) {
+    throw Error(
+        "render settings: sample_stages: found true; expected false, since MSBVH_OMIT_EFFECTS left "
+        "stage-marks out of this build");
+  }
 }
 
 std::string names_of(const std::vector<Aov>& aovs) {
@@ -51,7 +57,8 @@ std::string names_of(const std::vector<Aov>& aovs) {
   return names;
 }
 
-Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const RenderSettings& settings) {
+Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const RenderSettings& settings,
+               EffectSet effects) {
   return {SceneIndex(scene),
           LightSampler(scene, bounds_of(world)),
           world,
@@ -61,7 +68,12 @@ Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const
           settings.seed,
           settings.max_bounces,
           settings.show_domes,
-          settings.sampling};
+          settings.sampling,
+          choose_stages(effects, settings.sampling, world)};
+}
+
+Tracer tracer_of(const Bvh& world, const RenderSettings& settings) {
+  return settings.instruction_set ? Tracer(world, *settings.instruction_set) : Tracer(world);
 }
 
 // How long a render goes on at most that has been cancelled, beside the tiles at hand.
@@ -87,6 +99,12 @@ class FewerPixels {
   std::uint32_t width_, height_;
 };
 
+// What a render leaves beside its picture.
+struct Traced {
+  TraceModes rays;
+  StageCounts stages;  // of settings.sample_stages
+};
+
 }  // namespace
 
 struct Renderer::Data {
@@ -98,13 +116,13 @@ struct Renderer::Data {
   std::optional<Frame> frame;
 
   void build(SceneTrees* previous);
-  // Of `samples` of each pixel of `frame`, which is this data's in some size. Adds the rays to `rays`.
+  // Of `samples` of each pixel of `frame`, which is this data's in some size. Adds to `traced`.
   Image render(const Frame& drawn, SampleRange samples, const ProgressFunction& progress,
-               TraceModes& rays) const;
+               Traced& traced) const;
 
  private:
   void render_tiles(const TileJob& job, Image& image, std::atomic<std::size_t>& finished_tiles,
-                    TraceModes& rays) const;
+                    Traced& traced) const;
 };
 
 void Renderer::Data::build(SceneTrees* previous) {
@@ -115,26 +133,29 @@ void Renderer::Data::build(SceneTrees* previous) {
 }
 
 void Renderer::Data::render_tiles(const TileJob& job, Image& image, std::atomic<std::size_t>& finished_tiles,
-                                  TraceModes& rays) const {
+                                  Traced& traced) const {
   const TileGrid grid(image.width, image.height);
-  WorkspacePool workspaces;
+  std::optional<StageSampler> sampler;
+  if (settings.sample_stages) sampler.emplace();
+  WorkspacePool workspaces(sampler ? &*sampler : nullptr);
   std::mutex summing;
   Arena(settings.threads).execute([&] {
     parallel_for(grid.count(), [&](std::size_t i) {
       std::unique_ptr<TileWorkspace> workspace = workspaces.take();
-      const TraceModes traced = render_tile(job, grid.tile(i), *workspace, image);
+      const TraceModes rays = render_tile(job, grid.tile(i), *workspace, image);
       workspaces.give_back(std::move(workspace));
       {
         const std::scoped_lock lock(summing);
-        rays += traced;
+        traced.rays += rays;
       }
       ++finished_tiles;
     });
   });
+  if (sampler) traced.stages = sampler->stop();
 }
 
 Image Renderer::Data::render(const Frame& drawn, SampleRange samples, const ProgressFunction& progress,
-                             TraceModes& rays) const {
+                             Traced& traced) const {
   Image image{drawn.width, drawn.height, {}, {}};
   const std::size_t pixels = std::size_t(drawn.width) * drawn.height;
   image.rgba.resize(4 * pixels);
@@ -143,8 +164,8 @@ Image Renderer::Data::render(const Frame& drawn, SampleRange samples, const Prog
   std::atomic<std::size_t> finished_tiles = 0;
   std::atomic<bool> cancelled = false;
 
-  const TileJob job{drawn, plan.set, samples, settings.batch_paths, cancelled};
-  Background work([&] { render_tiles(job, image, finished_tiles, rays); });
+  const TileJob job{drawn, samples, settings.batch_paths, cancelled};
+  Background work([&] { render_tiles(job, image, finished_tiles, traced); });
   try {
     while (!work.finished_within(kProgressInterval)) {
       if (progress && !progress(static_cast<double>(finished_tiles) / tiles)) throw Cancelled();
@@ -170,9 +191,10 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   data->settings = settings;
   data->plan =
       plan_effects(*data->scene, {.max_bounces = settings.max_bounces, .aovs = names_of(settings.aovs)});
+  expect_known(data->plan, kKnownEffects);
   data->build(data_ && data_->trees ? &*data_->trees : nullptr);
   const Bvh& world = data->trees->world().bvh();
-  data->frame.emplace(frame_of(*data->scene, world, Tracer(world), settings));
+  data->frame.emplace(frame_of(*data->scene, world, tracer_of(world, settings), settings, data->plan.set));
   data_ = std::move(data);
 }
 
@@ -184,11 +206,12 @@ Image Renderer::render(SampleRange samples, const ProgressFunction& progress) {
   Data& data = committed();
   expect_range("first sample", samples.first, 0, kMaxSpp);
   expect_range("samples", samples.count, 1, kMaxSpp);
-  TraceModes rays;
+  Traced traced;
   const Stopwatch watch;
-  Image image = data.render(*data.frame, samples, progress, rays);
+  Image image = data.render(*data.frame, samples, progress, traced);
   data.statistics.trace_seconds = watch.seconds();
-  data.statistics.rays = rays;
+  data.statistics.stages = traced.stages;
+  data.statistics.rays = traced.rays;
   data.statistics.camera_rays = std::uint64_t(image.width) * image.height * samples.count;
   return image;
 }
@@ -198,7 +221,7 @@ Image Renderer::preview(std::uint32_t width, std::uint32_t height, const Progres
   expect_range("width of a preview", width, 1, data.settings.width);
   expect_range("height of a preview", height, 1, data.settings.height);
   const FewerPixels fewer(*data.frame, width, height);
-  TraceModes unused;
+  Traced unused;
   return data.render(*data.frame, {0, 1}, progress, unused);
 }
 
@@ -215,11 +238,11 @@ ProbeReport Renderer::probe(const ProbeSettings& settings, const ProbeProgress& 
 RayCosts Renderer::ray_costs(const RayCostSettings& settings, const RayCostProgress& progress) const {
   const Data& data = committed();
   const Bvh& world = data.trees->world().bvh();
-  const Frame logging = frame_of(*data.scene, world, Tracer::logging(world), data.settings);
+  const Frame logging = frame_of(*data.scene, world, Tracer::logging(world), data.settings,
+                                 data.plan.set.without(Effect::kAovs));
   RayCosts costs;
   Arena(data.settings.threads).execute([&] {
-    costs =
-        msbvh::ray_costs(logging, data.plan.set, data.settings.build, data.settings.spp, settings, progress);
+    costs = msbvh::ray_costs(logging, data.settings.build, data.settings.spp, settings, progress);
   });
   return costs;
 }

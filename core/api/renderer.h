@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/build/settings.h"
@@ -12,6 +13,7 @@
 #include "core/film/image.h"
 #include "core/film/sum_tree.h"
 #include "core/integrate/sampler.h"
+#include "core/integrate/stage_samples.h"
 #include "core/plan/effect_plan.h"
 #include "core/probe/probe.h"
 #include "core/scene/scene.h"
@@ -32,6 +34,9 @@ struct RenderSettings {
   // picture.
   std::uint32_t batch_paths = 4096;
   std::vector<Aov> aovs{};  // beside colour and alpha
+  // Of the kernels; none: the best that the processor has. Pictures of two sets differ in their last bits.
+  std::optional<InstructionSet> instruction_set{};
+  bool sample_stages = false;  // fills RenderStatistics::stages. Does not change the picture
   BuildSettings build;
 };
 
@@ -40,6 +45,7 @@ struct RenderStatistics {
   std::uint64_t trees = 0;  // bottom-level trees and the world's
   TraceModes rays;          // camera, bounce and shadow rays
   std::uint64_t camera_rays = 0;
+  StageCounts stages;  // what threads were found at, where settings ask for it
   double build_seconds = 0.0;
   double trace_seconds = 0.0;
 };

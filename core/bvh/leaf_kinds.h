@@ -26,6 +26,11 @@ struct LeafKinds {
     rest.bits &= std::uint8_t(~bit(kind));
     return rest;
   }
+  constexpr LeafKinds without(LeafKinds others) const {
+    LeafKinds rest = *this;
+    rest.bits &= std::uint8_t(~others.bits);
+    return rest;
+  }
   constexpr LeafKinds with(LeafKind kind) const {
     LeafKinds more = *this;
     more.add(kind);

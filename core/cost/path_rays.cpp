@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/integrate/generate.h"
 #include "core/integrate/sampler.h"
 #include "core/integrate/trace_paths.h"
 
@@ -46,16 +45,14 @@ PathId SampledPaths::operator[](std::uint64_t i) const {
           in_cell(row, rows_, height_, sobol::to_unit_float(hash(key, 1))), hash(key, 2) % spp_};
 }
 
-void add_path_rays(const Frame& frame, EffectSet effects, const PathId& path, PathBatch& batch,
-                   PathRays& rays) {
-  const EffectSet traced = effects.without(Effect::kAovs);
+void add_path_rays(const Frame& frame, const PathId& path, PathBatch& batch, PathRays& rays) {
   const Tile pixel{path.x, path.y, path.x + 1, path.y + 1};
-  choose_generate(traced, frame.sampling)(frame, pixel, {path.sample, 1}, batch);
+  frame.stages.generate(frame, pixel, {path.sample, 1}, batch);
   while (!batch.active.empty()) {
     batch.traced.log = batch.depth == 0 ? &rays.camera : &rays.bounce;
-    meet_surfaces(frame, traced, batch);
+    meet_surfaces(frame, batch);
     batch.traced.log = &rays.shadow;
-    light_surfaces(frame, traced, batch);
+    light_surfaces(frame, batch);
   }
 }
 

@@ -5,7 +5,6 @@
 
 #include "core/integrate/frame.h"
 #include "core/integrate/path_batch.h"
-#include "core/plan/effect_plan.h"
 #include "core/trace/ray_log.h"
 
 namespace msbvh {
@@ -50,7 +49,6 @@ struct PathRays {
 
 // Adds the path's to `rays`. `frame` is a frame whose tracer logs (Tracer::logging); `batch` is of no matter
 // before and after.
-void add_path_rays(const Frame& frame, EffectSet effects, const PathId& path, PathBatch& batch,
-                   PathRays& rays);
+void add_path_rays(const Frame& frame, const PathId& path, PathBatch& batch, PathRays& rays);
 
 }  // namespace msbvh

@@ -31,8 +31,7 @@ struct Counter {
 
 class Counting {
  public:
-  Counting(const Frame& frame, EffectSet effects, const CostTally& none)
-      : frame_(frame), effects_(effects), tracer_(frame.world), none_(none) {}
+  Counting(const Frame& frame, const CostTally& none) : frame_(frame), tracer_(frame.world), none_(none) {}
 
   void count(const SampledPaths& paths, std::uint64_t first, std::uint64_t last) {
     parallel_for_ranges(last - first, kPathsPerTask, [&](std::size_t begin, std::size_t end) {
@@ -55,7 +54,7 @@ class Counting {
  private:
   void count(const PathId& path, Counter& counter) const {
     counter.rays.clear();
-    add_path_rays(frame_, effects_, path, counter.batch, counter.rays);
+    add_path_rays(frame_, path, counter.batch, counter.rays);
     counter.camera += counted(counter.rays.camera, counter);
     counted(counter.rays.bounce, counter);
     counted(counter.rays.shadow, counter);
@@ -91,7 +90,6 @@ class Counting {
   }
 
   const Frame& frame_;
-  const EffectSet effects_;
   const Tracer tracer_;
   const CostTally& none_;  // to begin with
   std::mutex mutex_;
@@ -100,8 +98,8 @@ class Counting {
 
 double share(double part, double whole) { return whole > 0.0 ? part / whole : 0.0; }
 
-void set_prims(const SceneRows& rows, const CostTally& tally, const std::vector<double>& build_seconds,
-               RayCosts& costs) {
+void set_prims(const SceneRows& rows, const CostTally& tally, const SceneOwners& owners, RayCosts& costs) {
+  const std::vector<double> build_seconds = owners.build_seconds(), tree_bytes = owners.tree_bytes();
   double all = tally.empty_cost();
   for (std::uint32_t row = 0; row < rows.size(); ++row) all += tally.cost(row);
   costs.cost = all;
@@ -115,7 +113,8 @@ void set_prims(const SceneRows& rows, const CostTally& tally, const std::vector<
                            .blocks = work.blocks,
                            .primitives = work.primitives,
                            .share = share(tally.cost(row), all),
-                           .build_share = share(build_seconds[row], build)});
+                           .build_share = share(build_seconds[row], build),
+                           .tree_bytes = tree_bytes[row]});
   }
   costs.empty_nodes = tally.of_empty_space().nodes();
   costs.empty_share = share(tally.empty_cost(), all);
@@ -127,14 +126,14 @@ void expect_samples(const RayCostSettings& settings) {
 
 }  // namespace
 
-RayCosts ray_costs(const Frame& frame, EffectSet effects, const BuildSettings& build, std::uint32_t spp,
+RayCosts ray_costs(const Frame& frame, const BuildSettings& build, std::uint32_t spp,
                    const RayCostSettings& settings, const RayCostProgress& progress) {
   expect_samples(settings);
   const SampledPaths paths(frame.width, frame.height, spp, frame.seed, settings.camera_samples);
   const SceneRows rows(frame.scene());
   const SceneOwners owners(frame.index, rows, frame.world);
   const CostTally none(rows, owners, CostModel(build));
-  Counting counting(frame, effects, none);
+  Counting counting(frame, none);
   for (std::uint64_t first = 0; first < paths.size(); first += kPathsPerProgress) {
     const std::uint64_t last = std::min(paths.size(), first + kPathsPerProgress);
     counting.count(paths, first, last);
@@ -146,7 +145,7 @@ RayCosts ray_costs(const Frame& frame, EffectSet effects, const BuildSettings& b
   costs.paths = paths.size();
   costs.all = sum.all;
   costs.camera = sum.camera;
-  set_prims(rows, sum.tally, owners.build_seconds(), costs);
+  set_prims(rows, sum.tally, owners, costs);
   return costs;
 }
 

@@ -44,6 +44,7 @@ struct PrimCosts {
   // Of the seconds that building the trees took (SceneOwners::build_seconds); all are 0 where none was built.
   // In contrast to all else it is measured, and differs from run to run where there are several trees.
   double build_share = 0.0;
+  double tree_bytes = 0.0;  // of those that the trees hold (SceneOwners::tree_bytes)
 };
 
 struct RayCosts {
@@ -59,9 +60,9 @@ struct RayCosts {
 // Finished share in [0, 1], from the calling thread; false cancels.
 using RayCostProgress = std::function<bool(double)>;
 
-// `frame` is a frame whose tracer logs (Tracer::logging); `spp`: the samples that a pixel of it has. Uses the
-// threads of the calling arena; the same on any number of them. Throws Cancelled.
-RayCosts ray_costs(const Frame& frame, EffectSet effects, const BuildSettings& build, std::uint32_t spp,
+// `frame` is a frame whose tracer logs (Tracer::logging), without AOVs; `spp`: the samples that a pixel of it
+// has. Uses the threads of the calling arena; the same on any number of them. Throws Cancelled.
+RayCosts ray_costs(const Frame& frame, const BuildSettings& build, std::uint32_t spp,
                    const RayCostSettings& settings, const RayCostProgress& progress = {});
 
 }  // namespace msbvh

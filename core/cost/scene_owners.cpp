@@ -13,8 +13,8 @@ std::uint64_t references_in(const BlockHeader& block) {
 
 }  // namespace
 
-void SceneOwners::References::split(double seconds, std::vector<double>& by_row) const {
-  for (const auto& [row, count] : of_row) by_row[row] += seconds * count / all;
+void SceneOwners::References::split(double amount, std::vector<double>& by_row) const {
+  for (const auto& [row, count] : of_row) by_row[row] += amount * count / all;
 }
 
 SceneOwners::References SceneOwners::references_of(
@@ -91,16 +91,26 @@ std::uint32_t SceneOwners::instance(const TraceVisit& visit) const {
   return visit.instances > 0 ? world_.block(visit.at).owner : visit.instance;
 }
 
-std::vector<double> SceneOwners::build_seconds() const {
+template <typename Quantity>
+std::vector<double> SceneOwners::split(const Quantity& quantity) const {
   std::vector<double> by_row(rows_.size(), 0.0);
-  const double world = world_.statistics.build_seconds;
+  const double world = quantity(world_.statistics);
   for (const std::unique_ptr<Object>& object : objects_) {
     const double shown = world_references_ ? double(object->shown) / double(world_references_) : 0.0;
-    object->references.split(object->tree->statistics.build_seconds + world * shown, by_row);
+    object->references.split(quantity(object->tree->statistics) + world * shown, by_row);
   }
   const References in_world = references_of(in_world_);
   if (in_world.all > 0.0) in_world.split(world * in_world.all / double(world_references_), by_row);
   return by_row;
+}
+
+std::vector<double> SceneOwners::build_seconds() const {
+  return split([](const BvhStatistics& tree) { return tree.build_seconds; });
+}
+
+std::vector<double> SceneOwners::tree_bytes() const {
+  return split(
+      [](const BvhStatistics& tree) { return static_cast<double>(tree.total_bytes() + tree.grid_bytes); });
 }
 
 }  // namespace msbvh

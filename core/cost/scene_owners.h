@@ -37,6 +37,8 @@ class SceneOwners {
   // that were kept from the frame before took no time. That a build takes n log n, and that geometry which
   // is split costs more an entry, is left out.
   std::vector<double> build_seconds() const;
+  // Likewise of the bytes that each tree holds, also of trees that were kept.
+  std::vector<double> tree_bytes() const;
 
  private:
   // Leaf entries: triangles, windows of grids, pieces of curves, points.
@@ -44,7 +46,7 @@ class SceneOwners {
     std::vector<RowWeight> of_row;  // in the order of rows
     double all = 0.0;
 
-    void split(double seconds, std::vector<double>& by_row) const;
+    void split(double amount, std::vector<double>& by_row) const;
   };
   struct Object {
     const Bvh* tree;
@@ -53,6 +55,9 @@ class SceneOwners {
     TreeOwners owners;
   };
 
+  // What each tree has of a quantity, split by leaf entries.
+  template <typename Quantity>  // double quantity(const BvhStatistics&)
+  std::vector<double> split(const Quantity& quantity) const;
   std::unique_ptr<Object> make_object(const Bvh& tree, std::uint32_t instance) const;
   std::vector<Object*> add_objects();  // of each instance
   std::uint32_t add_world_block(const BlockHeader& block);

@@ -3,6 +3,7 @@
 namespace msbvh {
 
 void accumulate(PathBatch& batch, std::uint32_t pixels, SumTrees<FilmSum>& sums) {
+  batch.mark.enter(Stage::kAccumulate, 0);
   std::vector<PathIndex>& path_at = batch.path_at_slot;
   path_at.resize(batch.slot.size());
   for (PathIndex path = 0; path < batch.slot.size(); ++path) path_at[batch.slot[path]] = path;
@@ -15,8 +16,8 @@ void accumulate(PathBatch& batch, std::uint32_t pixels, SumTrees<FilmSum>& sums)
   }
 }
 
-void accumulate_aovs(const PathBatch& batch, std::uint32_t pixels, std::uint32_t first,
-                     SumTrees<AovSum>& sums) {
+void accumulate_aovs(PathBatch& batch, std::uint32_t pixels, std::uint32_t first, SumTrees<AovSum>& sums) {
+  batch.mark.enter(Stage::kAovs, 0);
   const std::vector<PathIndex>& path_at = batch.path_at_slot;
   for (std::size_t slot = 0; slot < path_at.size(); ++first) {
     for (std::uint32_t pixel = 0; pixel < pixels; ++pixel, ++slot)

@@ -62,6 +62,7 @@ AovSample aov_sample(const Frame& frame, const Hit& hit, const SurfaceHit& surfa
 }
 
 void record_aovs(const Frame& frame, PathBatch& batch) {
+  batch.mark.enter(Stage::kAovs, 0);
   batch.aovs.assign(batch.slot.size(), {});
   for (std::size_t place = 0; place < batch.active.size(); ++place) {
     if (!batch.hits[place].found()) continue;

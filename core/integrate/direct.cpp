@@ -2,6 +2,7 @@
 
 #include "core/integrate/mis.h"
 #include "core/integrate/shadow.h"
+#include "core/plan/effect_variant.h"
 #include "core/shade/light/light.h"
 #include "core/shade/warp.h"
 
@@ -9,6 +10,7 @@ namespace msbvh {
 namespace {
 
 // One pick of every surface.
+template <EffectSet kOn>
 class DirectLight {
  public:
   DirectLight(const Frame& frame, PathBatch& batch, std::uint32_t which)
@@ -25,7 +27,8 @@ class DirectLight {
     const float cosine = dot(light.direction, surface.shading_normal);
     if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) return;
     float weight = cosine * (1.0f / kPi);
-    if (light.pdf > 0.0f) weight *= power_heuristic(pick.expected * light.pdf, cosine * (1.0f / kPi));
+    if (kArea && light.pdf > 0.0f)
+      weight *= power_heuristic(pick.expected * light.pdf, cosine * (1.0f / kPi));
     const Vec3f contribution = batch_.throughput[path] * light.irradiance * (weight / pick.expected);
     if (!light.casts_shadow) {
       batch_.radiance[path] += contribution;
@@ -51,6 +54,8 @@ class DirectLight {
   }
 
  private:
+  static constexpr bool kArea = kOn.has(Effect::kAreaLights), kMoving = kOn.has(Effect::kMovingLights);
+
   LightPick picked(PathIndex path) const {
     const LightSampler& lights = frame_.lights;
     if (!lights.by_chance()) return lights.pick(which_, 0.0f);
@@ -60,12 +65,12 @@ class DirectLight {
   bool sample_picked(const LightPick& pick, const Vec3f& point, float time, Point2 random,
                      LightSample& light) const {
     const Camera& camera = frame_.scene().camera;
-    return pick.still ? sample_light(*pick.still, camera, point, time, random, light)
-                      : sample_light(*pick.light, camera, point, time, random, light);
+    return !kMoving || pick.still ? sample_light<kArea>(*pick.still, camera, point, time, random, light)
+                                  : sample_light<kArea>(*pick.light, camera, point, time, random, light);
   }
   static bool find_picked(const LightPick& pick, const Vec3f& point, const Ray& ray, LightAlong& along) {
-    return pick.still ? find_light(*pick.still, point, ray.dir, along)
-                      : find_light(*pick.light, point, ray.dir, ray.time, along);
+    return !kMoving || pick.still ? find_light(*pick.still, point, ray.dir, along)
+                                  : find_light(*pick.light, point, ray.dir, ray.time, along);
   }
 
   const Frame& frame_;
@@ -74,18 +79,28 @@ class DirectLight {
   const Draw which_light_;
 };
 
-}  // namespace
-
-void add_direct_light(const Frame& frame, EffectSet effects, PathBatch& batch) {
+template <EffectSet kOn>
+void add_direct_light(const Frame& frame, PathBatch& batch) {
+  constexpr bool kOpacity = kOn.has(Effect::kOpacity);
   for (std::uint32_t which = 0; which < frame.lights.picks(); ++which) {
-    const DirectLight light(frame, batch, which);
+    batch.mark.enter(Stage::kDirect, batch.depth);
+    const DirectLight<kOn> light(frame, batch, which);
     batch.drawn.draw(batch.sampler, batch.shaded_paths, Draw(Dimension::kLight, batch.depth, which));
     for (std::size_t i = 0; i < batch.shaded.size(); ++i) light.sample(batch.shaded[i], batch.drawn[i]);
-    trace_shadows(frame, effects, batch);
-    if (!effects.has(Effect::kAreaLights)) continue;
-    for (const std::uint32_t place : batch.shaded) light.find(place);
-    trace_shadows(frame, effects, batch);
+    trace_shadows<kOpacity>(frame, batch);
+    if constexpr (kOn.has(Effect::kAreaLights)) {
+      batch.mark.enter(Stage::kAreaLights, batch.depth);
+      for (const std::uint32_t place : batch.shaded) light.find(place);
+      trace_shadows<kOpacity>(frame, batch);
+    }
   }
+}
+
+}  // namespace
+
+PathStage choose_direct(EffectSet effects) {
+  return variant_for<Effect::kMovingLights, Effect::kAreaLights, Effect::kOpacity>(
+      effects, []<EffectSet kOn>() -> PathStage { return add_direct_light<kOn>; });
 }
 
 }  // namespace msbvh

@@ -9,6 +9,6 @@ namespace msbvh {
 
 // From each surface a shadow ray to each light that it picks; where the scattered ray meets that light,
 // another one. The two share the light by multiple importance sampling.
-void add_direct_light(const Frame& frame, EffectSet effects, PathBatch& batch);
+PathStage choose_direct(EffectSet effects);
 
 }  // namespace msbvh

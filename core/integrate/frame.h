@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/integrate/sampler.h"
+#include "core/integrate/stages.h"
 #include "core/shade/clearance.h"
 #include "core/shade/light/light_sampler.h"
 #include "core/shade/scene_index.h"
@@ -19,9 +20,10 @@ struct Frame {
   Tracer tracer;
   std::uint32_t width, height;  // of the image, pixels
   std::uint32_t seed;
-  std::uint32_t max_bounces;  // 0: direct light only
+  std::uint32_t max_bounces;  // 0: direct light only, as it must be without indirect light
   bool show_domes;            // camera rays that meet nothing see the dome
   Sampling sampling;
+  Stages stages;
 
   const Scene& scene() const { return index.scene(); }
   Surroundings surroundings() const { return {index, world}; }

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 
+#include "core/plan/effect_variant.h"
 #include "core/shade/camera.h"
 
 namespace msbvh {
@@ -58,10 +59,11 @@ class TimeStrata {
   std::array<PathIndex, kMaxBatchPaths + 1> begin_{};
 };
 
-// Sets batch.times, sample by sample of each pixel in turn.
+// Sets batch.times, sample by sample of each pixel in turn. Out of line in every build, whichever variants
+// call it.
 template <Sampling kSampling>
-TimeStrata draw_times(const Frame& frame, const Tile& tile, const PixelOrder& pixels, SampleRange samples,
-                      PathBatch& batch) {
+[[gnu::noinline]] TimeStrata draw_times(const Frame& frame, const Tile& tile, const PixelOrder& pixels,
+                                        SampleRange samples, PathBatch& batch) {
   TimeStrata strata(samples.count);
   float* time = batch.times.data();
   for (const Pixel& p : pixels) {
@@ -75,8 +77,10 @@ TimeStrata draw_times(const Frame& frame, const Tile& tile, const PixelOrder& pi
   return strata;
 }
 
-template <bool kLens, Sampling kSampling>
+template <EffectSet kOn, Sampling kSampling>
 void generate(const Frame& frame, const Tile& tile, SampleRange samples, PathBatch& batch) {
+  constexpr bool kLens = kOn.has(Effect::kLens), kMoving = kOn.has(Effect::kCameraMotion);
+  batch.mark.enter(Stage::kGenerate, 0);
   const std::uint32_t pixels_in_tile = tile.pixels();
   batch.reset(std::size_t(samples.count) * pixels_in_tile);
   const PixelOrder pixels(tile);
@@ -99,15 +103,17 @@ void generate(const Frame& frame, const Tile& tile, SampleRange samples, PathBat
       batch.sampler[path] = sampler;
       batch.slot[path] = slot;
       batch.active[path] = path;
-      batch.rays[path] = kLens ? lens_ray(camera, screen_x, screen_y, *time, sampler.pair(on_lens))
-                               : rays.ray(screen_x, screen_y, *time);
+      batch.rays[path] = kLens     ? lens_ray(camera, screen_x, screen_y, *time, sampler.pair(on_lens))
+                         : kMoving ? rays.ray(screen_x, screen_y, *time)
+                                   : rays.still_ray(screen_x, screen_y, *time);
     }
   }
 }
 
 template <Sampling kSampling>
 Generate choose(EffectSet effects) {
-  return effects.has(Effect::kLens) ? generate<true, kSampling> : generate<false, kSampling>;
+  return variant_for<Effect::kLens, Effect::kCameraMotion>(
+      effects, []<EffectSet kOn>() -> Generate { return generate<kOn, kSampling>; });
 }
 
 }  // namespace

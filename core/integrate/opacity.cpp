@@ -19,6 +19,7 @@ void step_past(const Hit& hit, Ray& ray) {
 }
 
 void see_through(const Frame& frame, PathBatch& batch) {
+  batch.mark.enter(Stage::kOpacity, batch.depth);
   std::vector<std::uint32_t>& places = batch.retraced;
   places.resize(batch.active.size());
   for (std::uint32_t i = 0; i < places.size(); ++i) places[i] = i;
@@ -37,7 +38,9 @@ void see_through(const Frame& frame, PathBatch& batch) {
     places.resize(count);
     if (count == 0) return;
     batch.retraced_hits.resize(count);
+    batch.mark.trace(true);
     frame.tracer.intersect(batch.retraced_rays, batch.retraced_hits.data(), batch.traced);
+    batch.mark.trace(false);
     for (std::size_t i = 0; i < count; ++i) batch.hits[places[i]] = batch.retraced_hits[i];
   }
 }

@@ -20,6 +20,7 @@
 #include "core/film/film_sample.h"
 #include "core/integrate/draw_pairs.h"
 #include "core/integrate/sampler.h"
+#include "core/integrate/stage_mark.h"
 #include "core/shade/surface_hit.h"
 #include "core/trace/ray.h"
 #include "core/trace/tracer.h"
@@ -83,6 +84,7 @@ struct PathBatch {
 
   ShadowQueue shadows;
   TraceModes traced;
+  StageMark mark;
 
   // Of stages, between their own steps.
   std::vector<std::uint64_t> by_material;  // places in the queue, their materials in the upper half

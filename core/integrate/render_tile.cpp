@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/integrate/accumulate.h"
-#include "core/integrate/generate.h"
 #include "core/integrate/trace_paths.h"
 
 namespace msbvh {
@@ -33,20 +32,19 @@ void resolve(const Tile& tile, const TileWorkspace& workspace, Image& image) {
 }  // namespace
 
 TraceModes render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image) {
-  const Generate generate = choose_generate(job.effects, job.frame.sampling);
-  const bool aovs = job.effects.has(Effect::kAovs);
+  const Stages& stages = job.frame.stages;
   const std::uint32_t pixels = tile.pixels(), most = std::max(1u, job.batch_paths / pixels);
   TraceModes traced;
   workspace.sums.reset(pixels);
-  if (aovs) workspace.aov_sums.reset(pixels);
+  if (!image.aovs.empty()) workspace.aov_sums.reset(pixels);
   const std::uint32_t end = job.samples.first + job.samples.count;
   for (SampleRange samples{job.samples.first, 0}; samples.first < end; samples.first += samples.count) {
     if (job.cancelled.load(std::memory_order_relaxed)) return traced;
     samples.count = std::min(most, end - samples.first);
-    generate(job.frame, tile, samples, workspace.batch);
-    trace_paths(job.frame, job.effects, workspace.batch);
+    stages.generate(job.frame, tile, samples, workspace.batch);
+    trace_paths(job.frame, workspace.batch);
     accumulate(workspace.batch, pixels, workspace.sums);
-    if (aovs) accumulate_aovs(workspace.batch, pixels, samples.first, workspace.aov_sums);
+    stages.accumulate(workspace.batch, pixels, samples.first, workspace.aov_sums);
     traced += workspace.batch.traced;
   }
   resolve(tile, workspace, image);
@@ -55,13 +53,18 @@ TraceModes render_tile(const TileJob& job, const Tile& tile, TileWorkspace& work
 
 std::unique_ptr<TileWorkspace> WorkspacePool::take() {
   const std::scoped_lock lock(mutex_);
-  if (idle_.empty()) return std::make_unique<TileWorkspace>();
+  if (idle_.empty()) {
+    auto workspace = std::make_unique<TileWorkspace>();
+    if (sampler_) workspace->batch.mark = sampler_->mark();
+    return workspace;
+  }
   std::unique_ptr<TileWorkspace> workspace = std::move(idle_.back());
   idle_.pop_back();
   return workspace;
 }
 
 void WorkspacePool::give_back(std::unique_ptr<TileWorkspace> workspace) {
+  workspace->batch.mark.enter(Stage::kNone, 0);
   const std::scoped_lock lock(mutex_);
   idle_.push_back(std::move(workspace));
 }

@@ -12,13 +12,12 @@
 #include "core/film/tile.h"
 #include "core/integrate/frame.h"
 #include "core/integrate/path_batch.h"
-#include "core/plan/effect_plan.h"
+#include "core/integrate/stage_samples.h"
 
 namespace msbvh {
 
 struct TileJob {
   const Frame& frame;
-  EffectSet effects;
   SampleRange samples;
   std::uint32_t batch_paths;           // at most; 1 to kMaxBatchPaths. The picture does not depend on it
   const std::atomic<bool>& cancelled;  // asked before every batch
@@ -39,10 +38,13 @@ TraceModes render_tile(const TileJob& job, const Tile& tile, TileWorkspace& work
 // Workspaces for as many threads as there turn out to be.
 class WorkspacePool {
  public:
+  // `sampler`: of what the threads do that hold workspaces; must outlive them. Null: nobody looks.
+  explicit WorkspacePool(StageSampler* sampler = nullptr) : sampler_(sampler) {}
   std::unique_ptr<TileWorkspace> take();
   void give_back(std::unique_ptr<TileWorkspace> workspace);
 
  private:
+  StageSampler* sampler_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<TileWorkspace>> idle_;
 };

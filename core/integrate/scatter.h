@@ -2,19 +2,15 @@
 #pragma once
 
 #include "core/integrate/frame.h"
-#include "core/integrate/path_batch.h"
-#include "core/plan/effect_plan.h"
+#include "core/integrate/stages.h"
 
 namespace msbvh {
 
-// Whether this vertex is the last one of its path.
-bool is_last_vertex(const Frame& frame, EffectSet effects, const PathBatch& batch);
-
-// Draws a direction for each path that is on a surface.
-void scatter(PathBatch& batch);
+// Draws a direction for each path that is on a surface, where anything reads it.
+PathStage choose_scatter(EffectSet effects);
 
 // Leaves under way the paths that go on, on their new rays. After the last vertex none does: the rays only
 // ask whether the dome is seen.
-void go_on(const Frame& frame, EffectSet effects, PathBatch& batch);
+PathStage choose_go_on(EffectSet effects);
 
 }  // namespace msbvh

@@ -40,10 +40,15 @@ void trace_dimmed(const Frame& frame, PathBatch& batch) {
 
 }  // namespace
 
-void trace_shadows(const Frame& frame, EffectSet effects, PathBatch& batch) {
-  if (batch.shadows.size() > 0)
-    effects.has(Effect::kOpacity) ? trace_dimmed(frame, batch) : trace_opaque(frame, batch);
+template <bool kOpacity>
+void trace_shadows(const Frame& frame, PathBatch& batch) {
+  batch.mark.trace(true);
+  if (batch.shadows.size() > 0) kOpacity ? trace_dimmed(frame, batch) : trace_opaque(frame, batch);
   batch.shadows.clear();
+  batch.mark.trace(false);
 }
+
+template void trace_shadows<false>(const Frame&, PathBatch&);
+template void trace_shadows<true>(const Frame&, PathBatch&);
 
 }  // namespace msbvh

@@ -3,12 +3,12 @@
 
 #include "core/integrate/frame.h"
 #include "core/integrate/path_batch.h"
-#include "core/plan/effect_plan.h"
 
 namespace msbvh {
 
 // Where all is opaque one question a ray; where not, what a ray passes dims it. No path may wait for two rays
 // at once.
-void trace_shadows(const Frame& frame, EffectSet effects, PathBatch& batch);
+template <bool kOpacity>
+void trace_shadows(const Frame& frame, PathBatch& batch);
 
 }  // namespace msbvh

@@ -2,63 +2,78 @@
 
 #include <algorithm>
 
+#include "core/plan/effect_variant.h"
+
 namespace msbvh {
 namespace {
 
 // Hits ahead of the one at hand whose triangles, and whose vertices, are asked for from memory.
 constexpr std::size_t kTrianglesAhead = 16, kVerticesAhead = 8;
 
+template <EffectSet kGeometry>
 void fetch_triangle(const Frame& frame, const Hit& hit) {
   if (!hit.found()) return;
-  const HitSource source = frame.index.resolve(hit);
-  if (source.mesh) __builtin_prefetch(&source.mesh->shape.triangles[hit.triangle]);
-  if (source.instances) __builtin_prefetch(source.instance_controls().data());
+  const HitSource source = frame.index.resolve<kGeometry>(hit);
+  if (kGeometry == kPlain || source.mesh) __builtin_prefetch(&source.mesh->shape.triangles[hit.triangle]);
+  if (kGeometry.has(Effect::kInstances) && source.instances)
+    __builtin_prefetch(source.instance_controls().data());
 }
 
+template <EffectSet kGeometry>
 void fetch_vertices(const Frame& frame, const Hit& hit, float shutter_time) {
   if (!hit.found()) return;
-  const HitSource source = frame.index.resolve(hit);
-  if (!source.mesh) return;
+  const HitSource source = frame.index.resolve<kGeometry>(hit);
+  if (kGeometry != kPlain && !source.mesh) return;
   const TriangleMesh& shape = source.mesh->shape;
-  const SegmentTime at = locate(source.own_time(shutter_time), shape.segments);
+  const SegmentTime at = locate(source.own_time<kGeometry>(shutter_time), shape.segments);
   const Vec3f* first = shape.control_positions(at.key * shape.degree);
   for (const std::uint32_t v : shape.triangles[hit.triangle]) __builtin_prefetch(first + v);
 }
 
+template <EffectSet kGeometry>
 void find_surface(const Frame& frame, std::uint32_t place, PathBatch& batch) {
   const Hit& hit = batch.hits[place];
-  batch.surfaces[place] = surface_at(frame.scene(), frame.index.resolve(hit), hit, batch.rays[place]);
+  batch.surfaces[place] =
+      surface_at<kGeometry>(frame.scene(), frame.index.resolve<kGeometry>(hit), hit, batch.rays[place]);
 }
 
 // In the order of their materials, so that what a material reads stays in cache from one to the next.
+template <EffectSet kGeometry>
 void find_by_material(const Frame& frame, PathBatch& batch) {
   std::vector<std::uint64_t>& order = batch.by_material;
   order.clear();
   for (std::uint32_t place = 0; place < batch.active.size(); ++place) {
     const Hit& hit = batch.hits[place];
     if (hit.found())
-      order.push_back(std::uint64_t(material_index(frame.index.resolve(hit), hit)) << 32 | place);
+      order.push_back(
+          std::uint64_t(material_index<kGeometry>(frame.index.resolve<kGeometry>(hit), hit)) << 32 | place);
   }
   std::ranges::sort(order);
-  for (const std::uint64_t entry : order) find_surface(frame, static_cast<std::uint32_t>(entry), batch);
+  for (const std::uint64_t entry : order)
+    find_surface<kGeometry>(frame, static_cast<std::uint32_t>(entry), batch);
 }
 
-void find_all(const Frame& frame, PathBatch& batch) {
-  if (frame.scene().materials.size() > 1) return find_by_material(frame, batch);
+// Out of line in every build, whichever variants call it.
+template <EffectSet kGeometry>
+[[gnu::noinline]] void find_all(const Frame& frame, PathBatch& batch) {
+  if (frame.scene().materials.size() > 1) return find_by_material<kGeometry>(frame, batch);
   const std::size_t count = batch.active.size();
-  for (std::size_t i = 0; i < std::min(kTrianglesAhead, count); ++i) fetch_triangle(frame, batch.hits[i]);
+  for (std::size_t i = 0; i < std::min(kTrianglesAhead, count); ++i)
+    fetch_triangle<kGeometry>(frame, batch.hits[i]);
   for (std::uint32_t place = 0; place < count; ++place) {
-    if (place + kTrianglesAhead < count) fetch_triangle(frame, batch.hits[place + kTrianglesAhead]);
+    if (place + kTrianglesAhead < count)
+      fetch_triangle<kGeometry>(frame, batch.hits[place + kTrianglesAhead]);
     if (place + kVerticesAhead < count)
-      fetch_vertices(frame, batch.hits[place + kVerticesAhead], batch.rays[place + kVerticesAhead].time);
-    if (batch.hits[place].found()) find_surface(frame, place, batch);
+      fetch_vertices<kGeometry>(frame, batch.hits[place + kVerticesAhead],
+                                batch.rays[place + kVerticesAhead].time);
+    if (batch.hits[place].found()) find_surface<kGeometry>(frame, place, batch);
   }
 }
 
-}  // namespace
-
+template <EffectSet kGeometry, bool kDome>
 void find_surfaces(const Frame& frame, PathBatch& batch) {
-  find_all(frame, batch);
+  batch.mark.enter(Stage::kSurface, batch.depth);
+  find_all<kGeometry>(frame, batch);
   batch.shaded.clear();
   batch.shaded_paths.clear();
   for (std::uint32_t place = 0; place < batch.active.size(); ++place) {
@@ -66,7 +81,7 @@ void find_surfaces(const Frame& frame, PathBatch& batch) {
     const Ray& ray = batch.rays[place];
     Vec3f& throughput = batch.throughput[path];
     if (!batch.hits[place].found()) {
-      if (batch.depth > 0 || frame.show_domes)
+      if (kDome && (batch.depth > 0 || frame.show_domes))
         batch.radiance[path] += throughput * frame.lights.dome_radiance(ray.time);
       continue;
     }
@@ -74,10 +89,24 @@ void find_surfaces(const Frame& frame, PathBatch& batch) {
     if (batch.depth == 0) batch.alpha[path] = 1.0f;
     batch.radiance[path] += throughput * surface.emission;
     throughput = throughput * surface.albedo;
-    if (throughput == Vec3f{} || !clear_origin(frame.surroundings(), ray, surface.origin)) continue;
+    if (throughput == Vec3f{} || !clear_origin<kGeometry>(frame.surroundings(), ray, surface.origin))
+      continue;
     batch.shaded.push_back(place);
     batch.shaded_paths.push_back(path);
   }
+}
+
+template <EffectSet kGeometry>
+PathStage choose(EffectSet effects) {
+  return variant_for<Effect::kDomeLight>(effects, []<EffectSet kOn>() -> PathStage {
+    return find_surfaces<kGeometry, kOn.has(Effect::kDomeLight)>;
+  });
+}
+
+}  // namespace
+
+PathStage choose_surfaces(EffectSet effects, bool plain_geometry) {
+  return plain_geometry ? choose<kPlain>(effects) : choose<kKnownEffects>(effects);
 }
 
 }  // namespace msbvh

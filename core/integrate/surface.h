@@ -2,11 +2,12 @@
 #pragma once
 
 #include "core/integrate/frame.h"
-#include "core/integrate/path_batch.h"
+#include "core/integrate/stages.h"
 
 namespace msbvh {
 
-// Fills batch.surfaces and batch.shaded. Paths that met nothing, or that reflect nothing, end here.
-void find_surfaces(const Frame& frame, PathBatch& batch);
+// The stage fills batch.surfaces and batch.shaded. Paths that met nothing, or that reflect nothing, end
+// there. `plain_geometry`: all that can be hit is still triangles, without instances.
+PathStage choose_surfaces(EffectSet effects, bool plain_geometry);
 
 }  // namespace msbvh

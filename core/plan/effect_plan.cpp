@@ -6,6 +6,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/base/error.h"
 #include "core/plan/ray_reach.h"
 #include "core/scene/opacity.h"
 
@@ -204,8 +205,7 @@ float largest(const Light& light, float LightValues::*size) {
 
 void plan_light(const Light& light, Planner& planner) {
   if (!shines(light)) return;
-  const bool placeless = light.kind == LightKind::kDome || light.kind == LightKind::kCamera;
-  if (light.segments > 0 && !(placeless && light.moving_values.empty())) {
+  if (!is_still(light)) {
     planner.add(Effect::kMovingLights, light.name, segments_phrase(light.segments));
   }
   if (light.kind == LightKind::kDome) planner.add(Effect::kDomeLight, light.name, "constant dome");
@@ -272,6 +272,15 @@ EffectPlan plan_all(const Scene& scene, const PlanSettings& settings, Planner pl
 
 EffectPlan plan_effects(const Scene& scene, const PlanSettings& settings) {
   return plan_all(scene, settings, Planner(Collect::kFirst));
+}
+
+void expect_known(const EffectPlan& plan, EffectSet known) {
+  for (const Reason& reason : plan.why) {
+    if (known.has(reason.effect)) continue;
+    throw Error((reason.prim.empty() ? "render settings" : reason.prim) + ": found " +
+                effect_name(reason.effect) + " (" + reason.why +
+                "); expected none, since MSBVH_OMIT_EFFECTS left its code out of this build");
+  }
 }
 
 std::vector<Reason> all_reasons(const Scene& scene, const PlanSettings& settings) {

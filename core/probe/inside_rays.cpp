@@ -4,8 +4,7 @@
 #include <array>
 #include <optional>
 
-#include "core/base/affine.h"
-#include "core/probe/closed_mesh.h"
+#include "core/probe/posed_mesh.h"
 
 namespace msbvh {
 namespace {
@@ -15,15 +14,15 @@ constexpr int kTries = 8;
 // All rays of one point inside.
 class Source {
  public:
-  Source(const ShownMesh& shown, const MeshPose& pose, float time, const Vec3f& point, ProbeRandom& random)
-      : shown_(shown), pose_(pose), time_(time), point_(point), random_(random), in_plane_(point) {
+  Source(const PosedMesh& mesh, float time, const Vec3f& point, ProbeRandom& random)
+      : mesh_(mesh), time_(time), point_(point), random_(random), in_plane_(point) {
     find_plane();
   }
 
   Ray ray(InsideAim aim) {
     if (aim == InsideAim::kAnywhere) return from(point_, random_.direction());
     if (aim == InsideAim::kInPlanes) return in_plane();
-    const std::array<Vec3d, 3> v = corners(shown_, pose_, random_triangle());
+    const std::array<Vec3d, 3> v = mesh_.corners(mesh_.random_triangle(random_));
     const std::size_t k = random_.below(3);
     const Vec3d &a = v[k], &b = v[(k + 1) % 3], &c = v[(k + 2) % 3];
     if (aim == InsideAim::kVertices) return from(point_, a - Vec3d(point_));
@@ -35,23 +34,20 @@ class Source {
   }
 
  private:
-  std::uint32_t random_triangle() {
-    return static_cast<std::uint32_t>(random_.below(shown_.mesh->triangles.size()));
-  }
   // A coordinate of a vertex, with the kernel's own rounding where it needs no map.
   float coordinate(std::uint32_t vertex, const Vec3d& exact) const {
-    if (shown_.instance != kNoInstance) return static_cast<float>(exact[axis_]);
-    return shown_.mesh->position(vertex, static_cast<float>(pose_.time01))[axis_];
+    if (mesh_.shown().instance != kNoInstance) return static_cast<float>(exact[axis_]);
+    return mesh_.shown().mesh->position(vertex, static_cast<float>(mesh_.pose().time01))[axis_];
   }
   // Moves the point into a plane in which a vertex lies, and with it the side of a box, where that is inside.
   void find_plane() {
     for (int i = 0; i < kTries; ++i) {
       axis_ = static_cast<int>(random_.below(3));
-      const std::uint32_t triangle = random_triangle();
+      const std::uint32_t triangle = mesh_.random_triangle(random_);
       const std::size_t k = random_.below(3);
       Vec3f moved = point_;
-      moved[axis_] = coordinate(shown_.mesh->triangles[triangle][k], corners(shown_, pose_, triangle)[k]);
-      if (!is_inside(shown_, pose_, Vec3d(moved))) continue;
+      moved[axis_] = coordinate(mesh_.shown().mesh->triangles[triangle][k], mesh_.corners(triangle)[k]);
+      if (!mesh_.surrounds(Vec3d(moved))) continue;
       in_plane_ = moved;
       return;
     }
@@ -73,8 +69,7 @@ class Source {
     return result;
   }
 
-  const ShownMesh& shown_;
-  const MeshPose& pose_;
+  const PosedMesh& mesh_;
   const float time_;
   const Vec3f point_;
   ProbeRandom& random_;
@@ -90,16 +85,18 @@ const char* inside_aim_name(InsideAim aim) {
   return kNames[static_cast<std::size_t>(aim)];
 }
 
-void add_inside_rays(const ShownMeshes& all, const ShownMesh& shown, std::size_t count, ProbeRandom& random,
-                     InsideRays& out) {
-  const float time = random.time();
+void add_inside_rays(const ShownMeshes& all, const ShownMesh& shown, std::size_t count, InsideMix mix,
+                     ProbeRandom& random, InsideRays& out) {
+  const bool plain = mix == InsideMix::kPlain;
+  const float time = plain ? static_cast<float>(random.uniform()) : random.time();
   const std::optional<MeshPose> pose = all.pose(shown, double(time));
   if (!pose) return;
-  const std::optional<Vec3f> point = point_inside(shown, *pose, random);
+  const PosedMesh mesh(shown, *pose);
+  const std::optional<Vec3f> point = mesh.point_inside(random);
   if (!point) return;
-  Source source(shown, *pose, time, *point, random);
+  Source source(mesh, time, *point, random);
   for (std::size_t i = 0; i < count; ++i) {
-    const InsideAim aim = kInsideAims[i % std::size(kInsideAims)];
+    const InsideAim aim = plain ? InsideAim::kAnywhere : kInsideAims[i % std::size(kInsideAims)];
     out.rays.push_back(source.ray(aim));
     out.aims.push_back(aim);
     out.from.push_back(&shown);
@@ -107,12 +104,13 @@ void add_inside_rays(const ShownMeshes& all, const ShownMesh& shown, std::size_t
 }
 
 InsideRays inside_rays(const ShownMeshes& all, const std::vector<const ShownMesh*>& closed,
-                       std::size_t starts, std::size_t count, std::uint64_t seed) {
+                       std::size_t starts, std::size_t count, std::uint64_t seed, InsideMix mix) {
   ProbeRandom random(seed);
   InsideRays rays;
   for (const ShownMesh* shown : closed) {
     for (std::size_t i = 0; i < starts; ++i)
-      add_inside_rays(all, *shown, std::max<std::size_t>(1, count / (closed.size() * starts)), random, rays);
+      add_inside_rays(all, *shown, std::max<std::size_t>(1, count / (closed.size() * starts)), mix, random,
+                      rays);
   }
   return rays;
 }

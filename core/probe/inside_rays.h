@@ -25,21 +25,26 @@ inline constexpr InsideAim kInsideAims[] = {InsideAim::kAnywhere,    InsideAim::
                                             InsideAim::kFromSurface, InsideAim::kInPlanes};
 const char* inside_aim_name(InsideAim aim);  // "in any direction", "at edges", ...
 
-// As many of each.
+enum class InsideMix : std::uint8_t {
+  kHard,  // all aims in turn, half of the times at keys and next to them
+  kPlain  // in any direction, at any time
+};
+
 struct InsideRays {
   std::vector<Ray> rays;
   std::vector<InsideAim> aims;
   std::vector<const ShownMesh*> from;
 };
 
-// Appends `count` rays of all aims in turn that meet in a point inside of the mesh at a random time (half of
-// them at keys and next to them); none where the mesh is not there then, or no point inside is found. The
-// point is farther from the surface than what a kernel rounds, so that a ray without a hit is a leak.
-void add_inside_rays(const ShownMeshes& all, const ShownMesh& shown, std::size_t count, ProbeRandom& random,
-                     InsideRays& out);
+// Appends `count` rays that meet in a point inside of the mesh at a random time; none where the mesh is not
+// there then, or no point inside is found. The point is farther from the surface than what a kernel rounds,
+// so that a ray without a hit is a leak.
+void add_inside_rays(const ShownMeshes& all, const ShownMesh& shown, std::size_t count, InsideMix mix,
+                     ProbeRandom& random, InsideRays& out);
 
 // About `count` rays from `starts` points and times in each of the meshes. The same for a seed.
 InsideRays inside_rays(const ShownMeshes& all, const std::vector<const ShownMesh*>& closed,
-                       std::size_t starts, std::size_t count, std::uint64_t seed);
+                       std::size_t starts, std::size_t count, std::uint64_t seed,
+                       InsideMix mix = InsideMix::kHard);
 
 }  // namespace msbvh

@@ -48,4 +48,11 @@ inline bool shines(const Light& light) {
   return light.moving_values.empty() ? bright(light) : std::ranges::any_of(light.moving_values, bright);
 }
 
+// Whether it is the same, in the same place, throughout the shutter. Where a dome or a camera light stands is
+// of no matter.
+inline bool is_still(const Light& light) {
+  const bool placeless = light.kind == LightKind::kDome || light.kind == LightKind::kCamera;
+  return light.segments == 0 || (placeless && light.moving_values.empty());
+}
+
 }  // namespace msbvh

@@ -89,6 +89,10 @@ CameraRays::CameraRays(const Camera& camera) : camera_(camera) {
 
 Ray CameraRays::ray(float screen_x, float screen_y, float time) const {
   if (camera_.segments != 0) return camera_ray(camera_, screen_x, screen_y, time);
+  return still_ray(screen_x, screen_y, time);
+}
+
+Ray CameraRays::still_ray(float screen_x, float screen_y, float time) const {
   return ray_through(camera_, world_from_camera_, window_, clip_, screen_x, screen_y, time);
 }
 

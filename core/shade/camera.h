@@ -22,6 +22,7 @@ class CameraRays {
  public:
   explicit CameraRays(const Camera& camera);
   Ray ray(float screen_x, float screen_y, float time) const;
+  Ray still_ray(float screen_x, float screen_y, float time) const;  // of a camera without motion
 
  private:
   const Camera& camera_;

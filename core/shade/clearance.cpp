@@ -51,6 +51,7 @@ Box3f outer_box(const Vec3d& centre, const Vec3d& half) {
 
 // The leaves of a tree that a box meets at one time. Boxes and vertices are interpolated by the same
 // routine, hence boxes hold what they bound bit by bit (core/base/lerp.h).
+template <EffectSet kEffects>
 class BoxWalk {
  public:
   BoxWalk(const Bvh& bvh, float time, const Box3f& box) : bvh_(bvh), time_(time), box_(box) {}
@@ -58,7 +59,7 @@ class BoxWalk {
   template <class Visit>  // visit(block, walk)
   void run(const Visit& visit) const {
     if (bvh_.empty) return;
-    if (bvh_.slice_roots.empty()) return run(bvh_.root, visit);
+    if (!kMoving || bvh_.slice_roots.empty()) return run(bvh_.root, visit);
     const std::uint32_t slice = locate(time_, segments_of_level(bvh_.slice_level)).key;
     run(bvh_.slice_roots[slice].ref, visit);
   }
@@ -83,7 +84,11 @@ class BoxWalk {
   }
 
  private:
+  static constexpr bool kMoving =
+      kEffects.has(Effect::kDeformingKeys) || kEffects.has(Effect::kMovingInstances);
+
   SegmentTime segment_of(FormCode form) const {
+    if (!kMoving) return {0, 0.0f};
     if (form.level() != kSliceLevel) return locate(time_, segments_of_level(form.level()));
     return {0, locate(time_, segments_of_level(bvh_.slice_level)).w};
   }
@@ -93,7 +98,7 @@ class BoxWalk {
     const FormCode form = node.form_code;
     const std::uint32_t key = segment_of(form).key * form.degree();
     NodeBounds decoded[kMaxDegree + 1];
-    for (std::uint32_t c = 0; c < (form.level() != 0 ? form.degree() + 1 : 1); ++c) {
+    for (std::uint32_t c = 0; c < (kMoving && form.level() != 0 ? form.degree() + 1 : 1); ++c) {
       for (std::uint32_t i = 0; i < kWidth; ++i) decoded[c].set_box(i, node.box(key + c, i));
     }
     return boxes_met_in(form, decoded);
@@ -104,7 +109,7 @@ class BoxWalk {
   // `first`: the control in force.
   std::uint32_t boxes_met_in(FormCode form, const NodeBounds* first) const {
     const SegmentTime at = segment_of(form);
-    const bool moves = form.level() != 0;
+    const bool moves = kMoving && form.level() != 0;
     const auto value = [&](auto side) {
       return moves ? bezier([&](std::uint32_t c) { return side(first[c]); }, form.degree(), at.w)
                    : side(first[0]);
@@ -125,6 +130,7 @@ class BoxWalk {
   const Box3f box_;
 };
 
+template <EffectSet kEffects>
 class Search {
  public:
   Search(const Surroundings& around, const Vec3f& place, float time, double view_error, double reach)
@@ -132,8 +138,8 @@ class Search {
 
   Clearance run() {
     const Box3f box = outer_box(place_, {reach_, reach_, reach_});
-    BoxWalk(around_.world, time_, box).run([&](const BlockHeader& block, const BoxWalk& walk) {
-      if (block.kind == BlockKind::kInstance) {
+    Walk(around_.world, time_, box).run([&](const BlockHeader& block, const Walk& walk) {
+      if (kEffects.has(Effect::kInstances) && block.kind == BlockKind::kInstance) {
         look_into(block);
       } else {
         look_at(block, walk, kNoInstance);
@@ -143,6 +149,8 @@ class Search {
   }
 
  private:
+  using Walk = BoxWalk<kEffects>;
+
   void look_into(const BlockHeader& block) {
     const Instance& instance = around_.world.instances[block.owner];
     const Bvh& object = *instance.object;
@@ -156,17 +164,18 @@ class Search {
     const Affine3d m = inverse(map);
     // The inverse errs by a small multiple of 2^-53 of its terms unless it is next to singular.
     const Vec3d half = (abs(m.x) + abs(m.y) + abs(m.z)) * (reach_ * 1.001);
-    const BoxWalk walk(object, inside, outer_box(m.point(place_), half));
-    const auto visit = [&](const BlockHeader& b, const BoxWalk& w) { look_at(b, w, block.owner); };
+    const Walk walk(object, inside, outer_box(m.point(place_), half));
+    const auto visit = [&](const BlockHeader& b, const Walk& w) { look_at(b, w, block.owner); };
     block.is_part ? walk.run(block.part(), visit) : walk.run(visit);
   }
 
   // Curves and points enclose nothing that light could leak into.
-  void look_at(const BlockHeader& block, const BoxWalk& walk, std::uint32_t instance) {
-    const bool grids = block.kind == BlockKind::kGrid;
+  void look_at(const BlockHeader& block, const Walk& walk, std::uint32_t instance) {
+    const bool grids = kEffects.has(Effect::kDisplacement) && block.kind == BlockKind::kGrid;
     if (!grids && block.kind != BlockKind::kGathered && block.kind != BlockKind::kIndexed) return;
-    const HitSource source = around_.index.resolve({.geometry = block.geometry(), .instance = instance});
-    const std::optional<InstancePose> pose = instance_pose(source, time_);
+    const HitSource source =
+        around_.index.template resolve<kEffects>({.geometry = block.geometry(), .instance = instance});
+    const std::optional<InstancePose> pose = instance_pose<kEffects>(source, time_);
     if (grids) {
       look_at_tiles(grid_of(block), walk.tiles_met(block), source, pose);
       return;
@@ -189,7 +198,7 @@ class Search {
   }
 
   void look_at(std::uint32_t id, const HitSource& source, const std::optional<InstancePose>& pose) {
-    const WorldTriangle triangle = world_triangle(source, pose, id, time_);
+    const WorldTriangle triangle = world_triangle<kEffects>(source, pose, id, time_);
     const double needed = triangle.margin + view_error_;
     const double distance2 = squared_distance(place_, triangle.vertex);
     if (distance2 > reach_ * reach_ && distance2 > needed * needed) return;
@@ -206,9 +215,13 @@ class Search {
 
 }  // namespace
 
+template <EffectSet kEffects>
 Clearance clearance_at(const Surroundings& around, const Vec3f& place, float time, double view_error,
                        double reach) {
-  return Search(around, place, time, view_error, reach).run();
+  return Search<kEffects>(around, place, time, view_error, reach).run();
 }
+
+template Clearance clearance_at<kPlain>(const Surroundings&, const Vec3f&, float, double, double);
+template Clearance clearance_at<kKnownEffects>(const Surroundings&, const Vec3f&, float, double, double);
 
 }  // namespace msbvh

@@ -18,7 +18,8 @@ struct Clearance {
 };
 
 // Looks at the triangles within `reach` of the place at a time of the shutter. Each needs its
-// WorldTriangle::margin and `view_error`, in world units.
+// WorldTriangle::margin and `view_error`, in world units. kEffects: kPlain or kKnownEffects.
+template <EffectSet kEffects = kKnownEffects>
 Clearance clearance_at(const Surroundings& around, const Vec3f& place, float time, double view_error,
                        double reach);
 

@@ -56,6 +56,7 @@ RayOrigin origin_at(const WorldTriangle& triangle, const Hit& hit, const Ray& ra
   return o;
 }
 
+template <EffectSet kEffects>
 bool clear_origin(const Surroundings& around, const Ray& ray, RayOrigin& o) {
   if (!o.beside_edge) return true;
   const double needed = o.need + o.view_error, longest = kLongestWay * needed;
@@ -63,7 +64,7 @@ bool clear_origin(const Surroundings& around, const Ray& ray, RayOrigin& o) {
   double reach = kReach * needed;
   for (double step = needed / o.cosine; step < std::min(o.way, longest);) {
     const Vec3f place(from + along * (o.way - step));
-    const Clearance clearance = clearance_at(around, place, ray.time, o.view_error, reach);
+    const Clearance clearance = clearance_at<kEffects>(around, place, ray.time, o.view_error, reach);
     if (clearance.clear) {
       o.before = place;
       return true;
@@ -75,5 +76,8 @@ bool clear_origin(const Surroundings& around, const Ray& ray, RayOrigin& o) {
   o.before = ray.org;
   return o.way <= longest;
 }
+
+template bool clear_origin<kPlain>(const Surroundings&, const Ray&, RayOrigin&);
+template bool clear_origin<kKnownEffects>(const Surroundings&, const Ray&, RayOrigin&);
 
 }  // namespace msbvh

@@ -28,7 +28,8 @@ RayOrigin origin_at(const WorldTriangle& triangle, const Hit& hit, const Ray& ra
                     const Vec3d& normal, double doubled_area);
 
 // Moves origin.before to where it is clear of all surfaces, if it is beside an edge. False: no place was
-// found, and nothing may leave the surface there.
+// found, and nothing may leave the surface there. kEffects: kPlain or kKnownEffects.
+template <EffectSet kEffects = kKnownEffects>
 bool clear_origin(const Surroundings& around, const Ray& ray, RayOrigin& origin);
 
 }  // namespace msbvh

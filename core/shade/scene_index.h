@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "core/plan/effect_variant.h"
 #include "core/scene/scene.h"
 #include "core/trace/ray.h"
 
@@ -33,7 +34,11 @@ struct HitSource {
     return {instances->world_from_prototype.data() + instance * controls, controls};
   }
   // The shutter's time in the time of the geometry's tracks, and in that of the instance's.
-  float own_time(float time) const { return prototype ? local(prototype->time_remap, time) : time; }
+  template <EffectSet kEffects = kKnownEffects>
+  float own_time(float time) const {
+    if constexpr (!kEffects.has(Effect::kTimeRemaps)) return time;
+    return prototype ? local(prototype->time_remap, time) : time;
+  }
   float instance_time(float time) const { return local(instances->time_remap, time); }
 
  private:
@@ -57,17 +62,19 @@ class SceneIndex {
 
   const Scene& scene() const { return *scene_; }
 
+  // kEffects: those that the scene may have; kPlain where it has none.
+  template <EffectSet kEffects = kKnownEffects>
   HitSource resolve(const Hit& hit) const {
     HitSource source;
-    if (hit.instance == kNoInstance) {
-      set_geometry(scene_->world, 0, hit.geometry, source);
+    if (!kEffects.has(Effect::kInstances) || hit.instance == kNoInstance) {
+      set_geometry<kEffects>(scene_->world, 0, hit.geometry, source);
       return source;
     }
     const std::uint32_t set = set_of_instance_[hit.instance];
     source.instances = &scene_->instances[set];
     source.instance = hit.instance - first_instance_[set];
     source.prototype = &scene_->prototypes[source.instances->prototype];
-    set_geometry(source.prototype->geometry, source.instances->prototype + 1, hit.geometry, source);
+    set_geometry<kEffects>(source.prototype->geometry, source.instances->prototype + 1, hit.geometry, source);
     return source;
   }
 
@@ -84,18 +91,22 @@ class SceneIndex {
   }
 
   // `list_index`: in first_of_kind_.
+  template <EffectSet kEffects>
   void set_geometry(const std::vector<GeometryId>& list, std::size_t list_index, GeometryId in_tree,
                     HitSource& source) const {
-    if (in_tree.is(GeometryKind::kTriangleMesh)) {  // the first kind, and nearly always the one
+    constexpr bool kGrids = kEffects.has(Effect::kDisplacement), kCurves = kEffects.has(Effect::kCurves),
+                   kPoints = kEffects.has(Effect::kPoints);
+    if (!(kGrids || kCurves || kPoints) ||
+        in_tree.is(GeometryKind::kTriangleMesh)) {  // the first kind, and nearly always the one
       source.look = source.mesh = &scene_->mesh(list[in_tree.index()]);
       return;
     }
     const GeometryId id = list[first_of_kind_[list_index][std::size_t(in_tree.kind())] + in_tree.index()];
-    if (id.is(GeometryKind::kGridMesh)) {
+    if (kGrids && id.is(GeometryKind::kGridMesh)) {
       source.look = source.grids = &scene_->grids[id.index()];
-    } else if (id.is(GeometryKind::kCurves)) {
+    } else if (kCurves && id.is(GeometryKind::kCurves)) {
       source.look = source.curves = &scene_->curves[id.index()];
-    } else if (id.is(GeometryKind::kPoints)) {
+    } else if (kPoints && id.is(GeometryKind::kPoints)) {
       source.look = source.points = &scene_->points[id.index()];
     }
   }

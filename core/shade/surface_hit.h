@@ -16,7 +16,9 @@ struct SurfaceHit {
   RayOrigin origin;  // of rays that leave; see clear_origin()
 };
 
-// The hit of `ray`, through the instance's transform at the ray's time.
+// The hit of `ray`, through the instance's transform at the ray's time. kEffects: those that the scene may
+// have; kPlain or kKnownEffects.
+template <EffectSet kEffects = kKnownEffects>
 SurfaceHit surface_at(const Scene& scene, const HitSource& source, const Hit& hit, const Ray& ray);
 
 // A ray from the surface in `direction`, on either side of it; clear_origin() comes first. To the far side
@@ -33,6 +35,7 @@ inline Ray leave(const SurfaceHit& surface, const Vec3f& direction, float time) 
 }
 
 // In Scene::materials, or kNone: the instance's, else that of what was hit.
+template <EffectSet kEffects = kKnownEffects>
 std::uint32_t material_index(const HitSource& source, const Hit& hit);
 
 // In [0, 1].

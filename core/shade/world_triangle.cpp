@@ -32,12 +32,13 @@ constexpr float kRootOfThree = 1.7321f;
 float largest(const Vec3f& v) { return std::max({v.x, v.y, v.z}); }
 
 // In the mesh's own space.
+template <EffectSet kEffects>
 struct TrianglePose {
   Vec3f vertex[3];
   float size;  // the largest coordinate at the controls around the time
 
   TrianglePose(const TriangleMesh& shape, std::uint32_t triangle, float time) {
-    if (shape.segments == 0) {
+    if (!kEffects.has(Effect::kDeformingKeys) || shape.segments == 0) {
       const Triangle& t = shape.triangles[triangle];
       for (int corner = 0; corner < 3; ++corner) vertex[corner] = shape.positions[t[corner]];
       size = largest(max(max(abs(vertex[0]), abs(vertex[1])), abs(vertex[2])));
@@ -73,7 +74,8 @@ struct TrianglePose {
   float margin(const TrackForm& form) const {
     const Vec3f &a = vertex[0], &b = vertex[1], &c = vertex[2];
     const Vec3f extent = max(max(a, b), c) - min(min(a, b), c);
-    const float place = kPlaceError + (form.moving() ? kMotionError * float(form.degree) : 0.0f);
+    const bool moves = kEffects.has(Effect::kDeformingKeys) && form.moving();
+    const float place = kPlaceError + (moves ? kMotionError * float(form.degree) : 0.0f);
     return size * place + largest(extent) * kTestError;
   }
 };
@@ -93,18 +95,26 @@ InstancePose::InstancePose(const HitSource& source, float shutter_time) {
   }
 }
 
+template <EffectSet kEffects>
 WorldTriangle world_triangle(const HitSource& source, const std::optional<InstancePose>& pose,
                              std::uint32_t triangle, float shutter_time) {
-  const float time = source.own_time(shutter_time);
-  const TrianglePose own =
-      source.mesh ? TrianglePose(source.mesh->shape, triangle, time)
-                  : TrianglePose(source.grids->shape, source.grids->shape.triangle(triangle), time);
-  const float margin = own.margin(source.mesh ? source.mesh->shape.form() : source.grids->shape.form());
+  using Pose = TrianglePose<kEffects>;
+  constexpr bool kGrids = kEffects.has(Effect::kDisplacement);
+  const float time = source.own_time<kEffects>(shutter_time);
+  const bool is_mesh = !kGrids || source.mesh;
+  const Pose own = is_mesh ? Pose(source.mesh->shape, triangle, time)
+                           : Pose(source.grids->shape, source.grids->shape.triangle(triangle), time);
+  const float margin = own.margin(is_mesh ? source.mesh->shape.form() : source.grids->shape.form());
   const Vec3d a(own.vertex[0]), b(own.vertex[1]), c(own.vertex[2]);
-  if (!pose) return {{a, b, c}, margin * kRootOfThree};
+  if (!kEffects.has(Effect::kInstances) || !pose) return {{a, b, c}, margin * kRootOfThree};
   const Affine3d& m = pose->world_from_object;
   const Vec3f in_world = pose->reach * (margin + own.size * pose->error) + pose->place * pose->error;
   return {{m.point(a), m.point(b), m.point(c)}, largest(in_world) * kRootOfThree};
 }
+
+template WorldTriangle world_triangle<kPlain>(const HitSource&, const std::optional<InstancePose>&,
+                                              std::uint32_t, float);
+template WorldTriangle world_triangle<kKnownEffects>(const HitSource&, const std::optional<InstancePose>&,
+                                                     std::uint32_t, float);
 
 }  // namespace msbvh

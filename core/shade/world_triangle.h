@@ -21,7 +21,9 @@ struct InstancePose {
   InstancePose(const HitSource& source, float shutter_time);
 };
 
-inline std::optional<InstancePose> instance_pose(const HitSource& source, float shutter_time) {
+template <EffectSet kEffects = kKnownEffects>
+std::optional<InstancePose> instance_pose(const HitSource& source, float shutter_time) {
+  if constexpr (!kEffects.has(Effect::kInstances)) return std::nullopt;
   return source.instances ? std::optional<InstancePose>(std::in_place, source, shutter_time) : std::nullopt;
 }
 
@@ -32,7 +34,8 @@ struct WorldTriangle {
   double margin;
 };
 
-// Of a mesh or of grids.
+// Of a mesh or of grids. kEffects: kPlain or kKnownEffects.
+template <EffectSet kEffects = kKnownEffects>
 WorldTriangle world_triangle(const HitSource& source, const std::optional<InstancePose>& pose,
                              std::uint32_t triangle, float shutter_time);
 

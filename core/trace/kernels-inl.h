@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/bvh/known_kinds.h"
 #include "core/trace/kernels.h"
 #include "core/trace/stream-inl.h"
 #include "core/trace/traverse-inl.h"
@@ -17,9 +18,16 @@
 HWY_BEFORE_NAMESPACE();
 namespace msbvh::HWY_NAMESPACE {
 
+// Whether the build has kernels for it (MSBVH_OMIT_EFFECTS); if not, all of them are null.
+constexpr bool is_known(Movement movement) {
+  return movement == Movement::kPolynomial ? kKnownPolynomialMotion
+         : movement == Movement::kLinear   ? kKnownLinearMotion
+                                           : true;
+}
+
 template <Movement kMovement, std::size_t kSet>
 constexpr void fill(Kernels& kernels) {
-  constexpr LeafKinds kKinds = kKernelKinds[kSet];
+  constexpr LeafKinds kKinds = kKernelKinds[kSet].without(kOmittedKinds);
   kernels.intersect[kSet] = intersect<kMovement, kKinds, false>;
   constexpr bool kMixed = kMovement != Movement::kStill;
   kernels.intersect_many[kSet][0] = intersect_many<kMovement, kKinds, false>;
@@ -35,7 +43,7 @@ constexpr void fill(Kernels& kernels) {
 // still subtrees.
 template <Movement kMovement, std::size_t kSet>
 constexpr void fill_compact(Kernels& kernels, std::size_t set) {
-  constexpr LeafKinds kKinds = kKernelKinds[kSet].with(LeafKind::kCompactTree);
+  constexpr LeafKinds kKinds = kKernelKinds[kSet].without(kOmittedKinds).with(LeafKind::kCompactTree);
   kernels.intersect[set] = intersect<kMovement, kKinds, false>;
   kernels.occluded[set] = occluded<kMovement, kKinds, false>;
   kernels.intersect_counted[set] = intersect<kMovement, kKinds, true>;
@@ -49,17 +57,22 @@ constexpr void fill_compact(Kernels& kernels, std::size_t set) {
 template <Movement kMovement>
 constexpr Kernels compact_kernels_of() {
   Kernels kernels{};
-  fill_compact<kMovement, 0>(kernels, 0);
-  for (std::size_t set = 1; set < kKernelSets; ++set) fill_compact<kMovement, kKernelSets - 1>(kernels, set);
+  if constexpr (is_known(kMovement)) {
+    fill_compact<kMovement, 0>(kernels, 0);
+    for (std::size_t set = 1; set < kKernelSets; ++set)
+      fill_compact<kMovement, kKernelSets - 1>(kernels, set);
+  }
   return kernels;
 }
 
 template <Movement kMovement>
 constexpr Kernels kernels_of() {
   Kernels kernels{};
-  [&]<std::size_t... kSets>(std::index_sequence<kSets...>) {
-    (fill<kMovement, kSets>(kernels), ...);
-  }(std::make_index_sequence<kKernelSets>());
+  if constexpr (is_known(kMovement)) {
+    [&]<std::size_t... kSets>(std::index_sequence<kSets...>) {
+      (fill<kMovement, kSets>(kernels), ...);
+    }(std::make_index_sequence<kKernelSets>());
+  }
   return kernels;
 }
 

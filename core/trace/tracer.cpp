@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/bvh/bvh.h"
+#include "core/bvh/known_kinds.h"
 #include "core/trace/kernels.h"
 #include "core/trace/ray_log.h"
 #include "core/trace/trace_visit.h"
@@ -96,6 +97,10 @@ Tracer::Tracer(const Bvh& bvh, InstructionSet set) : bvh_(&bvh) {
                 ": found no kernels that this processor can run in this build");
   }
   const std::size_t leaves = kernel_set_for(bvh.leaf_kinds);
+  if (!kernels->intersect[leaves] || bvh.leaf_kinds.without(kOmittedKinds) != bvh.leaf_kinds) {
+    throw Error(
+        "tree: found motion or geometry that this build leaves out; expected none of MSBVH_OMIT_EFFECTS");
+  }
   intersect_ = kernels->intersect[leaves];
   intersect_many_ = kernels->intersect_many[leaves][bvh.still_parts];
   occluded_many_ = kernels->occluded_many[leaves][bvh.still_parts];

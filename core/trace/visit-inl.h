@@ -12,6 +12,7 @@
 #include <hwy/highway.h>
 
 #include "core/base/affine.h"
+#include "core/bvh/known_kinds.h"
 #include "core/trace/curve_test-inl.h"
 #include "core/trace/grid_test-inl.h"
 #include "core/trace/node_test-inl.h"
@@ -173,7 +174,9 @@ HWY_NOINLINE std::uint32_t test_grid(const Bvh& bvh, const BlockHeader& block,
 template <Movement kMovement, bool kAnyHit>
 HWY_NOINLINE void test_round(const Bvh& bvh, const BlockHeader& block, const RaySetup<kMovement>& setup,
                              std::uint32_t instance, Query& query) {
-  if (block.kind == BlockKind::kCurves) {
+  constexpr bool kCurves = !kOmittedKinds.has(LeafKind::kCurves),
+                 kPoints = !kOmittedKinds.has(LeafKind::kPoints);
+  if (kCurves && (!kPoints || block.kind == BlockKind::kCurves)) {
     const bool found =
         test_curves<kMovement>(bvh, block, setup, query.tfar, [&](std::uint32_t span, const CurveHit& hit) {
           if (!kAnyHit) take({hit.t, hit.u, hit.v, span, block.geometry(), instance}, query);
@@ -181,6 +184,7 @@ HWY_NOINLINE void test_round(const Bvh& bvh, const BlockHeader& block, const Ray
     if (kAnyHit) query.found |= found;
     return;
   }
+  if (!kPoints) return;
   BlockHit hit;
   test_spheres<kMovement>(bvh, block, setup, query.tfar, hit);
   if (kAnyHit) {
@@ -198,15 +202,15 @@ HWY_NOINLINE void test_round(const Bvh& bvh, const BlockHeader& block, const Ray
 // singular at this time, or the instance or its object not there.
 template <Movement kMovement>
 bool to_object(const Bvh& bvh, const Instance& instance, Ray& ray) {
-  constexpr bool kMoving = kMovement != Movement::kStill;
+  constexpr bool kMoving = kMovement != Movement::kStill, kRemaps = kMoving && kKnownTimeRemaps;
   if (instance.object->empty) return false;
   const D4 d;
   const Affine3f* controls = bvh.controls_of(instance);
   Affine3f map = *controls;
   float u = clamped_time(ray.time);
-  if (kMoving && !instance.object->time_remap.is_shutter() && !instance.object->time_remap.at(u, ray.time))
+  if (kRemaps && !instance.object->time_remap.is_shutter() && !instance.object->time_remap.at(u, ray.time))
     return false;
-  if (kMoving && instance.time_remap != kNoTimeRemap && !bvh.time_remaps[instance.time_remap].at(u, u))
+  if (kRemaps && instance.time_remap != kNoTimeRemap && !bvh.time_remaps[instance.time_remap].at(u, u))
     return false;
   if (kMoving && instance.form.moving()) {
     const std::uint32_t degree = kMovement == Movement::kPolynomial ? instance.form.degree : 1;

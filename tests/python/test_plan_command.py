@@ -101,7 +101,7 @@ def test_a_setting_asks_without_a_prim(tmp_path: Path, capfd: pytest.CaptureFixt
     found, text = planned(tmp_path, capfd, STILL)
     indirect = row(found, "indirect light")
     assert indirect["on"] and indirect["prim_count"] == 0 and indirect["why"] == "up to 2 bounces"
-    assert "indirect light       up to 2 bounces\n" in text
+    assert "indirect light       up to 2 bounces [predicted to take about " in text
 
 
 def test_the_plan_is_that_of_a_render(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -113,7 +113,9 @@ Image oracle_picture(const std::shared_ptr<const Scene>& scene, const RenderSett
                     settings.height,
                     settings.seed,
                     settings.max_bounces,
-                    settings.show_domes};
+                    settings.show_domes,
+                    settings.sampling,
+                    choose_stages({}, settings.sampling, world)};
   return scalar_picture(frame, settings.spp);
 }
 

@@ -1,7 +1,9 @@
 #include <doctest/doctest.h>
 
+#include "core/base/error.h"
 #include "core/plan/effect_bytes.h"
 #include "core/plan/effect_plan.h"
+#include "core/plan/known_effects.h"
 #include "core/scene/opacity.h"
 
 namespace msbvh {
@@ -162,6 +164,26 @@ TEST_CASE("indirect light is asked for by a setting") {
   CHECK(plan.why[0].effect == Effect::kIndirectLight);
   CHECK(plan.why[0].prim.empty());
   CHECK(plan.why[0].why == "up to 2 bounces");
+}
+
+TEST_CASE("an effect that the build leaves out is an error, if the scene asks for it") {
+  Scene scene = still_scene();
+  scene.meshes.push_back(triangle("/moving", 2));
+  scene.world.push_back(mesh_id(1));
+  const EffectPlan moving = plan_effects(scene, {.max_bounces = 0});
+  const EffectSet all = kKnownEffects;
+  expect_known(moving, all.without(Effect::kLens));
+  CHECK_THROWS_WITH_AS(
+      expect_known(moving, all.without(Effect::kDeformingKeys)),
+      "/moving: found deforming keys (2 segments); expected none, since MSBVH_OMIT_EFFECTS left its "
+      "code out of this build",
+      Error);
+  scene.lights = {light("/camera", LightKind::kCamera)};
+  CHECK_THROWS_WITH_AS(
+      expect_known(plan_effects(scene, {.max_bounces = 1}), all.without(Effect::kIndirectLight)),
+      "render settings: found indirect light (up to 1 bounce); expected none, since "
+      "MSBVH_OMIT_EFFECTS left its code out of this build",
+      Error);
 }
 
 TEST_CASE("where nothing shines, bounces fold away; a surface that glows shines") {

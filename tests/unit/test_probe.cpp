@@ -12,6 +12,7 @@
 #include "core/base/error.h"
 #include "core/probe/aimed_rays.h"
 #include "core/probe/closed_mesh.h"
+#include "core/probe/posed_mesh.h"
 #include "core/probe/probe.h"
 
 using namespace msbvh;
@@ -68,7 +69,7 @@ TEST_CASE("points are found inside of a closed mesh, off its surface") {
   const auto ball = turning_ball();
   ProbeRandom random(1);
   for (int i = 0; i < 20; ++i) {
-    const auto point = point_inside({ball.get()}, {random.uniform(), {}}, random);
+    const auto point = PosedMesh({ball.get()}, {random.uniform(), {}}).point_inside(random);
     REQUIRE(point);
     CHECK(length(*point) < length(ball->positions[0]));
   }

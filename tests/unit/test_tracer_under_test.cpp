@@ -1,5 +1,6 @@
 // Tracers under test: ours loses no ray, and those that a broken one loses are counted.
 #include <algorithm>
+#include <cmath>
 #include <doctest/doctest.h>
 #include <limits>
 #include <memory>
@@ -116,4 +117,19 @@ TEST_CASE("inside rays of a seed are the same, and all meshes have some") {
     same &= again.rays[i].org == ball.inside.rays[i].org && again.rays[i].time == ball.inside.rays[i].time;
   CHECK(same);
   for (const InsideAim aim : kInsideAims) CHECK(std::ranges::count(again.aims, aim) == 500);
+}
+
+TEST_CASE("plain rays go in any direction at any time") {
+  const Ball ball;
+  const InsideRays plain =
+      inside_rays(*ball.shown, closed_meshes(*ball.shown), 50, 3000, 1, InsideMix::kPlain);
+  REQUIRE(plain.rays.size() == 3000);
+  CHECK(std::ranges::count(plain.aims, InsideAim::kAnywhere) == 3000);
+  const auto at_key = [](const Ray& ray) { return ray.time * 128.0f == std::round(ray.time * 128.0f); };
+  CHECK(std::ranges::count_if(ball.inside.rays, at_key) > 500);
+  CHECK(std::ranges::count_if(plain.rays, at_key) == 0);
+  for (std::size_t way = 0; way < 4; ++way) {
+    const OurTracerUnderTest ours(ball.accel.bvh(), supported_instruction_sets().back());
+    CHECK(lost_rays(ours, way, plain.rays).empty());
+  }
 }

@@ -40,8 +40,6 @@ bool sample_camera_light(const PlacedLight& light, const Camera& camera, const V
   return true;
 }
 
-bool is_still(const Light& light) { return light.segments == 0 && light.moving_values.empty(); }
-
 LightValues values_at(const Light& light, float time) {
   if (light.moving_values.empty()) return light;
   const SegmentTime at = locate(time, light.segments);
@@ -49,17 +47,18 @@ LightValues values_at(const Light& light, float time) {
   return light.segments == 0 ? first : between(first, light.moving_values[at.key + 1], at.w);
 }
 
+template <bool kExtended>
 bool sample_light(const PlacedLight& light, const Camera& camera, const Vec3f& point, float time,
                   Point2 random, LightSample& sample) {
   if (light.values.radiance == Vec3f{}) return false;  // switched off, which needs no shadow ray
   sample.casts_shadow = true;
   switch (light.kind) {
     case LightKind::kDistant:
-      return sample_distant(light, random, sample);
+      return sample_distant<kExtended>(light, random, sample);
     case LightKind::kSphere:
-      return sample_sphere(light, point, random, sample);
+      return sample_sphere<kExtended>(light, point, random, sample);
     case LightKind::kRect:
-      return sample_rect(light, point, random, sample);
+      return kExtended && sample_rect(light, point, random, sample);
     case LightKind::kCamera:
       return sample_camera_light(light, camera, point, time, sample);
     case LightKind::kDome:
@@ -68,10 +67,18 @@ bool sample_light(const PlacedLight& light, const Camera& camera, const Vec3f& p
   return false;
 }
 
+template <bool kExtended>
 bool sample_light(const Light& light, const Camera& camera, const Vec3f& point, float time, Point2 random,
                   LightSample& sample) {
-  return sample_light(PlacedLight(light, time), camera, point, time, random, sample);
+  return sample_light<kExtended>(PlacedLight(light, time), camera, point, time, random, sample);
 }
+
+template bool sample_light<true>(const PlacedLight&, const Camera&, const Vec3f&, float, Point2,
+                                 LightSample&);
+template bool sample_light<false>(const PlacedLight&, const Camera&, const Vec3f&, float, Point2,
+                                  LightSample&);
+template bool sample_light<true>(const Light&, const Camera&, const Vec3f&, float, Point2, LightSample&);
+template bool sample_light<false>(const Light&, const Camera&, const Vec3f&, float, Point2, LightSample&);
 
 bool find_light(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along) {
   if (light.values.radiance == Vec3f{}) return false;

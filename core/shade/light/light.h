@@ -2,6 +2,7 @@
 // else has chosen. All lights but the dome, which lies behind everything.
 #pragma once
 
+#include "core/plan/effect_variant.h"
 #include "core/scene/scene.h"
 #include "core/shade/point2.h"
 
@@ -38,9 +39,12 @@ struct PlacedLight {
   PlacedLight(const Light& light, float time);
 };
 
-// False where the light does not shine on `point` from the sampled direction.
+// False where the light does not shine on `point` from the sampled direction. kExtended: lights may have an
+// extent.
+template <bool kExtended = kKnownEffects.has(Effect::kAreaLights)>
 bool sample_light(const PlacedLight& light, const Camera& camera, const Vec3f& point, float time,
                   Point2 random, LightSample& sample);
+template <bool kExtended = kKnownEffects.has(Effect::kAreaLights)>
 bool sample_light(const Light& light, const Camera& camera, const Vec3f& point, float time, Point2 random,
                   LightSample& sample);
 
@@ -51,9 +55,6 @@ bool find_light(const Light& light, const Vec3f& point, const Vec3f& direction, 
 
 // Whether a ray can meet the light at some time.
 bool has_extent(const Light& light);
-
-// Whether it is the same, in the same place, throughout the shutter.
-bool is_still(const Light& light);
 
 // At a time of the shutter.
 LightValues values_at(const Light& light, float time);

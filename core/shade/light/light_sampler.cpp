@@ -48,7 +48,6 @@ LightSampler::LightSampler(const Scene& scene, const Box3f& bounds) {
     if (light.kind != LightKind::kDome) {
       const PlacedLight* still = is_still(light) ? &placed_.emplace_back(light, 0.0f) : nullptr;
       lights_.push_back({&light, still, 1.0f, has_extent(light)});
-      any_extended_ |= lights_.back().extended;
       continue;
     }
     has_dome_ = true;

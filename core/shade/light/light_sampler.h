@@ -43,7 +43,6 @@ class LightSampler {
     return moving_domes_.empty() ? still_dome_radiance_ : moving_dome_radiance(time);
   }
   bool has_dome() const { return has_dome_; }
-  bool any_extended() const { return any_extended_; }
 
  private:
   void weigh(const Box3f& bounds);
@@ -53,7 +52,7 @@ class LightSampler {
   std::vector<PlacedLight> placed_;
   std::vector<float> cumulative_;  // of their chances; empty where each is picked
   std::uint32_t picks_ = 0;
-  bool has_dome_ = false, any_extended_ = false;
+  bool has_dome_ = false;
   Vec3f still_dome_radiance_;
   std::vector<const Light*> moving_domes_;
 };

@@ -6,13 +6,15 @@
 namespace msbvh {
 
 // A disc of directions about the light's +z axis. Without an extent, radiance stands for irradiance, since
-// UsdLux's normalisation divides by nothing there.
+// UsdLux's normalisation divides by nothing there. kExtended, here and below: false where none has an extent.
+template <bool kExtended>
 bool sample_distant(const PlacedLight& light, Point2 random, LightSample& sample);
 bool find_distant(const PlacedLight& light, const Vec3f& direction, LightAlong& along);
 // 1 - cos of the half angle.
 float distant_opening(float angle_degrees);
 
 // Uniform in the cone that the sphere subtends (pbrt-v4, section 6.2.4), to the near side of the sphere.
+template <bool kExtended>
 bool sample_sphere(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample);
 bool find_sphere(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along);
 // UsdLux has no ellipsoids: a sphere under a transform that is not a similarity takes the radius of equal

@@ -19,12 +19,13 @@ float world_radius(float radius, const Affine3f& world_from_light) {
   return radius * std::cbrt(std::abs(world_from_light.determinant()));
 }
 
+template <bool kExtended>
 bool sample_sphere(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample) {
   const Vec3f to_center = light.world_from_light.t - point;
   const float distance_squared = dot(to_center, to_center), distance = std::sqrt(distance_squared);
   const float radius = light.radius;
   if (distance <= radius) return false;  // inside: a sphere light shines outwards
-  if (light.values.radius == 0.0f) {
+  if (!kExtended || light.values.radius == 0.0f) {
     sample.direction = to_center * (1.0f / distance);
     sample.distance = distance;
     sample.irradiance = light.values.radiance * (1.0f / distance_squared);
@@ -40,6 +41,9 @@ bool sample_sphere(const PlacedLight& light, const Vec3f& point, Point2 random, 
   sample.pdf = 1.0f / (2.0f * kPi * opening);
   return true;
 }
+
+template bool sample_sphere<true>(const PlacedLight&, const Vec3f&, Point2, LightSample&);
+template bool sample_sphere<false>(const PlacedLight&, const Vec3f&, Point2, LightSample&);
 
 bool find_sphere(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along) {
   const Vec3f to_center = light.world_from_light.t - point;

@@ -94,17 +94,9 @@ using Cell = std::tuple<std::string, std::string, std::uint32_t, std::uint32_t, 
 
 std::vector<Cell> stability_cells() {
   std::vector<Cell> cells;
-  for (const bench::StabilityShape& shape : bench::stability_shapes()) {
-    for (const bench::StabilityMotion& motion : bench::stability_motions()) {
-      for (const TrackForm& form : bench::stability_forms()) {
-        for (const bench::StabilityPlace& place : bench::stability_places()) {
-          if (bench::is_measured({shape.name, motion.name, form, place}))
-            cells.emplace_back(shape.name, motion.name, form.segments, form.degree, place.position,
-                               place.scale);
-        }
-      }
-    }
-  }
+  for (const bench::StabilityCell& cell : bench::stability_cells())
+    cells.emplace_back(cell.shape, cell.motion, cell.form.segments, cell.form.degree, cell.place.position,
+                       cell.place.scale);
   return cells;
 }
 

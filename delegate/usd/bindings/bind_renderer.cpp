@@ -200,6 +200,7 @@ nb::list prim_costs(const RayCosts& costs) {
     row["instances"] = prim.instances;
     row["share"] = prim.share;
     row["build_share"] = prim.build_share;
+    row["tree_bytes"] = prim.tree_bytes;
     prims.append(row);
   }
   return prims;
@@ -260,6 +261,22 @@ nb::dict accel_statistics(const BvhStatistics& s) {
   return result;
 }
 
+// Those that any thread was found at.
+nb::list stage_rows(const StageCounts& counts) {
+  nb::list rows;
+  for (std::size_t code = 0; code < counts.of_code.size(); ++code) {
+    const StageNow now = StageNow::of(code);
+    if (counts.of_code[code] == 0 || now.stage == Stage::kNone) continue;
+    nb::dict row;
+    row["stage"] = stage_name(now.stage);
+    row["tracing"] = now.tracing;
+    row["bounced"] = now.bounced;
+    row["samples"] = counts.of_code[code];
+    rows.append(row);
+  }
+  return rows;
+}
+
 nb::dict statistics(const Renderer& renderer) {
   const RenderStatistics& s = renderer.statistics();
   nb::dict result;
@@ -271,6 +288,7 @@ nb::dict statistics(const Renderer& renderer) {
   result["rays_single"] = s.rays.single;
   result["camera_rays"] = s.camera_rays;
   result["trees"] = s.trees;
+  result["stages"] = stage_rows(s.stages);
   result["accel"] = accel_statistics(s.accel);
   return result;
 }
@@ -298,7 +316,7 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
                   std::uint32_t spp, std::uint32_t seed, std::uint32_t max_bounces, std::uint32_t threads,
                   bool show_domes, const std::string& builder, const std::string& layout,
                   const std::string& refit, bool keep_topology, const std::vector<std::string>& aovs,
-                  const std::string& sampler, float split_budget) {
+                  const std::string& sampler, float split_budget, bool sample_stages) {
   RenderSettings settings{.width = width,
                           .height = height,
                           .spp = spp,
@@ -314,6 +332,7 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
   settings.build.keep_topology = keep_topology;
   settings.build.spatial_split_budget = split_budget;
   settings.aovs = aovs_from(aovs);
+  settings.sample_stages = sample_stages;
   commit(self, scene.scene, std::move(settings));
 }
 
@@ -342,13 +361,14 @@ void bind_renderer(nb::module_& m) {
                  nb::arg("layout") = "full", nb::arg("refit") = "auto",
                  nb::arg("keep_topology") = defaults.build.keep_topology,
                  nb::arg("aovs") = std::vector<std::string>(), nb::arg("sampler") = "sobol",
-                 nb::arg("split_budget") = defaults.build.spatial_split_budget);
+                 nb::arg("split_budget") = defaults.build.spatial_split_budget,
+                 nb::arg("sample_stages") = defaults.sample_stages);
   };
   nb::class_<Renderer> renderer(m, "Renderer");
   def_with_settings(renderer, "__init__",
                     &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t,
                           std::uint32_t, bool, const std::string&, const std::string&, const std::string&,
-                          bool, const std::vector<std::string>&, const std::string&, float>);
+                          bool, const std::vector<std::string>&, const std::string&, float, bool>);
   def_with_settings(renderer, "commit", &commit_scene);
   renderer.def("render", &render, nb::arg("progress") = nb::none())
       .def("render_with_aovs", &render_with_aovs, nb::arg("progress") = nb::none())

@@ -109,6 +109,7 @@ from ._core_statistics import RayCosts as RayCosts
 from ._core_statistics import RayMeans as RayMeans
 from ._core_statistics import RenderStatistics as RenderStatistics
 from ._core_statistics import SceneStatistics as SceneStatistics
+from ._core_statistics import StageSamples as StageSamples
 
 __version__: str
 
@@ -356,6 +357,8 @@ class RenderSettings(TypedDict, total=False):
     """Of aov_names(); what render_with_aovs() returns beside colour."""
     sampler: Literal["sobol", "independent"]
     split_budget: float
+    sample_stages: bool
+    """Whether statistics say what threads were found at: ``stages``."""
     """References that spatial splits may add, as a share of the triangles."""
 
 def aov_names() -> tuple[str, ...]:

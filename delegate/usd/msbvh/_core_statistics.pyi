@@ -44,6 +44,16 @@ class AccelStatistics(TypedDict):
     kept: int
     """Trees of the last frame, as they were."""
 
+class StageSamples(TypedDict):
+    """How often threads were found at one place of a frame's work: core/integrate/stage_mark.h."""
+
+    stage: str
+    tracing: bool
+    """Whether rays went through the trees."""
+    bounced: bool
+    """Whether the paths had left their first surface."""
+    samples: int
+
 class RenderStatistics(TypedDict):
     build_seconds: float
     trace_seconds: float
@@ -56,6 +66,8 @@ class RenderStatistics(TypedDict):
     """One after another."""
     camera_rays: int
     trees: int
+    stages: list[StageSamples]
+    """Of the last render, about a thousand looks a second at each thread; empty without ``sample_stages``."""
     accel: AccelStatistics
     """Sums over all trees; depth and max_segments are the largest of any."""
 
@@ -87,6 +99,8 @@ class PrimCosts(TypedDict):
     build_share: float
     """Of the seconds that the trees' builds took: of each tree's in proportion to the mesh's leaf entries there. All 0 where
     every tree was kept from the frame before."""
+    tree_bytes: float
+    """Of the bytes that the trees hold, split likewise."""
 
 class RayCosts(RayMeans):
     """Of camera, bounce and shadow rays together. The prims' shares and empty_share sum up to 1."""

@@ -28,7 +28,8 @@ def table(report: dict[str, Any]) -> str:
     against = f" against {machine['peer']}" if machine["peer"] else ""
     head = (
         f"msbvh {machine['msbvh']}{against}; {machine['processor']}, {machine['instruction_set']}; seed {machine['seed']};"
-        " rays of a million that get out of a closed shape, and that differ from double precision beyond the bound"
+        " rays of a million that get out of a closed shape or through a tube or sphere, and that differ from double"
+        " precision beyond the bound"
     )
     return "\n".join([head, *("  ".join(map(str.rjust, line, widths)) for line in lines)])
 

@@ -35,8 +35,8 @@ def bench_command(as_json: bool, out: Path | None, **options: Any) -> int:
 
     Exit code 1 if our answers differ from the oracle's, if many rays at once differ from one at a time, or if a closed
     scene leaks. With --frames: whole frames of five scenes, each renderer in processes of its own; exit code 1 if another
-    one's picture differs, so that times cannot be compared. With --stability: rays from inside of closed moving shapes;
-    exit code 1 if one of ours gets out or differs from the oracle beyond its bound.
+    one's picture differs, so that times cannot be compared. With --stability: rays from inside of closed moving shapes,
+    and into tubes and spheres; exit code 1 if one of ours is lost or differs from the oracle beyond its bound.
     """
     reporter = Reporter()
     chosen, options = chosen_bench(options)

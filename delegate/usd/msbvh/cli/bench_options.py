@@ -73,9 +73,9 @@ STABILITY: Sequence[Decorator] = (
     click.option(
         "--stability",
         is_flag=True,
-        help="Count the rays that get out of closed moving shapes instead of rays a second: ours, and with --peer embree"
-        " Embree's. About 10 minutes on two cores; with --quick 20 seconds. --scenes: shapes, or ball-129 for one number of"
-        " keys.",
+        help="Count the rays that get out of closed moving shapes, or through tubes and spheres, instead of rays a second:"
+        " ours, and with --peer embree Embree's. About 10 minutes on two cores; with --quick half a minute. --scenes:"
+        " shapes, or ball-129 for one number of keys.",
     ),
 )
 

@@ -281,7 +281,7 @@ OUTPUT: Sequence[Decorator] = (
         "--ray-costs",
         is_flag=True,
         help="Trace a sample of the frame's rays again and count what they meet, for --stats: nodes, tests, and which prims"
-        " they are spent on. Takes tenths of a second.",
+        " they are spent on. Takes tenths of a second. Also samples what the render's threads do, by stage and by effect.",
     ),
     click.option("--strict", is_flag=True, help="Exit with code 3 if anything was missing or degraded."),
 )

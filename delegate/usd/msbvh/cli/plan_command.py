@@ -7,15 +7,16 @@ from typing import Any
 
 import click
 
-from .. import _core
 from ..base.exit_codes import DONE
+from ..base.progress import Progress
 from ..base.reporter import Reporter
+from ..plan_report.pilot import Traced, traced
 from ..plan_report.report import first_reasons, plain, plan_report
 from ..plan_report.table import plan_text
 from ..render.record import report
 from ..scene.reader import ReadResult
 from .frame_options import read_one_frame
-from .options import ONE_FRAME, SCENE, with_options
+from .options import MAX_SPP, ONE_FRAME, SCENE, with_options
 from .render_options import MAX_BOUNCES
 
 OPTIONS = (
@@ -25,28 +26,45 @@ OPTIONS = (
         type=click.IntRange(0, 1_000_000),
         default=2000,
         show_default=True,
-        help="Camera rays that the prediction is made by, with all that follow from them. The trees are built for it: seconds on"
-        " large scenes. 0: neither.",
+        help="Camera rays that the prediction is made by, with all that follow from them, beside a small render. The trees are"
+        " built for it: seconds on large scenes. 0: none of these.",
+    ),
+    click.option(
+        "--measure",
+        is_flag=True,
+        help="Render the frame, without writing it, look a thousand times a second at what its threads do, and print what each"
+        " effect took.",
+    ),
+    click.option(
+        "--spp",
+        type=click.IntRange(1, MAX_SPP),
+        default=4,
+        show_default=True,
+        help="Samples a pixel of that render. Ten thousand looks tell shares to half a percent; more take longer.",
     ),
 )
 
 
 @click.command("plan")
 @with_options(SCENE, ONE_FRAME, OPTIONS)
-def plan_command(scene: str, frame: str | None, as_json: bool, rays: int, **options: Any) -> int:
+def plan_command(
+    scene: str, frame: str | None, as_json: bool, rays: int, measure: bool, spp: int, **options: Any
+) -> int:
     """Print the effects that SCENE calls for, the prims that ask for each, its share of the scene's geometry, and a
-    prediction of its share of the rays' work.
+    prediction of its share of the rays' work and of the render's time.
 
-    Bytes are counted in what was read, before any tree is built. The prediction is of traversal, by a few of the frame's own
-    rays; what a whole frame's rays say of it is in --stats of `record --ray-costs`.
+    Bytes are counted in what was read, before any tree is built. The rays' work is traversal, by a few of the frame's own
+    rays; the time is that of a small render of about 260,000 camera samples, which tells it to a few percent. What a whole
+    frame's rays say, and what each effect took of the render, is in --stats of `record --ray-costs`. --measure renders the frame
+    for the latter.
     """
     reporter = Reporter()
     _, _, result = read_one_frame("plan", scene, frame, options, reporter)
     report(result.diagnostics, reporter)
     bounces = options["max_bounces"]
-    costs = _costs(result, rays, bounces) if rays else None
+    frame_rays = _traced(result, rays, spp if measure else 0, bounces)
     found = plan_report(
-        result.scene, costs, max_bounces=bounces, left_out=result.left_out, coarser=result.coarser_tracks
+        result.scene, frame_rays, max_bounces=bounces, left_out=result.left_out, coarser=result.coarser_tracks
     )
     if as_json:
         said = {"warnings": reporter.warnings, "errors": reporter.errors}
@@ -56,9 +74,9 @@ def plan_command(scene: str, frame: str | None, as_json: bool, rays: int, **opti
     return DONE
 
 
-def _costs(result: ReadResult, rays: int, bounces: int) -> _core.RayCosts | None:
-    """None where nothing is in the frame that rays could meet."""
-    camera = result.camera
-    renderer = _core.Renderer(result.scene, width=camera.width, height=camera.height, spp=1, max_bounces=bounces)
-    costs = renderer.ray_costs(camera_samples=rays)
-    return costs if costs["prims"] else None
+def _traced(result: ReadResult, rays: int, spp: int, bounces: int) -> Traced:
+    size = result.camera.width, result.camera.height
+    if not spp:
+        return traced(result.scene, size, rays=rays, spp=0, max_bounces=bounces)
+    with Progress("msbvh: measuring") as progress:
+        return traced(result.scene, size, rays=rays, spp=spp, max_bounces=bounces, progress=progress)

@@ -39,7 +39,8 @@ class FrameStats:
     before: cages_made, cages_kept, meshes_made, meshes_kept."""
     render: dict[str, Any] = field(default_factory=dict)
     """The renderer's: rays, trees, and of the trees nodes, references and bytes, how many were built,
-    refitted and kept from the frame before, and the seconds that it took; ray_costs where --ray-costs asks."""
+    refitted and kept from the frame before, and the seconds that it took. Where --ray-costs asks: ray_costs, what threads
+    were found at (stages; with a budget, of its last samples), and what each effect took (effects: plan_report/measured.py)."""
     plan: list[dict[str, str]] = field(default_factory=list)
     """The effects that the frame calls for: effect, prim, why."""
     left_out: list[dict[str, Any]] = field(default_factory=list)

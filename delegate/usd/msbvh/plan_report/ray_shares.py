@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Literal
 
 from .. import _core
 
@@ -25,8 +26,15 @@ def ray_shares(found: _core.FoundEffects, costs: _core.RayCosts) -> Mapping[str,
     """Of effects that are on, in [0, 1], by the sampled rays' costs (core/cost/ray_costs.h). A prim may ask for several effects,
     so that shares may add up to more than 1. Other effects, such as a lens, have no geometry, and no share that can be told
     apart."""
-    shares = {row["path"]: row["share"] for row in costs["prims"]}
-    instanced = sum(row["share"] for row in costs["prims"] if row["instances"] > 0.0)
+    return by_geometry(found, costs, "share")
+
+
+def by_geometry(
+    found: _core.FoundEffects, costs: _core.RayCosts, quantity: Literal["share", "tree_bytes"]
+) -> dict[str, float]:
+    """What the prims that ask for each effect have of a quantity."""
+    shares = {row["path"]: row[quantity] for row in costs["prims"]}
+    instanced = sum(row[quantity] for row in costs["prims"] if row["instances"] > 0.0)
     result = {}
     for row in found["effects"]:
         if not row["asked_by"]:

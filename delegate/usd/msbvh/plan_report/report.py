@@ -8,6 +8,8 @@ from typing import Any
 
 from .. import _core
 from ..scene.coarser_tracks import CoarserTracks
+from .measured import MeasuredEffect, measured_effects
+from .pilot import Traced
 from .ray_shares import ray_shares
 
 
@@ -31,6 +33,10 @@ class EffectRow:
     ray_share: float | None
     """Of the rays' work, in [0, 1], predicted by a few rays: ray_shares(). None: no rays were traced, or the effect has no
     geometry of its own."""
+    predicted: MeasuredEffect | None
+    """What it took of a small render ahead of the frame's. None: no rays were traced, or the effect is off."""
+    measured: MeasuredEffect | None
+    """What it took of a render. None: nothing was rendered, or the effect is off."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +48,8 @@ class PlanReport:
     """Of geometry that no effect brings: still triangles."""
     geometry_bytes: int
     """Of the base and all effects."""
+    samples: int
+    """Of what the render's threads were found at; 0: nothing was rendered."""
     left_out: list[_core.LeftOut]
     """Prims that are not in the scene, because no ray can reach them."""
     coarser_tracks: CoarserTracks
@@ -54,22 +62,35 @@ NO_TRACKS = CoarserTracks([], 0, 0)
 
 def plan_report(
     scene: _core.Scene,
-    costs: _core.RayCosts | None = None,
+    frame_rays: Traced | None = None,
     *,
     max_bounces: int = 2,
     left_out: Sequence[_core.LeftOut] = (),
     coarser: CoarserTracks = NO_TRACKS,
 ) -> PlanReport:
-    """`costs`: of a sample of the frame's rays; `left_out`, `coarser`: what reading the scene left out, and what it gave fewer
+    """`frame_rays`: None, nothing was traced; `left_out`, `coarser`: what reading the scene left out, and what it gave fewer
     keys. Raises _core.Error for a scene that is wrong."""
+    frame_rays = frame_rays or Traced()
     found = _core.effects(scene, max_bounces=max_bounces)
-    shares = ray_shares(found, costs) if costs else {}
+    shares = ray_shares(found, frame_rays.costs) if frame_rays.costs else {}
+    predicted = measured_effects(found, frame_rays.pilot, frame_rays.costs)
+    measured = measured_effects(found, frame_rays.stages, frame_rays.costs)
     total = found["base_bytes"] + sum(row["geometry_bytes"] for row in found["effects"])
-    rows = [_row(row, total, shares.get(row["effect"])) for row in found["effects"]]
-    return PlanReport(rows, found["base_bytes"], total, list(left_out), coarser)
+    rows = [
+        _row(row, total, shares.get(row["effect"]), predicted.get(row["effect"]), measured.get(row["effect"]))
+        for row in found["effects"]
+    ]
+    looks = sum(row["samples"] for row in frame_rays.stages)
+    return PlanReport(rows, found["base_bytes"], total, looks, list(left_out), coarser)
 
 
-def _row(found: _core.FoundEffect, total: int, ray_share: float | None) -> EffectRow:
+def _row(
+    found: _core.FoundEffect,
+    total: int,
+    ray_share: float | None,
+    predicted: MeasuredEffect | None,
+    measured: MeasuredEffect | None,
+) -> EffectRow:
     asked_by = found["asked_by"]
     prims = [prim for prim, _ in asked_by if prim]
     return EffectRow(
@@ -81,6 +102,8 @@ def _row(found: _core.FoundEffect, total: int, ray_share: float | None) -> Effec
         geometry_bytes=found["geometry_bytes"],
         geometry_share=found["geometry_bytes"] / total if total else 0.0,
         ray_share=ray_share,
+        predicted=predicted,
+        measured=measured,
     )
 
 

@@ -22,6 +22,7 @@ from ..base.software import software
 from ..output.images import ImageSettings, Layers, write_image
 from ..output.outputs import Outputs
 from ..output.stats import FrameStats, RunStats
+from ..plan_report.measured import measured_effects
 from ..plan_report.ray_shares import ray_shares
 from ..scene.reader import ReadResult, ReadSettings, read_frame
 from ..stage.opening import open_stage
@@ -54,6 +55,8 @@ class RenderSettings:
     """core/integrate/sampler.h."""
     split_budget: float = 1.0
     """References that spatial splits may add, as a share of the triangles: core/build/settings.h."""
+    sample_stages: bool = False
+    """Whether the renderer's statistics say what its threads were found at."""
 
 
 @dataclass(frozen=True)
@@ -214,8 +217,10 @@ def _record_frame(
     if settings.ray_costs:
         with stats.timed("ray_costs"):
             costs = renderer.ray_costs()
-            effects = _core.effects(result.scene, max_bounces=settings.render.max_bounces)
+            aovs_asked = ", ".join(settings.render.aovs)
+            effects = _core.effects(result.scene, max_bounces=settings.render.max_bounces, aovs=aovs_asked)
             stats.render["ray_costs"] = {**costs, "effects": ray_shares(effects, costs)}
+            stats.render["effects"] = measured_effects(effects, stats.render["stages"], costs)
     if not camera.path and not pixels[..., 3].any():
         reporter.warning(NOTHING_SEEN)
     with stats.timed("write"):
@@ -238,7 +243,7 @@ def _with_depth(settings: RecordSettings) -> RenderSettings:
     aovs = settings.render.aovs
     if settings.goals.decide_samples and DEPTH not in aovs and not set(aovs) <= set(MEANS):
         aovs = (*aovs, DEPTH)
-    return replace(settings.render, aovs=aovs)
+    return replace(settings.render, aovs=aovs, sample_stages=settings.ray_costs)
 
 
 def _traced(renderer: _core.Renderer, settings: RecordSettings, ends: float, stats: FrameStats) -> Outcome:
