@@ -13,7 +13,9 @@ float window_depth(Projection projection, const ClipRange& clip, float distance)
 }
 
 std::int32_t instance_of(const HitSource& source) {
-  return source.instances ? static_cast<std::int32_t>(source.instance) : -1;
+  if (!source.instances) return -1;
+  const std::vector<std::int32_t>& ids = source.instances->ids;
+  return ids.empty() ? static_cast<std::int32_t>(source.instance) : ids[source.instance];
 }
 
 // Geometry without a prim's id counts on from kind to kind.

@@ -34,6 +34,8 @@ struct InstanceSet {
   TimeRemap time_remap{};  // of the transforms; hides all of the set where it says so
   std::uint32_t color_segments = 0;
   std::vector<std::uint32_t> materials{};  // empty, or one an instance: overrides the meshes' own
+  // For AOVs: each one's number in its instancer, -1 for what is no instance; empty: its place in the set.
+  std::vector<std::int32_t> ids{};
 
   TrackForm form() const { return {segments, degree}; }
 };

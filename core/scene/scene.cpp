@@ -187,6 +187,8 @@ void check_instances(const InstanceSet& set, const Scene& scene, const std::stri
   expect(set.display_color.empty() || set.display_color.size() == colors, part, "displayColor",
          std::to_string(set.display_color.size()) + " values", "none or " + std::to_string(colors));
   expect_all_finite(set.display_color, part, "displayColor");
+  expect(set.ids.empty() || set.ids.size() == count, part, "ids", std::to_string(set.ids.size()) + " values",
+         "none or " + std::to_string(count));
   expect(set.materials.empty() || set.materials.size() == count, part, "materials",
          std::to_string(set.materials.size()) + " values", "none or " + std::to_string(count));
   expect_materials(set.materials, scene, part, "materials");

@@ -210,6 +210,8 @@ struct InstancesInput {
   std::vector<std::string> paths{};
   // Whether there is a report of all together as well; always, where there are no paths.
   bool report_whole = false;
+  // For the AOV instanceId, one an instance; empty: they are counted.
+  std::span<const std::int32_t> ids{};
 };
 
 // One time of a camera; window, lens and clip as in core/scene/scene.h.

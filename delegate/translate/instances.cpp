@@ -130,6 +130,19 @@ std::vector<TrackReport> report_prims(const InstancesInput& input, const std::ve
   return reports;
 }
 
+// Of some instances; empty where their places in the set say the same.
+std::vector<std::int32_t> instance_ids(std::span<const std::int32_t> given,
+                                       const std::vector<std::size_t>& members) {
+  std::vector<std::int32_t> ids;
+  bool counted = true;
+  for (const std::size_t member : members) {
+    const auto id = given.empty() ? static_cast<std::int32_t>(member) : given[member];
+    counted = counted && id == static_cast<std::int32_t>(ids.size());
+    ids.push_back(id);
+  }
+  return counted ? std::vector<std::int32_t>{} : ids;
+}
+
 // Of all instances, beside reports of each of their prims: a count of places, and what those have counted is
 // not counted again.
 void make_whole(TrackReport& report, std::size_t prims) {
@@ -145,6 +158,7 @@ InstanceSet gather(const InstancesInput& input, const TransformFitter& fitter, s
   InstanceSet set{input.path, input.prototype, form.segments, {}, {}, form.degree, fitter.time_remap(track)};
   if (input.visible) set.time_remap = with_visibility(set.time_remap, *input.visible);
   set.world_from_prototype.resize(members.size() * form.controls());
+  set.ids = instance_ids(input.ids, members);
   const bool colored = !colors.values.empty();
   set.color_segments = colors.segments;
   if (colored) set.display_color.resize(members.size() * key_count(colors.segments));
@@ -169,6 +183,9 @@ bool has_fitting_sizes(const InstancesInput& input, std::size_t count, std::uint
   if (!input.paths.empty() && count % input.paths.size() != 0) {
     return log.reject("paths", message("found ", input.paths.size(), " for ", count,
                                        " instances; expected one for each of the innermost level"));
+  }
+  if (!input.ids.empty() && input.ids.size() != count) {
+    return log.reject("ids", message("found ", input.ids.size(), "; expected ", count, ", one an instance"));
   }
   if (input.materials.empty()) return true;
   const int largest = *std::ranges::max_element(input.materials);

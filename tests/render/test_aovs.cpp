@@ -62,6 +62,14 @@ TEST_CASE("each output by its meaning; -1, 0 and infinity where nothing is") {
   }
 }
 
+TEST_CASE("an instance has the number that its instancer gives it") {
+  Scene scene = wall_and_instance();
+  scene.instances[0].ids = {12};
+  CHECK(id(render_all(scene, 4, 1, 4), Aov::kInstanceId, 2) == 12);
+  scene.instances[0].ids = {-1};  // a prim that merely moves
+  CHECK(id(render_all(scene, 4, 1, 4), Aov::kInstanceId, 2) == -1);
+}
+
 TEST_CASE("normals in the camera's space follow the camera") {
   Scene scene;
   scene.camera = pixel_camera(1, 1);
