@@ -166,7 +166,8 @@ class TrackReport:
         """Of ``count``: that move, wholly outside of the picture throughout the shutter."""
     @property
     def coarser(self) -> int:
-        """Of those: that took fewer keys than the motion tolerance asks for."""
+        """Of those: that took fewer keys than the motion tolerance asks for; after Translator.finish(): and that a ray can
+        reach."""
     @property
     def keys_saved(self) -> int:
         """By all of these together."""
@@ -180,7 +181,7 @@ class TrackReport:
         """Of the track's control points."""
     @property
     def count(self) -> int:
-        """Of instances."""
+        """Of instances, once for each place that outer levels put a prim at; 0 of a prototype's mesh."""
 
 class Scene:
     """A finished frame, for Renderer."""
