@@ -343,9 +343,9 @@ class RenderSettings(TypedDict, total=False):
     """Of aov_names(); what render_with_aovs() returns beside colour."""
     sampler: Literal["sobol", "independent"]
     split_budget: float
+    """References that spatial splits may add, as a share of the triangles."""
     sample_stages: bool
     """Whether statistics say what threads were found at: ``stages``."""
-    """References that spatial splits may add, as a share of the triangles."""
 
 def aov_names() -> tuple[str, ...]:
     """Of what a pixel can tell beside its colour: core/film/aov.h says what each means."""
