@@ -190,10 +190,10 @@ def test_an_instancer_of_which_a_part_is_seen_reports_that_part(tmp_path: Path) 
     assert (other.error_pixels, other.tolerance_pixels, other.error_outside) == (one.error_pixels, 0.1, False)
 
 
-def cubes(count: int, x: float) -> str:
+def cubes(count: int, x: float, step: float = 0.3) -> str:
     """Alike, so that they become instances of one."""
     return "".join(
-        f'def Cube "s{i}" {{ double size = 0.5\n double3 xformOp:translate = ({x - 0.1 * i}, {0.3 * i}, 0)\n'
+        f'def Cube "s{i}" {{ double size = 0.5\n double3 xformOp:translate = ({x - step / 3.0 * i}, {step * i}, 0)\n'
         f" double xformOp:rotateZ.timeSamples = {{ 1: 0, 2: {TURN} }}\n"
         ' uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateZ"]\n}\n'
         for i in range(count)
@@ -241,7 +241,7 @@ def test_a_prim_that_stands_in_many_places_is_outside_in_some(
 ) -> None:
     group = (
         'def PointInstancer "inst" { int[] protoIndices = [0, 0, 0]; rel prototypes = </inst/p>\n'
-        f' point3f[] positions = [(0, 0, 0), (-20, 0, 0), (-30, 0, 0)]\n def Xform "p" {{\n{cubes(20, 0.0)} }}\n}}\n'
+        f' point3f[] positions = [(0, 0, 0), (-20, 0, 0), (-30, 0, 0)]\n def Xform "p" {{\n{cubes(20, 0.0, 0.05)} }}\n}}\n'
     )
     scene = written(tmp_path, group + SUN, x=0.0)
     prims = motion_of(scene, capfd)
@@ -258,7 +258,7 @@ def test_a_crowd_that_is_left_out_is_not_among_the_coarser_tracks(
     """Its one name is that of its first prim."""
     scene = written(tmp_path, cubes(20, -8.0), x=0.0)
     left = read(scene, 8.0, max_bounces=0)
-    assert [row["count"] for row in left.left_out] == [20]
+    assert sum(row["count"] for row in left.left_out) == 20
     assert left.coarser_tracks == CoarserTracks([], 0, 0)
     assert len(read(scene, 8.0).coarser_tracks.prims) > 10
     assert main(["plan", scene, "-w", "480", "--rays", "0", "--max-bounces", "0"]) == 0
