@@ -283,11 +283,12 @@ class Translator:
         materials: I32 | None = None,
         paths: Sequence[str] = (),
         report_whole: bool = False,
+        ids: I32 | None = None,
     ) -> None:
         """As many instances as the product of the levels' counts, the outermost (last) level varying slowest;
         ``display_color`` [N, 3], ``materials`` [N] (negative: none) override the prototype's own. ``paths``: of
-        the prims that the innermost level places, for a track report each; ``report_whole``: and one of all. After
-        the prototype's meshes."""
+        the prims that the innermost level places, for a track report each; ``report_whole``: and one of all.
+        ``ids`` [N]: their numbers in the AOV instanceId; None: counted. After the prototype's meshes."""
     def add_material(self, *, displacement: Displacement | None = None, **material: Unpack[Material]) -> int:
         """Before the meshes that are bound to it."""
     def add_light(

@@ -149,6 +149,8 @@ def motion_report(
 
 
 def _merged(tracks: Sequence[Any]) -> PrimMotion:
+    """The tracks of one path as one: instances that take different numbers of keys, a mesh that is itself an
+    instance."""
     main = max(tracks, key=lambda track: (track.segments, track.degree, track.error_pixels))
     worst = worst_track(tracks)
     rules = dict.fromkeys(track.rule for track in tracks)

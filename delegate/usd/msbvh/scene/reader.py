@@ -379,6 +379,7 @@ class _FrameReader:
                 levels=levels,
                 visible=placement.visible,
                 display_color=colour,
+                ids=indices.astype(np.int32),
             )
 
     def _add_lights(self, placements: list[Placement]) -> None:
