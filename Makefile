@@ -107,7 +107,7 @@ sanitize: setup  ## a sample of the C++ tests under AddressSanitizer and Undefin
 	  -DMSBVH_SANITIZE=address,undefined -DMSBVH_NATIVE_KERNELS=ON > build/sanitize.log
 	@cmake --build build/sanitize --target test_unit test_property test_render test_memory fuzz >> build/sanitize.log || \
 	  { tail -n 60 build/sanitize.log; exit 1; }
-	@printf '%s\n' render property unit memory | xargs -P $(JOBS) -I % \
+	@printf '%s\n' render property unit memory | xargs -P $(JOBS) -I % env \
 	  build/sanitize/tests/test_% --test-suite-exclude=slow --test-case-exclude='$(LONG_CASES)'
 	@ctest --test-dir build/sanitize --output-on-failure --no-tests=error -R '^fuzz\.'
 

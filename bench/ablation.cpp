@@ -2,7 +2,7 @@
 //
 //   msbvh_bench_ablation effects [TRIANGLES [WIDTH [ROUNDS [EFFECT]]]]
 //       A line for each effect: the base scene, or that with what the effect needs, against the same with the
-//       effect, rendered in turn. EFFECT: only those whose names contain it.
+//       effect, rendered in turn. EFFECT: only the one of this name.
 //   msbvh_bench_ablation base INSTRUCTIONS [TRIANGLES [WIDTH]]
 //       The base scene's frame, once, by the kernels of one instruction set: sse4, avx2 or avx3. For
 //       callgrind, and for builds that leave an effect out (MSBVH_OMIT_EFFECTS).
@@ -131,11 +131,15 @@ void run(int argc, char** argv) {
   if (what == "base" && argc > 2) return render_base(argv[2], number(3, kTriangles), number(4, kWidth));
   if (what != "effects")
     throw Error("expected effects or base INSTRUCTIONS; see the head of bench/ablation.cpp");
+  bool found = false;
   for (std::size_t i = 0; i < kEffectCount; ++i) {
     const Effect effect = effect_at(i);
-    if (argc > 5 && !std::strstr(effect_name(effect), argv[5])) continue;
+    if (argc > 5 && std::strcmp(effect_name(effect), argv[5]) != 0) continue;
+    found = true;
     measure(effect, number(2, kTriangles), number(3, kWidth), static_cast<int>(number(4, kRounds)));
   }
+  if (!found)
+    throw Error(std::string("EFFECT: found \"") + argv[5] + "\"; expected one that msbvh plan names");
 }
 
 }  // namespace

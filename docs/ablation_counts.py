@@ -29,9 +29,8 @@ def base_count(bench: Path, instructions: str) -> dict[str, Any]:
 def effect_count(bench: Path, effect: str) -> dict[str, Any]:
     """Of a frame with an effect and one without, each drawn twice, by the best kernels that valgrind knows: `count`
     instructions, and the effects that both scenes call for, `scenes`."""
-    rows, count = _counted([bench, "effects", *SMALL_FRAME, "1", effect])
-    called = {name for row in rows for name in (row["effect"], *row["needs"].split(", ")) if name}
-    return {"count": count, "scenes": sorted(called)}
+    (row,), count = _counted([bench, "effects", *SMALL_FRAME, "1", effect])
+    return {"count": count, "scenes": sorted(name for name in (row["effect"], *row["needs"].split(", ")) if name)}
 
 
 def beside_counts(whole: Mapping[str, dict[str, Any]], without: Path, omitted: str) -> dict[str, tuple[int, int]]:

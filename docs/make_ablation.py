@@ -198,8 +198,7 @@ def on_row(effect: str) -> dict[str, Any]:
     """Table 1's, as the bench prints it."""
     if not BENCH.is_file():
         raise Failed(f"{BENCH}: found none; expected it of `make setup`")
-    rows = [json.loads(line) for line in output([BENCH, "effects", "20000", "256", "15", effect]).splitlines()]
-    (row,) = [row for row in rows if row["effect"] == effect]  # "instances" is a part of "moving instances"
+    row = json.loads(output([BENCH, "effects", "20000", "256", "15", effect]))
     return {**row, "load": os.getloadavg()[0]}
 
 

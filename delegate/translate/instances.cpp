@@ -1,8 +1,11 @@
 #include "delegate/translate/instances.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <ranges>
 #include <tuple>
 #include <utility>
 
@@ -49,6 +52,16 @@ void report_left_out(const InstanceChain& chain, const std::vector<Judgement>& j
                               " is the first) ", found, "; expected ", expected, "; they are left out"));
 }
 
+// Those that miss their tolerance, which is the same of all.
+struct Beyond {
+  std::size_t count = 0;
+  Judgement worst;
+
+  void add(const Judgement& judgement) {
+    if (count++ == 0 || judgement.verdict.error > worst.verdict.error) worst = judgement;
+  }
+};
+
 // What instances have in common in a report: the costliest track, sums, and the error that counts most.
 class Common {
  public:
@@ -60,16 +73,19 @@ class Common {
     report_.keys_saved += judgement.keys_saved;
     if (!has_error_ || weight(worst_) < weight(judgement)) worst_ = judgement;
     has_error_ = true;
+    if (judgement.is_beyond()) beyond_[judgement.outside].add(judgement);
   }
 
-  TrackReport report(const TransformFitter& fitter, double tolerance) && {
+  TrackReport report(const TransformFitter& fitter, double tolerance) {
     report_.set_form(fitter.form(costliest_), fitter.time_remap(costliest_));
     report_.moving_transform = report_.segments > 0;
     report_.error_pixels = worst_.verdict.error;
     report_.tolerance_pixels = has_error_ ? worst_.tolerance : tolerance;
     report_.error_outside = worst_.outside;
-    return std::move(report_);
+    return report_;
   }
+
+  const Beyond& beyond(bool outside) const { return beyond_[outside]; }
 
  private:
   // What is seen counts before what is not, and what misses its tolerance before either.
@@ -81,27 +97,28 @@ class Common {
   std::uint32_t costliest_ = 0;
   bool has_error_ = false;
   Judgement worst_;
+  std::array<Beyond, 2> beyond_;  // of what is seen, and of what is outside of the picture
 };
 
 TrackReport report_track(const std::vector<Judgement>& judgements, const InstanceChain& chain,
                          const TransformFitter& fitter, const FitSettings& settings, PrimLog& log) {
   Common common;
-  std::size_t beyond = 0;
   for (const Judgement& judgement : judgements) {
-    if (!is_drawn(judgement)) continue;
-    common.add(judgement, fitter);
-    beyond += judgement.is_beyond();
+    if (is_drawn(judgement)) common.add(judgement, fitter);
   }
-  TrackReport report = std::move(common).report(fitter, settings.tolerance);
+  TrackReport report = common.report(fitter, settings.tolerance);
   report.path = log.path();
   report.source = "instances";
   report.rule = chain.rule();
   report.count = judgements.size();
-  if (beyond > 0) {
+  for (const bool outside : {false, true}) {
+    const auto& [beyond, worst] = common.beyond(outside);
+    if (beyond == 0) continue;
     log.warn(kMatrices,
-             message("the motion of ", beyond, " of ", judgements.size(), " instances deviates by up to ",
-                     report.error_pixels, " pixels at ", report.segments, " segments; expected at most ",
-                     report.tolerance_pixels, "; ", advice(settings.choice)));
+             message("the motion of ", beyond, " of ", judgements.size(), " instances",
+                     outside ? " outside of the picture" : "", " deviates by up to ", worst.verdict.error,
+                     " pixels at ", fitter.form(worst.verdict.track).segments, " segments; expected at most ",
+                     worst.tolerance, "; ", advice(settings.choice)));
   }
   return report;
 }
@@ -118,14 +135,20 @@ std::vector<TrackReport> report_prims(const InstancesInput& input, const std::ve
   const std::string rule = chain.rule();
   const double tolerance = settings.tolerance;
   for (std::size_t prim = 0; prim < common.size(); ++prim) {
-    reports.push_back(std::move(common[prim]).report(fitter, tolerance));
+    reports.push_back(common[prim].report(fitter, tolerance));
     TrackReport& report = reports.back();
     report.path = input.paths[prim];
     report.source = report.moving_transform ? "transform" : "points";
     report.rule = report.moving_transform ? rule : "still";
-    settings.tolerance = report.tolerance_pixels;
+    report.count = judgements.size() / common.size();
     PrimLog own = log.of_part(report.path);
-    report_fit({report.segments, report.error_pixels}, settings, "xformOpOrder", "the motion", own);
+    for (const bool outside : {false, true}) {
+      const auto& [beyond, worst] = common[prim].beyond(outside);
+      if (beyond == 0) continue;
+      settings.tolerance = worst.tolerance;
+      report_fit({fitter.form(worst.verdict.track).segments, worst.verdict.error}, settings, "xformOpOrder",
+                 outside ? "the motion outside of the picture" : "the motion", own);
+    }
   }
   return reports;
 }
@@ -148,6 +171,22 @@ std::vector<std::int32_t> instance_ids(std::span<const std::int32_t> given,
 void make_whole(TrackReport& report, std::size_t prims) {
   report.count /= prims;
   report.outside = report.coarser = report.keys_saved = 0;
+}
+
+// Of the members of a set: each prim's, or those of the one report.
+std::vector<Saving> savings_of(const std::vector<std::size_t>& members,
+                               const std::vector<Judgement>& judgements, std::size_t prims) {
+  std::map<std::size_t, Saving> found;
+  for (const std::size_t i : members) {
+    if (judgements[i].keys_saved == 0) continue;
+    const std::size_t report = prims == 0 ? 0 : i % prims;
+    Saving& saving = found[report];
+    saving.report = report;
+    ++saving.coarser;
+    saving.keys_saved += judgements[i].keys_saved;
+  }
+  const auto savings = std::views::values(found);
+  return {savings.begin(), savings.end()};
 }
 
 // `colors` has those of all `count` instances.
@@ -258,6 +297,7 @@ TranslatedInstances translate_instances(const InstancesInput& input, const Insta
   for (std::uint32_t track = 0; track < members.size(); ++track) {
     if (members[track].empty()) continue;
     result.sets.push_back(gather(input, fitter, track, members[track], colors, chain->count()));
+    result.savings.push_back(savings_of(members[track], judgements, input.paths.size()));
   }
   return result;
 }

@@ -307,9 +307,12 @@ std::optional<TranslatedMesh> baked_as_seen(const MeshMotion& motion, MeshTarget
   if (!may_be_coarser(fine_keys, fine_error, fine_tolerance)) return fine;
 
   const std::size_t middle = log.said();
-  const std::uint64_t fine_bytes_left = std::exchange(*target.triangle_bytes_left, bytes_left);
+  // Neither its form nor what is left to other shapes depends on which track is taken.
+  const std::uint64_t fine_bytes_left = *target.triangle_bytes_left;
+  *target.triangle_bytes_left = fine_bytes_left < bytes_left ? bytes_left : 0;
   PrimLog again = log;
   std::optional<TranslatedMesh> coarse = baked(motion, settings, target, again);
+  *target.triangle_bytes_left = fine_bytes_left;
   const bool stays_outside = coarse && outside->view.misses(coarse->box());
   if (stays_outside && is_worth_it(coarse->track.controls(), fine_keys, fine_error, fine_tolerance)) {
     const std::uint32_t keys = coarse->track.controls();
@@ -319,7 +322,6 @@ std::optional<TranslatedMesh> baked_as_seen(const MeshMotion& motion, MeshTarget
   }
   if (!stays_outside) set_inside(fine_tolerance, fine->track);
   log.take_back(middle, log.said());
-  *target.triangle_bytes_left = fine_bytes_left;
   return fine;
 }
 

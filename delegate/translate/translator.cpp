@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/stretch.h"
 #include "delegate/translate/camera.h"
+#include "delegate/translate/coarser_tally.h"
 #include "delegate/translate/instances.h"
 #include "delegate/translate/light.h"
 #include "delegate/translate/mesh.h"
@@ -102,6 +103,7 @@ struct Translator::Data {
   // Whether it is hidden throughout the shutter; notes it.
   bool is_hidden(const TranslatedMesh& translated);
   void add_instanced(TranslatedMesh translated);
+  void note_coarser(const TranslatedInstances& found, std::size_t parts);
   std::uint32_t part_with(const TimeRemap& time_remap, PrototypeState& state);
 
   TranslatorSettings settings;
@@ -118,6 +120,7 @@ struct Translator::Data {
   std::vector<TrackReport> tracks;
   std::size_t empty_meshes = 0;
   std::vector<LeftOut> left_out;
+  CoarserTally coarser;
 };
 
 MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
@@ -151,6 +154,7 @@ std::optional<TranslatedMesh> Translator::Data::translated(const MeshInput& inpu
   std::optional<TranslatedMesh> result = translate_mesh(input, target, log);
   if (result) {
     result->look().prim_id = input.prim_id;
+    if (!target.measure) result->track.count = 0;
     tracks.push_back(result->track);
   } else if (!log.rejected()) {
     ++empty_meshes;
@@ -176,7 +180,10 @@ GeometryId Translator::Data::add(TranslatedMesh& translated) {
 }
 
 bool Translator::Data::is_hidden(const TranslatedMesh& translated) {
-  if (translated.never_seen) left_out.push_back({translated.name(), Unreached::kHidden});
+  if (translated.never_seen) {
+    left_out.push_back({translated.name(), Unreached::kHidden});
+    tracks.back().coarser = tracks.back().keys_saved = 0;
+  }
   return translated.never_seen;
 }
 
@@ -195,7 +202,22 @@ void Translator::Data::add_instanced(TranslatedMesh translated) {
     set.world_from_prototype = std::move(translated.world_from_mesh);
     set.time_remap = translated.time_remap;
   }
+  coarser.add({scene.instances.size()},
+              {{tracks.size() - 1, tracks.back().coarser, tracks.back().keys_saved}});
   scene.instances.push_back(std::move(set));
+}
+
+// Before the sets are added, once for each of a prototype's parts.
+void Translator::Data::note_coarser(const TranslatedInstances& found, std::size_t parts) {
+  for (std::size_t i = 0; i < found.savings.size(); ++i) {
+    std::vector<std::size_t> sets;
+    for (std::size_t part = 0; part < parts; ++part) {
+      sets.push_back(scene.instances.size() + part * found.sets.size() + i);
+    }
+    std::vector<Saving> savings = found.savings[i];
+    for (Saving& saving : savings) saving.report += tracks.size();
+    coarser.add(std::move(sets), std::move(savings));
+  }
 }
 
 std::uint32_t Translator::Data::part_with(const TimeRemap& time_remap, PrototypeState& state) {
@@ -234,6 +256,7 @@ void Translator::add_mesh(const MeshInput& input) {
   if (!translated || data_->is_hidden(*translated)) return;
   if (translated->world_from_mesh.empty() && translated->time_remap.is_shutter()) {
     data_->scene.world.push_back(data_->add(*translated));
+    data_->coarser.add(data_->scene.world.back(), data_->tracks.back(), data_->tracks.size() - 1);
   } else {
     data_->add_instanced(std::move(*translated));
   }
@@ -290,6 +313,7 @@ void Translator::add_instances(const InstancesInput& input) {
       if (std::isfinite(pixels)) track.shape_error_pixels = pixels;
     }
   }
+  data_->note_coarser(result, state.parts.size());
   for (const std::uint32_t part : state.parts) {
     for (InstanceSet& set : result.sets) {
       set.prototype = part;
@@ -332,6 +356,8 @@ std::shared_ptr<const Scene> Translator::finish() {
   const TranslatorSettings& settings = data_->settings;
   std::vector<LeftOut> found =
       leave_out_unreached(data_->scene, settings.width, settings.height, settings.max_bounces);
+  data_->coarser.leave_out(found, data_->tracks);
+  data_->coarser = {};
   std::ranges::move(found, std::back_inserter(data_->left_out));
   auto scene = std::make_shared<Scene>(std::move(data_->scene));
   data_->scene = {};

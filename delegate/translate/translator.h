@@ -75,7 +75,9 @@ struct TrackReport {
   // it is seen, or of an instance that misses its tolerance.
   bool error_outside = false;
   std::size_t outside = 0;  // of `count`: that move, wholly outside of the picture throughout the shutter
-  std::size_t coarser = 0;  // of those: that took fewer keys than the motion tolerance asks for
+  // Of those: that took fewer keys than the motion tolerance asks for. After Translator::finish(): and that a
+  // ray can reach.
+  std::size_t coarser = 0;
   std::size_t keys_saved =
       0;  // by all of these together; of many instances that have reports of their own, 0
   // How far what is drawn of a mesh strays from its true surface in the picture, at most, in pixels
@@ -85,7 +87,9 @@ struct TrackReport {
   // prototype's meshes have it.
   std::optional<double> shape_error_pixels{};
   std::size_t bytes = 0;  // of the controls
-  std::size_t count = 1;  // of instances
+  // Of instances, once for each place that outer levels put a prim at; 0 of a prototype's mesh, which those
+  // of its instances count.
+  std::size_t count = 1;
 
   void set_form(const TrackForm& form, const TimeRemap& own) {
     segments = form.segments;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <numeric>
+#include <utility>
 
 #include "core/base/box.h"
 #include "core/base/parallel.h"
@@ -90,22 +92,35 @@ bool misses(const ViewVolume& view, const Box3d& box, const InstanceSet& set) {
 
 class Sweep {
  public:
-  explicit Sweep(Scene& scene) : scene_(scene), left_(scene.prototypes.size()) {}
+  explicit Sweep(Scene& scene)
+      : scene_(scene), places_(scene.instances.size()), left_(scene.prototypes.size()) {
+    std::iota(places_.begin(), places_.end(), std::size_t{0});
+  }
 
   template <typename Leaves>
   void instances(Unreached why, Leaves leaves) {
-    std::erase_if(scene_.instances, [&](const InstanceSet& set) {
-      if (!leaves(set)) return false;
-      add({set.name, why, instance_count(set)}, set.prototype);
-      left_[set.prototype] = true;
-      return true;
-    });
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+      InstanceSet& set = scene_.instances[i];
+      if (leaves(std::as_const(set))) {
+        add({set.name, why, instance_count(set)}, set.prototype);
+        found_.back().sets.push_back(places_[i]);
+        left_[set.prototype] = true;
+        continue;
+      }
+      places_[kept] = places_[i];
+      if (kept != i) scene_.instances[kept] = std::move(set);
+      ++kept;
+    }
+    scene_.instances.erase(scene_.instances.begin() + std::ptrdiff_t(kept), scene_.instances.end());
+    places_.resize(kept);
   }
 
   void world(const ViewVolume& view) {
     std::erase_if(scene_.world, [&](GeometryId id) {
       if (!view.misses(box_of(scene_, id))) return false;
       add({name_of(scene_, id), Unreached::kOutsidePicture}, kNone);
+      found_.back().world.push_back(id);
       empty(scene_, id);
       return true;
     });
@@ -137,6 +152,7 @@ class Sweep {
   }
 
   Scene& scene_;
+  std::vector<std::size_t> places_;  // of the instances that are left, before any left
   std::uint32_t prototype_ = kNone;  // of the last one found
   std::vector<bool> left_;           // by prototype: whether sets of it have left
   std::vector<LeftOut> found_;

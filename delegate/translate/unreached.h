@@ -1,6 +1,7 @@
 // What of a scene no ray can reach.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,6 +21,9 @@ struct LeftOut {
   std::string path;
   Unreached why = Unreached::kHidden;
   std::size_t count = 1;  // of instances
+  // Of which it was: places in Scene::instances as they were before, and parts of Scene::world.
+  std::vector<std::size_t> sets{};
+  std::vector<GeometryId> world{};
 };
 
 // Takes out of a finished scene what no ray of a render in width x height pixels with so many bounces can

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import re
 import subprocess
@@ -116,6 +117,20 @@ def test_effects_are_those_of_the_plan_and_of_the_option() -> None:
     option = (ROOT / "cmake/OmitEffects.cmake").read_text(encoding="utf-8")
     found = re.search(r"set\(msbvh_effects ([^)]*)\)", option)
     assert found and found[1].split() == [make_ablation.option_name(effect) for effect in make_ablation.EFFECTS]
+
+
+@pytest.mark.skipif(not make_ablation.BENCH.is_file(), reason="no bench in build/release; make setup makes it")
+def test_the_bench_runs_the_named_effect_alone() -> None:
+    """Names hold others: "instances" is a part of "moving instances"."""
+
+    def run(effect: str) -> subprocess.CompletedProcess[str]:
+        command = [make_ablation.BENCH, "effects", *ablation_counts.SMALL_FRAME, "1", effect]
+        return subprocess.run(command, capture_output=True, text=True)
+
+    assert [json.loads(line)["effect"] for line in run("instances").stdout.splitlines()] == ["instances"]
+    done = run("instance")
+    assert done.returncode == 1 and not done.stdout
+    assert 'EFFECT: found "instance"; expected one that msbvh plan names' in done.stderr
 
 
 def run_generator(*arguments: str, path: str | None = None) -> subprocess.CompletedProcess[str]:

@@ -79,6 +79,31 @@ def test_each_output_is_in_the_file_of_colour(msbvh: Run, stage: Path, tmp_path:
     np.testing.assert_array_equal([found[f"albedo.{c}"][0, 0] for c in "RGB"], [0.25, 0.5, 0.75])
 
 
+INSTANCE = """def Xform "%s" (
+    instanceable = true
+    references = </Cards>
+)
+{
+    double3 xformOp:translate = (%g, 0, 30)
+    float xformOp:rotateY.timeSamples = { 1: 0, 2: %g }
+    uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateY"]
+}
+"""
+
+
+def test_an_instance_keeps_its_number_beside_one_that_spins(msbvh: Run, tmp_path: Path) -> None:
+    """That one is sampled more often, so that each comes to the scene by itself."""
+    before, crowd = STAGE.split('def PointInstancer "Crowd" {')
+    card = crowd[crowd.index('    def Mesh "Card"') : crowd.rindex("}")]
+    open_camera = before.replace("    token projection", "    double shutter:close = 0.5\n    token projection")
+    stage, out = tmp_path / "native.usda", tmp_path / "a.exr"
+    instances = INSTANCE % ("Spins", 90, 90000) + INSTANCE % ("Leans", 2.5, 1)
+    stage.write_text(f'{open_camera}class Xform "Cards" {{\n{card}}}\n{instances}')
+    done = msbvh("record", stage, out, "--resolution", 4, 1, "--spp", 16, "--aov", "instanceId")
+    assert done.returncode == 0, done.stderr
+    np.testing.assert_array_equal(channels(out)["instanceId"][0], [-1, -1, 1, -1])
+
+
 def test_outputs_do_not_change_colour(msbvh: Run, stage: Path, tmp_path: Path) -> None:
     for name, more in (("plain.exr", ()), ("more.exr", ("--aov", "normal depth"))):
         msbvh("record", stage, tmp_path / name, "-w", 16, "--spp", 4, "--exr-float", *more)

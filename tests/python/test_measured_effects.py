@@ -112,33 +112,54 @@ class FakeRenderer:
 
     def __init__(self, scene: Any, **settings: Any) -> None:
         self.made.append(settings)
+        self.pixels = settings["width"] * settings["height"]
         self.statistics: dict[str, Any] = {}
 
     def ray_costs(self, *, camera_samples: int) -> Any:
         return costs(a=(1.0, camera_samples))
 
-    def render_samples(self, first: int, count: int) -> None:
-        self.statistics["stages"] = [sampled("generate", count)]
+    def render_samples(self, first: int, count: int, progress: Any) -> None:
+        if progress:
+            progress(0.5)
+            progress(1.0)
+        self.statistics["stages"] = [sampled("generate", count * self.pixels)]
 
     def render(self, progress: Any) -> None:
-        self.statistics["stages"] = [sampled("accumulate", self.made[-1]["spp"])]
+        if progress:
+            progress(0.5)
+            progress(1.0)
+        self.statistics["stages"] = [sampled("accumulate", self.made[-1]["spp"] * self.pixels)]
 
 
 def test_the_prediction_is_of_the_pilot_and_the_measure_of_the_frame(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(_core, "Renderer", FakeRenderer)
+    monkeypatch.setattr(FakeRenderer, "made", [])
     scene: Any = None
-    found = traced(scene, (1024, 512), rays=7, spp=3, max_bounces=1)
+    found = traced(scene, (7680, 4320), rays=7, spp=3, max_bounces=1)
     assert found.costs == costs(a=(1.0, 7))
-    assert (found.pilot, found.stages) == ([sampled("generate", 1)], [sampled("accumulate", 3)])
-    assert (FakeRenderer.made[-1]["width"], FakeRenderer.made[-1]["height"]) == (1024, 512)
+    assert [row["samples"] for row in found.pilot] == [pytest.approx(PILOT_PATHS, rel=0.01)]
+    assert found.stages == [sampled("accumulate", 3 * 7680 * 4320)]
+    small, frame = FakeRenderer.made
+    assert (small["width"], small["height"]) == pilot_size((7680, 4320)) and small["sample_stages"]
+    assert (frame["width"], frame["height"]) == (7680, 4320) and frame["sample_stages"]
     found = traced(scene, (128, 64), rays=7, spp=0, max_bounces=1)
-    assert (found.pilot, found.stages) == ([sampled("generate", PILOT_PATHS // (128 * 64))], [])
-    traced(scene, (2048, 1024), rays=7, spp=0, max_bounces=1)
-    made = FakeRenderer.made[-1]
-    assert made["width"] * made["height"] == pytest.approx(PILOT_PATHS, rel=0.01) and made["sample_stages"]
+    assert (found.pilot, found.stages) == ([sampled("generate", PILOT_PATHS // (128 * 64) * 128 * 64)], [])
+    found = traced(scene, (128, 64), rays=0, spp=3, max_bounces=1)
+    assert (found.costs, found.pilot, found.stages) == (None, [], [sampled("accumulate", 3 * 128 * 64)])
     count = len(FakeRenderer.made)
     assert traced(scene, (128, 64), rays=0, spp=0, max_bounces=1) == Traced()
     assert len(FakeRenderer.made) == count
+
+
+@pytest.mark.parametrize(("rays", "spp"), [(7, 0), (0, 3), (7, 32)])
+def test_progress_is_of_the_pilot_and_the_frame_together(monkeypatch: pytest.MonkeyPatch, rays: int, spp: int) -> None:
+    monkeypatch.setattr(_core, "Renderer", FakeRenderer)
+    said: list[float] = []
+    scene: Any = None
+    traced(scene, (128, 64), rays=rays, spp=spp, max_bounces=1, progress=said.append)
+    assert said == sorted(said) and said[0] > 0.0 and said[-1] == 1.0
+    if rays and spp:  # Both of as many samples.
+        assert said == pytest.approx([0.25, 0.5, 0.75, 1.0], abs=0.01)
 
 
 def test_without_rays_nothing_is_predicted(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -4,7 +4,7 @@ not timed. Camera rays see the same to the bit, and shadows agree within the noi
 from __future__ import annotations
 
 import json
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +13,12 @@ import pytest
 from msbvh import _core
 from msbvh.accuracy.kinds import motion_pixels, rid_of
 from msbvh.accuracy.options import Options
+from msbvh.accuracy.prims import tracks_by_path
 from msbvh.accuracy.scenes import SCENES
 from msbvh.base.errors import Diagnostics
 from msbvh.cli.main import main
+from msbvh.motion_report.one_path import worst_track
+from msbvh.scene.coarser_tracks import CoarserTracks
 from msbvh.scene.reader import ReadResult, ReadSettings, read_frame
 from msbvh.stage.opening import open_stage
 from pxr import Usd, UsdGeom
@@ -111,10 +114,9 @@ def rendered(result: ReadResult, seed: int = 0, spp: int = 16) -> tuple[np.ndarr
 
 
 def same_to_the_camera(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> None:
-    """All that camera rays find but the numbers of instances, which count within sets of one track."""
+    """All that camera rays find."""
     for name, values in one.items():
-        if name != "instanceId":
-            np.testing.assert_array_equal(values, other[name], err_msg=name)
+        np.testing.assert_array_equal(values, other[name], err_msg=name)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -186,6 +188,81 @@ def test_an_instancer_of_which_a_part_is_seen_reports_that_part(tmp_path: Path) 
     (one,), (other,) = ([track for track in result.tracks if track.path == "/dots"] for result in (fine, coarse))
     assert (other.count, other.outside, other.coarser) == (2, 1, 1)
     assert (other.error_pixels, other.tolerance_pixels, other.error_outside) == (one.error_pixels, 0.1, False)
+
+
+def cubes(count: int, x: float, step: float = 0.3) -> str:
+    """Alike, so that they become instances of one."""
+    return "".join(
+        f'def Cube "s{i}" {{ double size = 0.5\n double3 xformOp:translate = ({x - step / 3.0 * i}, {step * i}, 0)\n'
+        f" double xformOp:rotateZ.timeSamples = {{ 1: 0, 2: {TURN} }}\n"
+        ' uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateZ"]\n}\n'
+        for i in range(count)
+    )
+
+
+def motion_of(scene: str, capfd: pytest.CaptureFixture[str], *options: str) -> dict[str, dict[str, Any]]:
+    main(["motion", scene, "-w", "480", "--json", *options])
+    return {prim["path"]: prim for prim in json.loads(capfd.readouterr().out)["prims"]}
+
+
+def test_the_first_of_a_crowd_has_the_error_of_its_motion(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """Its path is that of the shape that all of them share, which stands still."""
+    scene = written(tmp_path, cubes(20, -8.0) + SUN, x=0.0)
+    result = read(scene, 8.0)
+    own = [track for track in result.tracks if track.path == "/s0"]
+    (moving,) = [track for track in own if track.segments]
+    assert len(own) == 2 and moving.error_outside and 0.1 < moving.error_pixels <= 0.8
+    told = motion_of(scene, capfd)["/s0"]
+    assert (told["error_px"], told["count"]) == (moving.error_pixels, 1)
+    assert told["tolerance_px"] == moving.tolerance_pixels == pytest.approx(0.8)
+    row = tracks_by_path(result.tracks)["/s0"]
+    assert (row.error_px, row.outside, row.count) == (moving.error_pixels, True, 1)
+
+
+@dataclass
+class Kept:
+    """What a TrackReport says of errors."""
+
+    error_pixels: float
+    tolerance_pixels: float = 0.1
+    error_outside: bool = False
+    segments: int = 1
+
+
+def test_a_miss_counts_before_what_is_seen_and_a_motion_before_what_stands_still() -> None:
+    seen, still, misses = Kept(0.05), Kept(0.0, segments=0), Kept(3.0, 0.8, True)
+    away, barely = Kept(0.7, 0.8, True), Kept(0.08, segments=0)
+    for worst, *others in [(misses, seen, still), (seen, away, still), (away, still), (barely, away), (still, still)]:
+        assert worst_track([worst, *others]) is worst and worst_track([*others, worst]) == worst
+
+
+def test_a_prim_that_stands_in_many_places_is_outside_in_some(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    group = (
+        'def PointInstancer "inst" { int[] protoIndices = [0, 0, 0]; rel prototypes = </inst/p>\n'
+        f' point3f[] positions = [(0, 0, 0), (-20, 0, 0), (-30, 0, 0)]\n def Xform "p" {{\n{cubes(20, 0.0, 0.05)} }}\n}}\n'
+    )
+    scene = written(tmp_path, group + SUN, x=0.0)
+    prims = motion_of(scene, capfd)
+    for i in range(20):
+        prim = prims[f"/inst/p/s{i}"]
+        assert (prim["count"], prim["outside"]) == (3, 2)
+        assert prim["track"].endswith(", 2 outside of the picture")
+    assert {track.count for path, track in tracks_by_path(read(scene, 8.0).tracks).items() if "/s" in path} == {3}
+
+
+def test_a_crowd_that_is_left_out_is_not_among_the_coarser_tracks(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Its one name is that of its first prim."""
+    scene = written(tmp_path, cubes(20, -8.0), x=0.0)
+    left = read(scene, 8.0, max_bounces=0)
+    assert sum(row["count"] for row in left.left_out) == 20
+    assert left.coarser_tracks == CoarserTracks([], 0, 0)
+    assert len(read(scene, 8.0).coarser_tracks.prims) > 10
+    assert main(["plan", scene, "-w", "480", "--rays", "0", "--max-bounces", "0"]) == 0
+    assert "coarser tracks" not in capfd.readouterr().out
 
 
 def test_the_commands_tell_each_prims_own_tolerance(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -1,7 +1,9 @@
 // What moves outside of the picture throughout the shutter takes fewer keys, and nothing else does.
+#include <algorithm>
 #include <cmath>
 #include <doctest/doctest.h>
 #include <limits>
+#include <memory>
 
 #include "core/scene/scene.h"
 #include "delegate/translate/translator.h"
@@ -54,7 +56,7 @@ Found rigid(const Motion& motion, double factor, const CameraInput& from = camer
 }
 
 // The same motion, of points.
-Found deforming(const Motion& motion, double factor) {
+MeshFixture moved_points(const Motion& motion) {
   MeshFixture quad;
   const std::vector<Vec3f> corners = quad.points.front();
   quad.times01.clear();
@@ -64,15 +66,21 @@ Found deforming(const Motion& motion, double factor) {
     for (const Vec3f& corner : corners) points.push_back(Vec3f(motion(time01).point(Vec3d(corner))));
     quad.add_points(time01, points);
   }
+  return quad;
+}
+
+Found deforming(const Motion& motion, double factor) {
+  MeshFixture quad = moved_points(motion);
   Translator translator(camera(), with_factor(factor));
   translator.add_mesh(quad.input());
   return finished(translator);
 }
 
-Found instances(const std::vector<Motion>& motions, double factor, std::vector<std::string> paths = {}) {
-  Translator translator(camera(), with_factor(factor));
-  const std::uint32_t prototype = translator.begin_prototype("/prototype");
-  translator.add_prototype_mesh(prototype, MeshFixture().input());
+std::unique_ptr<Translator> placing(const std::vector<Motion>& motions, const TranslatorSettings& settings,
+                                    std::vector<std::string> paths) {
+  auto translator = std::make_unique<Translator>(camera(), settings);
+  const std::uint32_t prototype = translator->begin_prototype("/prototype");
+  translator->add_prototype_mesh(prototype, MeshFixture().input());
   const std::vector<double> times01 = uniform_times(kIntervals);
   std::vector<Matrix4d> matrices;
   for (const double time01 : times01) {
@@ -80,8 +88,12 @@ Found instances(const std::vector<Motion>& motions, double factor, std::vector<s
   }
   InstancesInput input = instances_of("/instances", prototype, times01, matrices);
   input.paths = std::move(paths);
-  translator.add_instances(input);
-  return finished(translator);
+  translator->add_instances(input);
+  return translator;
+}
+
+Found instances(const std::vector<Motion>& motions, double factor) {
+  return finished(*placing(motions, with_factor(factor), {}));
 }
 
 void check_same(const Found& a, const Found& b) {
@@ -104,6 +116,15 @@ void check_coarser(const Found& coarse, const Found& fine) {
   CHECK(coarse.track.bytes < fine.track.bytes);
   CHECK(fine.track.outside == 0);
   CHECK(fine.track.error_pixels <= 0.1);
+}
+
+LightInput dome() {
+  LightInput input;
+  input.light.name = "/dome";
+  input.light.kind = LightKind::kDome;
+  input.light.radiance = {1, 1, 1};
+  input.world_from_light = still();
+  return input;
 }
 
 // Camera-space lens of a radius, focused at the distance of the subjects.
@@ -206,6 +227,89 @@ TEST_SUITE("translate: outside of the picture") {
     CHECK(tracks[3].tolerance_pixels == doctest::Approx(0.8));
     CHECK(tracks[4].path == "/instances");
     CHECK(tracks[4].keys_saved == 0);
+  }
+
+  TEST_CASE("a prim counts the places where it stands, and those outside of the picture among them") {
+    const std::vector<Motion> places{spinning(kInside), spinning(kOutside), spinning(kOutside)};
+    const auto translator = placing(places, with_factor(8.0), {"/prim"});
+    const std::vector<TrackReport>& tracks = translator->tracks();
+    REQUIRE(tracks.size() == 3);
+    CHECK(tracks[1].count == 0);  // the prototype's mesh
+    CHECK(tracks[2].path == "/prim");
+    CHECK(tracks[2].count == 3);
+    CHECK(tracks[2].outside == 2);
+  }
+
+  TEST_CASE("what is left out is not among the coarser tracks; what stands beside it is") {
+    for (const bool prims : {false, true}) {
+      std::vector<std::string> paths;
+      if (prims) paths = {"/first", "/second"};
+      const std::vector<Motion> motions{spinning(kInside), spinning(kOutside)};
+      TranslatorSettings settings = with_factor(8.0);
+      settings.max_bounces = 0;
+      const auto translator = placing(motions, settings, paths);
+      CHECK(translator->tracks().back().coarser == 1);
+      const auto scene = translator->finish();
+      CHECK(scene->instances.size() == 1);
+      REQUIRE(translator->left_out().size() == 1);
+      for (const TrackReport& track : translator->tracks()) {
+        CHECK(track.coarser == 0);
+        CHECK(track.keys_saved == 0);
+      }
+      settings.max_bounces = 1;
+      const auto bounced = placing(motions, settings, paths);
+      bounced->add_light(dome());
+      bounced->finish();
+      CHECK(bounced->left_out().empty());
+      CHECK(bounced->tracks().back().coarser == 1);
+      CHECK(bounced->tracks().back().outside == 1);
+    }
+  }
+
+  TEST_CASE("meshes that are left out are not among the coarser tracks") {
+    for (const bool deforms : {false, true}) {
+      for (const std::uint32_t bounces : {0u, 1u}) {
+        MeshFixture quad;
+        if (deforms) quad = moved_points(spinning(kOutside));
+        if (!deforms) quad.transform = sampled(spinning(kOutside), uniform_times(kIntervals));
+        TranslatorSettings settings = with_factor(8.0);
+        settings.max_bounces = bounces;
+        Translator translator(camera(), settings);
+        if (bounces > 0) translator.add_light(dome());
+        translator.add_mesh(quad.input());
+        translator.finish();
+        CHECK(translator.left_out().size() == (bounces == 0 ? 1 : 0));
+        CHECK(translator.tracks().back().coarser == bounces);
+      }
+    }
+  }
+
+  TEST_CASE("what is seen and what is not are said apart, each with its own worst and tolerance") {
+    const Motion slow = spinning(kInside, 360.0 * 10);
+    std::vector<Motion> motions{slow, spinning(kOutside, 360.0 * 40), spinning(kOutside, 360.0 * 30)};
+    TranslatorSettings settings = with_factor(8.0);
+    settings.max_segments = 2;
+    const std::vector<Diagnostic> said = placing(motions, settings, {})->diagnostics();
+    REQUIRE(said.size() == 2);
+    CHECK(said[0].message.find("the motion of 1 of 3 instances deviates") != std::string::npos);
+    CHECK(said[0].message.find("expected at most 0.1;") != std::string::npos);
+    CHECK(said[1].message.find("the motion of 2 of 3 instances outside of the picture deviates") !=
+          std::string::npos);
+    CHECK(said[1].message.find("expected at most 0.8;") != std::string::npos);
+    const auto error_of = [](const Diagnostic& diagnostic) {
+      return diagnostic.message.substr(diagnostic.message.find("up to "));
+    };
+    const auto alone = [&](std::size_t i) {
+      return placing({motions[i]}, settings, {})->diagnostics().at(0);
+    };
+    CHECK(error_of(said[0]) == error_of(alone(0)));
+    const double worst = std::max(placing({motions[1]}, settings, {})->tracks().back().error_pixels,
+                                  placing({motions[2]}, settings, {})->tracks().back().error_pixels);
+    CHECK(said[1].message.find(message("up to ", worst, " pixels")) != std::string::npos);
+    const std::vector<Diagnostic> of_prim = placing(motions, settings, {"/prim"})->diagnostics();
+    REQUIRE(of_prim.size() == 2);
+    CHECK(of_prim[0].message.find("the motion deviates") != std::string::npos);
+    CHECK(of_prim[1].message.find("the motion outside of the picture deviates") != std::string::npos);
   }
 
   TEST_CASE("what misses even the coarser tolerance is said, with that tolerance") {

@@ -1,4 +1,5 @@
 // Sampling what threads do: what a thread was marked at is what it is found at.
+#include <atomic>
 #include <chrono>
 #include <doctest/doctest.h>
 #include <set>
@@ -23,14 +24,23 @@ TEST_CASE("stages: a thread is found where it is marked, and nowhere where it is
   StageSampler sampler;
   StageMark busy = sampler.mark();
   sampler.mark();  // of a thread that never begins
-  busy.enter(Stage::kDome, 1);
-  busy.trace(true);
+  busy.enter(Stage::kDome, 1, true);
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   const StageCounts counts = sampler.stop();
   const StageNow expected{Stage::kDome, true, true};
   CHECK(counts.total() > 0);
-  // Its first looks may come before it is marked, as may one between the stage's beginning and its rays.
-  CHECK(counts.of_code[expected.code()] + 1 >= counts.total());
+  CHECK(counts.of_code[expected.code()] == counts.total());
+}
+
+TEST_CASE("stages: a mark says when its stage begins to trace and when it has ended") {
+  std::atomic<std::uint8_t> seen{};
+  StageMark mark(&seen);
+  mark.enter(Stage::kDirect, 0);
+  CHECK(seen == StageNow{Stage::kDirect, false, false}.code());
+  mark.trace(true);
+  CHECK(seen == StageNow{Stage::kDirect, true, false}.code());
+  mark.trace(false);
+  CHECK(seen == StageNow{Stage::kDirect, false, false}.code());
 }
 
 TEST_CASE("stages: nobody is looked at after the end, and a mark without a sampler is of no matter") {

@@ -205,6 +205,7 @@ void add_instances(Translator& translator, const nb::kwargs& keywords) {
   input.materials = arguments.ints("materials");
   input.paths = arguments.value_or("paths", std::vector<std::string>{}, "a list of str");
   input.report_whole = arguments.value_or("report_whole", false, "a bool");
+  input.ids = arguments.ints("ids");
   arguments.expect_no_more();
   nb::gil_scoped_release release;
   translator.add_instances(input);

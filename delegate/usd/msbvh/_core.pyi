@@ -178,7 +178,8 @@ class TrackReport:
         """Of ``count``: that move, wholly outside of the picture throughout the shutter."""
     @property
     def coarser(self) -> int:
-        """Of those: that took fewer keys than the motion tolerance asks for."""
+        """Of those: that took fewer keys than the motion tolerance asks for; after Translator.finish(): and that a ray can
+        reach."""
     @property
     def keys_saved(self) -> int:
         """By all of these together."""
@@ -192,7 +193,7 @@ class TrackReport:
         """Of the track's control points."""
     @property
     def count(self) -> int:
-        """Of instances."""
+        """Of instances, once for each place that outer levels put a prim at; 0 of a prototype's mesh."""
 
 class Scene:
     """A finished frame, for Renderer."""
@@ -297,11 +298,12 @@ class Translator:
         materials: I32 | None = None,
         paths: Sequence[str] = (),
         report_whole: bool = False,
+        ids: I32 | None = None,
     ) -> None:
         """As many instances as the product of the levels' counts, the outermost (last) level varying slowest;
         ``display_color`` [N, 3], ``materials`` [N] (negative: none) override the prototype's own. ``paths``: of
-        the prims that the innermost level places, for a track report each; ``report_whole``: and one of all. After
-        the prototype's meshes."""
+        the prims that the innermost level places, for a track report each; ``report_whole``: and one of all.
+        ``ids`` [N]: their numbers in the AOV instanceId; None: counted. After the prototype's meshes."""
     def add_material(self, *, displacement: Displacement | None = None, **material: Unpack[Material]) -> int:
         """Before the meshes that are bound to it."""
     def add_light(
@@ -357,9 +359,9 @@ class RenderSettings(TypedDict, total=False):
     """Of aov_names(); what render_with_aovs() returns beside colour."""
     sampler: Literal["sobol", "independent"]
     split_budget: float
+    """References that spatial splits may add, as a share of the triangles."""
     sample_stages: bool
     """Whether statistics say what threads were found at: ``stages``."""
-    """References that spatial splits may add, as a share of the triangles."""
 
 def aov_names() -> tuple[str, ...]:
     """Of what a pixel can tell beside its colour: core/film/aov.h says what each means."""

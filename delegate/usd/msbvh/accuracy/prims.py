@@ -9,6 +9,7 @@ from typing import Any
 from pxr import Usd
 
 from ..base.errors import Diagnostics
+from ..motion_report.one_path import instance_count, worst_track
 from ..motion_report.report import DEGREES
 from ..scene.reader import ReadSettings, read_frame
 from ..stage.opening import tf_messages
@@ -61,7 +62,7 @@ def tracks_by_path(reports: Sequence[Any]) -> dict[str, Track]:
 
 def _merged(found: Sequence[Any]) -> Track:
     main = max(found, key=lambda track: (track.segments, track.degree))
-    worst = max(found, key=lambda track: (not track.error_outside, track.error_pixels))
+    worst = worst_track(found)
     return Track(
         source=main.source,
         segments=main.segments,
@@ -69,7 +70,7 @@ def _merged(found: Sequence[Any]) -> Track:
         error_px=worst.error_pixels,
         outside=worst.error_outside,
         bytes=sum(track.bytes for track in found),
-        count=max(track.count for track in found),
+        count=instance_count(found),
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from ..base.exit_codes import DONE
-from ..base.progress import Progress
+from ..base.progress import PATIENCE_SECONDS, Progress
 from ..base.reporter import Reporter
 from ..plan_report.pilot import Traced, traced
 from ..plan_report.report import first_reasons, plain, plan_report
@@ -33,7 +33,7 @@ OPTIONS = (
         "--measure",
         is_flag=True,
         help="Render the frame, without writing it, look a thousand times a second at what its threads do, and print what each"
-        " effect took.",
+        " effect took. The trees are built again for it.",
     ),
     click.option(
         "--spp",
@@ -76,7 +76,6 @@ def plan_command(
 
 def _traced(result: ReadResult, rays: int, spp: int, bounces: int) -> Traced:
     size = result.camera.width, result.camera.height
-    if not spp:
-        return traced(result.scene, size, rays=rays, spp=0, max_bounces=bounces)
-    with Progress("msbvh: measuring") as progress:
+    label, patience = ("measuring", 0.0) if spp else ("predicting", PATIENCE_SECONDS)
+    with Progress(f"msbvh: {label}", delay_seconds=patience) as progress:
         return traced(result.scene, size, rays=rays, spp=spp, max_bounces=bounces, progress=progress)

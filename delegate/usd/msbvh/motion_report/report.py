@@ -16,6 +16,7 @@ from ..motion.times import Shutter
 from ..scene.reader import ReadResult
 from ..stage.value_types import INT
 from ..stage.values import reported_to, value
+from .one_path import instance_count, worst_track
 
 DEGREES = {1: "linear", 2: "quadratic", 3: "cubic"}
 _EVERY_PRIM = Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)
@@ -151,8 +152,7 @@ def _merged(tracks: Sequence[Any]) -> PrimMotion:
     """The tracks of one path as one: instances that take different numbers of keys, a mesh that is itself an
     instance."""
     main = max(tracks, key=lambda track: (track.segments, track.degree, track.error_pixels))
-    worst = max(tracks, key=_weight)
-    instances = [track.count for track in tracks if track.source == "instances"]
+    worst = worst_track(tracks)
     rules = dict.fromkeys(track.rule for track in tracks)
     if len(rules) > 1:
         rules.pop("still", None)
@@ -170,14 +170,8 @@ def _merged(tracks: Sequence[Any]) -> PrimMotion:
         outside=sum(track.outside for track in tracks),
         keys_saved=sum(track.keys_saved for track in tracks),
         bytes=sum(track.bytes for track in tracks),
-        count=sum(instances) or 1,
+        count=instance_count(tracks),
     )
-
-
-def _weight(track: Any) -> tuple[bool, bool, float]:
-    """What is seen counts before what is not, and what misses its tolerance before either, as in TrackReport."""
-    share = track.error_pixels / track.tolerance_pixels
-    return not share <= 1.0, not track.error_outside, share
 
 
 def _filled(

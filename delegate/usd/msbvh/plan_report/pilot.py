@@ -36,23 +36,40 @@ def traced(
     progress: Callable[[float], object] | None = None,
 ) -> Traced:
     """By `rays` camera rays and a pilot of some more, and by a render of `spp` samples a pixel; 0: not that. `size`: the frame's,
-    (width, height) in pixels; `progress`: the render's, as of _core.Renderer.render(). Builds the trees once. Raises
-    _core.Error for a scene that is wrong."""
-    if not rays and not spp:
-        return Traced()
-    width, height = size if spp else pilot_size(size)
-    renderer = _core.Renderer(
-        scene, width=width, height=height, spp=max(spp, 1), max_bounces=max_bounces, sample_stages=True
-    )
+    (width, height) in pixels; `progress`: of both together, as of _core.Renderer.render(). Each builds its trees, one after the
+    other. Raises _core.Error for a scene that is wrong."""
+    small = pilot_size(size)
+    pilot_samples = _pilot_samples(small) if rays else 0
+    pilot_work = pilot_samples * small[0] * small[1] + rays
+    frame_work = spp * size[0] * size[1]
+    turn = pilot_work / max(1, pilot_work + frame_work)
     costs, pilot, stages = None, [], []
     if rays:
+        renderer = _renderer(scene, small, pilot_samples, max_bounces)
         costs = renderer.ray_costs(camera_samples=rays)
-        renderer.render_samples(0, max(1, min(MOST_PILOT_SAMPLES, PILOT_PATHS // (width * height))))
+        renderer.render_samples(0, pilot_samples, _part(progress, 0.0, turn))
         pilot = renderer.statistics["stages"]
+        del renderer  # Its trees make room for the frame's.
     if spp:
-        renderer.render(progress)
+        renderer = _renderer(scene, size, spp, max_bounces)
+        renderer.render(_part(progress, turn, 1.0))
         stages = renderer.statistics["stages"]
     return Traced(costs if costs and costs["prims"] else None, pilot, stages)
+
+
+def _renderer(scene: _core.Scene, size: tuple[int, int], spp: int, max_bounces: int) -> _core.Renderer:
+    width, height = size
+    return _core.Renderer(scene, width=width, height=height, spp=spp, max_bounces=max_bounces, sample_stages=True)
+
+
+def _part(progress: Callable[[float], object] | None, begin: float, end: float) -> Callable[[float], object] | None:
+    """Of one that shares are said to, from `begin` to `end` of it."""
+    return progress and (lambda share: progress(begin + (end - begin) * share))
+
+
+def _pilot_samples(size: tuple[int, int]) -> int:
+    """A pixel, of a pilot of `size`."""
+    return max(1, min(MOST_PILOT_SAMPLES, PILOT_PATHS // (size[0] * size[1])))
 
 
 def pilot_size(size: tuple[int, int]) -> tuple[int, int]:

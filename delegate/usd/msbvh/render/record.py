@@ -217,8 +217,8 @@ def _record_frame(
     if settings.ray_costs:
         with stats.timed("ray_costs"):
             costs = renderer.ray_costs()
-            aovs_asked = ", ".join(settings.render.aovs)
-            effects = _core.effects(result.scene, max_bounces=settings.render.max_bounces, aovs=aovs_asked)
+            rendered = ", ".join(_with_depth(settings).aovs)
+            effects = _core.effects(result.scene, max_bounces=settings.render.max_bounces, aovs=rendered)
             stats.render["ray_costs"] = {**costs, "effects": ray_shares(effects, costs)}
             stats.render["effects"] = measured_effects(effects, stats.render["stages"], costs)
     if not camera.path and not pixels[..., 3].any():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .. import _core
@@ -20,9 +20,9 @@ class CoarserTracks:
     """By all of these together."""
 
 
-def coarser_tracks(tracks: Sequence[_core.TrackReport], left_out: Collection[str]) -> CoarserTracks:
-    """`left_out`: paths of prims that are not in the scene at all."""
-    coarser = [track for track in tracks if track.coarser and track.path not in left_out]
+def coarser_tracks(tracks: Sequence[_core.TrackReport]) -> CoarserTracks:
+    """`tracks`: of a finished scene, which leave out what no ray can reach."""
+    coarser = [track for track in tracks if track.coarser]
     return CoarserTracks(
         prims=list(dict.fromkeys(track.path for track in coarser)),
         tracks=sum(track.coarser for track in coarser),

@@ -112,7 +112,7 @@ class ReadResult:
     @property
     def coarser_tracks(self) -> CoarserTracks:
         """Of what moves outside of the picture."""
-        return coarser_tracks(self.tracks, {prim["path"] for prim in self.left_out})
+        return coarser_tracks(self.tracks)
 
 
 def read_frame(
@@ -380,6 +380,7 @@ class _FrameReader:
                 levels=levels,
                 visible=placement.visible,
                 display_color=colour,
+                ids=indices.astype(np.int32),
             )
 
     def _add_lights(self, placements: list[Placement]) -> None:
@@ -403,6 +404,6 @@ class _FrameReader:
                 "", "", "nothing to draw: no visible meshes or instances at this frame; the image is empty"
             )
             report_overs(self._context.stage, diagnostics)
-        tracks = self._translator.tracks()
         scene = self._translator.finish()
+        tracks = self._translator.tracks()
         return ReadResult(scene, self._camera, diagnostics, tracks, self._seconds, self._translator.left_out())
