@@ -64,12 +64,12 @@ class Host::Task : public HdTask {
 };
 
 Host::Host(const UsdStageRefPtr& stage, Engine engine, const SdfPath& camera, std::uint32_t width,
-           std::uint32_t height)
+           std::uint32_t height, const char* renderer)
     : engine_mode_(engine), width_(width), height_(height) {
   HdRendererPluginRegistry& registry = HdRendererPluginRegistry::GetInstance();
-  delegate_ = std::make_unique<HdPluginRenderDelegateUniqueHandle>(
-      registry.CreateRenderDelegate(TfToken("HdMsbvhRendererPlugin")));
-  if (!*delegate_) throw std::runtime_error("found no HdMsbvhRendererPlugin in PXR_PLUGINPATH_NAME");
+  delegate_ =
+      std::make_unique<HdPluginRenderDelegateUniqueHandle>(registry.CreateRenderDelegate(TfToken(renderer)));
+  if (!*delegate_) throw std::runtime_error(std::string("found no ") + renderer + " in PXR_PLUGINPATH_NAME");
   index_.reset(HdRenderIndex::New(delegate_->Get(), {}));
   if (!index_) throw std::runtime_error("found no render index for the plugin");
   if (engine == Engine::kSceneDelegate) {

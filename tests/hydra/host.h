@@ -36,7 +36,7 @@ class Host {
   // Renders through the camera at `camera`. Throws std::runtime_error where the plugin cannot be loaded: it
   // must be in PXR_PLUGINPATH_NAME.
   Host(const UsdStageRefPtr& stage, Engine engine, const SdfPath& camera, std::uint32_t width,
-       std::uint32_t height);
+       std::uint32_t height, const char* renderer = "HdMsbvhRendererPlugin");
   ~Host();
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
