@@ -90,7 +90,8 @@ TEST_CASE("a data window without a pixel's centre, or with absurdly many, holds 
   std::vector<Diagnostic> said;
   const RenderSpec spec = render_spec(input, said);
   CHECK(said.empty());
-  CHECK(pixels_of(spec.products[0], 10, 20, said) == PixelWindow{0, 0, 10, 20});
+  CHECK(pixels_of(spec.products[0].data_window_ndc, spec.products[0].path, 10, 20, said) ==
+        PixelWindow{0, 0, 10, 20});
   check_warned(said, "/Render/Product", "dataWindowNDC", "at 10 x 20");
 }
 

@@ -180,14 +180,14 @@ RenderSpec render_spec(const RenderSettingsInput& input, std::vector<Diagnostic>
   return spec;
 }
 
-PixelWindow pixels_of(const ProductSpec& product, std::int64_t width, std::int64_t height,
-                      std::vector<Diagnostic>& diagnostics) {
-  if (const auto pixels = pixel_window(product.data_window_ndc, width, height)) return *pixels;
-  const std::array<float, 4>& found = product.data_window_ndc;
-  PrimLog(diagnostics, product.path)
-      .warn("dataWindowNDC", message("found (", found[0], ", ", found[1], ", ", found[2], ", ", found[3],
-                                     "), expected one that holds the centres of 1 to ", kMostPixelsAcross,
-                                     " pixels each way at ", width, " x ", height, "; ignored"));
+PixelWindow pixels_of(const std::array<float, 4>& ndc, const std::string& path, std::int64_t width,
+                      std::int64_t height, std::vector<Diagnostic>& diagnostics) {
+  if (const auto pixels = pixel_window(ndc, width, height)) return *pixels;
+  PrimLog(diagnostics, path)
+      .warn("dataWindowNDC",
+            message("found (", text(ndc[0]), ", ", text(ndc[1]), ", ", text(ndc[2]), ", ", text(ndc[3]),
+                    "), expected one that holds the centres of 1 to ", kMostPixelsAcross,
+                    " pixels each way at ", width, " x ", height, "; ignored"));
   return {0, 0, width, height};
 }
 

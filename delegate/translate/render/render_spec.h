@@ -43,10 +43,10 @@ struct RenderSpec {
 
 RenderSpec render_spec(const RenderSettingsInput& input, std::vector<Diagnostic>& diagnostics);
 
-// The pixels that a product asks for: of a picture of another size, too. A window that holds no pixel's
-// centre is ignored with a warning.
-PixelWindow pixels_of(const ProductSpec& product, std::int64_t width, std::int64_t height,
-                      std::vector<Diagnostic>& diagnostics);
+// The pixels of a data window in a picture of that size. A window that holds no pixel's centre is ignored
+// with a warning that names `path`, the prim that asks for it.
+PixelWindow pixels_of(const std::array<float, 4>& ndc, const std::string& path, std::int64_t width,
+                      std::int64_t height, std::vector<Diagnostic>& diagnostics);
 
 // The camera's window that a picture of width x height pixels of that aspect ratio shows, with the pixels' as
 // the policy leaves it: adjustPixelAspectRatio disregards the one that is given.

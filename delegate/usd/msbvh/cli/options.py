@@ -210,10 +210,10 @@ READING: Sequence[Decorator] = (
     click.option(
         "--renderSettingsPrimPath",
         "-rs",
-        callback=_unsupported("; give --camera and --resolution"),
-        expose_value=False,
+        "render_settings",
         metavar="PRIMPATH",
-        help="Not supported yet.",
+        help="RenderSettings prim to follow. Default: what the stage's metadata renderSettingsPrimPath names, else none; an empty"
+        " PRIMPATH: none. As with usdrecord, its camera and resolution win over --camera and --imageWidth; other options win over it.",
     ),
     click.option(
         "--renderPassPrimPath",
