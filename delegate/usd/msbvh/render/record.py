@@ -134,6 +134,7 @@ def record(
     outputs.check_stage(stage)
     frame_jobs = _frame_jobs(jobs, stage)
     settings = with_render_settings(stage, frame_jobs, settings, reporter)
+    run.settings = _plain(settings)
     kept = Kept(Trees(_with_depth(settings), len(frame_jobs)), _core.RefinementCache(), FineEnough())
     for frame, files in frame_jobs:
         run.frames.append(_record_frame(stage, frame, files, settings, kept, reporter, read_seconds))

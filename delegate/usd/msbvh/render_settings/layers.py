@@ -50,7 +50,7 @@ def tell_unwritten(asked: Asked, outputs: Sequence[str], diagnostics: Diagnostic
     """What of the products goes elsewhere, or nowhere."""
     product, others = asked.product, asked.spec.products[1:]
     if product.name:
-        message = f"'{product.name}': written to {', '.join(outputs)} in its place"
+        message = f"found '{product.name}'; written to {', '.join(outputs)} instead"
         diagnostics.note(product.path, "productName", message)
     for other in others:
         message = f"not rendered: of several products the first is, {product.path}"
