@@ -262,6 +262,53 @@ def _fault(path: Sdf.Path, typed: Sdf.ValueTypeName) -> str:
     return ""
 
 
+NUMBERS = (
+    0.0,
+    -0.0,
+    1.0,
+    0.5,
+    -1.0,
+    1e-30,
+    1e-45,
+    65535.0,
+    1e9,
+    3e38,
+    -3e38,
+    float("inf"),
+    -float("inf"),
+    float("nan"),
+)
+
+
+def test_whatever_numbers_are_authored_the_picture_is_one_that_can_be_rendered():
+    dice = random.Random(3)
+    for _ in range(3000):
+        settings = _core.RenderSettingsInput()
+        product, base = _core.RenderProductInput(), _core.RenderBaseInput()
+        base.path = "/Render/Product"
+        if dice.random() < 0.7:
+            base.resolution = (
+                dice.choice((-(2**31), -1, 0, 1, 7, 1920, 65535, 65536, 2**31 - 1)),
+                dice.randrange(1, 9),
+            )
+        base.pixel_aspect_ratio = dice.choice((None, *NUMBERS))
+        base.data_window_ndc = tuple(dice.choice((*NUMBERS, dice.uniform(-2, 2))) for _ in range(4))
+        base.aspect_ratio_conform_policy = dice.choice((*_core.ASPECT_POLICIES, "", "none"))
+        product.base = base
+        settings.products = [product]
+        spec, said = _core.render_spec(settings)
+        found = spec.products[0]
+        assert 1 <= found.width <= 65535 and 1 <= found.height <= 65535
+        (x, y, width, height), more = _core.pixels_of(found.data_window_ndc, found.path, found.width, found.height)
+        assert 1 <= width <= 65535 and 1 <= height <= 65535 and abs(x) <= 65535 and abs(y) <= 2 * 65535
+        window, pixel_aspect = _core.conformed_picture(
+            (-1, 1, -1, 1), found.width, found.height, found.pixel_aspect_ratio, found.policy
+        )
+        assert np.isfinite(window).all() and window[0] < window[1] and window[2] < window[3] and pixel_aspect > 0
+        for each in (*said, *more):
+            assert each.path == "/Render/Product" and each.severity == "warning" and "expected" in each.message
+
+
 @pytest.mark.parametrize(
     ("path", "value", "message"),
     [

@@ -212,8 +212,8 @@ READING: Sequence[Decorator] = (
         "-rs",
         "render_settings",
         metavar="PRIMPATH",
-        help="RenderSettings prim to follow. Default: what the stage's metadata renderSettingsPrimPath names, else none; an empty"
-        " PRIMPATH: none. As with usdrecord, its camera and resolution win over --camera and --imageWidth; other options win over it.",
+        help="RenderSettings prim to follow; empty: none. Default: what the stage's metadata renderSettingsPrimPath names."
+        " Its camera and resolution win over --camera and --imageWidth, as with usdrecord; other options win over it.",
     ),
     click.option(
         "--renderPassPrimPath",

@@ -10,6 +10,7 @@ from typing import Any
 from pxr import Tf, Usd
 
 from .._core import OwnSettings, ProductSpec, RenderSpec
+from ..base.crash_line import crash_line
 from ..base.errors import Diagnostics, SceneError
 from ..scene.reader import ReadSettings
 from ..stage.opening import tf_messages, tf_reason
@@ -44,7 +45,8 @@ class Asked:
 def asked_of(stage: Usd.Stage, choice: SettingsChoice, frame: float | None, diagnostics: Diagnostics) -> Asked | None:
     """None where nobody names render settings. Raises SceneError where there are none of that path."""
     code = Usd.TimeCode.Default() if frame is None else Usd.TimeCode(frame)
-    with reported_to(diagnostics), tf_messages(diagnostics):
+    where = stage.GetRootLayer().realPath or stage.GetRootLayer().identifier
+    with crash_line(where), reported_to(diagnostics), tf_messages(diagnostics):
         try:
             prim = find_settings(stage, choice.path)
             return None if prim is None else Asked(read_render_spec(prim, code), str(prim.GetPath()))

@@ -7,6 +7,7 @@ may change from frame to frame.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 from typing import Any
 
 from pxr import Sdf, Usd, UsdGeom, UsdRender
@@ -38,7 +39,7 @@ def find_settings(stage: Usd.Stage, path: str | None) -> Usd.Prim | None:
     if path is not None:
         prim = _settings_at(stage, path)
         if prim is None:
-            known = ", ".join(str(each.GetPath()) for each in _all_settings(stage)) or "none"
+            known = ", ".join(str(each.GetPath()) for each in islice(_all_settings(stage), 8)) or "none"
             raise SceneError(f"{METADATA}: found no RenderSettings at '{path}', expected one of the stage's: {known}")
         return prim
     named = stage.GetMetadata(METADATA) if stage.HasAuthoredMetadata(METADATA) else None

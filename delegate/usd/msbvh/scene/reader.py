@@ -358,4 +358,6 @@ class _FrameReader:
             report_overs(self._context.stage, diagnostics)
         scene = self._translator.finish()
         tracks = self._translator.tracks()
-        return ReadResult(scene, self._camera, diagnostics, tracks, self._seconds, self._translator.left_out(), self._settings)
+        return ReadResult(
+            scene, self._camera, diagnostics, tracks, self._seconds, self._translator.left_out(), self._settings
+        )
