@@ -16,13 +16,14 @@ import pytest
 from conftest import Fails, Run
 from msbvh import _core
 from msbvh.base.errors import Diagnostics, SceneError
+from msbvh.output.images import read_alpha
 from msbvh.render_settings.asked import SettingsChoice, applied_to_reading, asked_of
 from msbvh.render_settings.render_prims import read_render_spec
 from msbvh.scene.reader import ReadSettings, read_frame
 from msbvh.stage import values
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdRender, UsdShade
 from render_spec_oracle import Product, compute_spec
-from shared_scenes import SharedScene, every_scene, here, parameters
+from shared_scenes import SCENES, SharedScene, every_scene, here, parameters, require
 from soak import soak_count, soak_figure
 from test_values import TYPES, sample_of
 
@@ -545,3 +546,26 @@ def test_metadata_that_names_nothing_is_a_warning():
     ]
     with pytest.raises(SceneError):
         asked_of(stage, SettingsChoice("/Nowhere"), None, said)
+
+
+@pytest.mark.shared
+def test_a_crop_with_overscan_is_where_another_renderer_has_it(msbvh: Run, tmp_path: Path):
+    """Arnold's picture of a window of (0.4, 0.1, 0.6, 1.2). It keeps the camera's width, whatever the conform policy is."""
+    folder = SCENES / "render_settings" / "arnold_0233"
+    require(folder)
+    options = (
+        "-rs",
+        "/Render/rendersettings",
+        "--conform",
+        "adjustApertureHeight",
+        "--max-bounces",
+        "0",
+        "--spp",
+        "256",
+    )
+    done = msbvh("record", folder / "data" / "test.usda", "a.exr", *options)
+    assert done.returncode == 0, done.stderr
+    ours, theirs = read_alpha(tmp_path / "a.exr"), read_alpha(folder / "ref" / "reference.tif")
+    assert np.abs(ours - theirs).mean() < 0.001
+    for rows in ((slice(1, None), slice(None, -1)), (slice(None, -1), slice(1, None))):
+        assert np.abs(ours[rows[0]] - theirs[rows[1]]).mean() > 0.005, "a row more or less would pass too"
