@@ -88,6 +88,9 @@ void bind_inputs(nb::module_& m) {
       .def_rw("disable_depth_of_field", &RenderBaseInput::disable_depth_of_field, nb::arg().none())
       .def_rw("instantaneous_shutter", &RenderBaseInput::instantaneous_shutter, nb::arg().none())
       .def_rw("settings", &RenderBaseInput::settings);
+}
+
+void bind_product_inputs(nb::module_& m) {
   nb::class_<RenderVarInput>(m, "RenderVarInput")
       .def(
           "__init__",
@@ -154,6 +157,7 @@ void bind_specs(nb::module_& m) {
 
 void bind_render_spec(nb::module_& m) {
   bind_inputs(m);
+  bind_product_inputs(m);
   bind_specs(m);
   m.def("render_spec", &spec_of, "settings"_a);
   m.def("conformed_picture", &picture, "window"_a, "width"_a, "height"_a, "pixel_aspect_ratio"_a, "policy"_a);
