@@ -266,8 +266,12 @@ def test_values_at_times_are_no_settings_but_for_a_products_name():
     name.Clear()
     name.Set("a.exr", 1.0)
     name.Set("b.exr", 2.0)
+    seed = stage.GetPrimAtPath(SETTINGS).CreateAttribute("msbvh:seed", Sdf.ValueTypeNames.Int)
+    seed.Set(3, 1.0)
     spec, said = spec_of(stage)
-    assert said == [f"{SETTINGS}.resolution: found values at times, expected one for all times; ignored"]
+    text = "found values at times, expected one for all times; ignored"
+    assert said == [f"{SETTINGS}.{name}: {text}" for name in ("resolution", "msbvh:seed")]
+    assert spec.own.seed is None
     assert not spec.base.sets_resolution
     with values.reported_to(Diagnostics()):
         assert read_render_spec(stage.GetPrimAtPath(SETTINGS), Usd.TimeCode(2.0)).products[0].name == "b.exr"

@@ -153,18 +153,24 @@ def _tokens(prim: Usd.Prim, name: str) -> list[str] | None:
 def _authored(prim: Usd.Prim, name: str, kind: Kind) -> Any:
     """A value that is authored for all times; None where there is none."""
     attribute = prim.GetAttribute(name)
-    if not attribute or not attribute.HasAuthoredValue():
-        return None
-    if attribute.GetResolveInfo(_DEFAULT).GetSource() == Usd.ResolveInfoSourceFallback:
-        ignore(Unreadable(str(prim.GetPath()), name, "found values at times, expected one for all times"))
-        return None
-    return value(attribute, _DEFAULT, kind)
+    return value(attribute, _DEFAULT, kind) if attribute and _for_all_times(attribute) else None
+
+
+def _for_all_times(attribute: Usd.Attribute) -> bool:
+    """Whether a value is authored for all times; one at times alone is reported."""
+    if not attribute.HasAuthoredValue():
+        return False
+    if attribute.GetResolveInfo(_DEFAULT).GetSource() == Usd.ResolveInfoSourceDefault:
+        return True
+    message = "found values at times, expected one for all times"
+    ignore(Unreadable(str(attribute.GetPrimPath()), attribute.GetName(), message))
+    return False
 
 
 def _named_settings(prim: Usd.Prim) -> Iterator[NamedSetting]:
     """Our own. Those of other namespaces are other renderers'."""
     for attribute in prim.GetAuthoredAttributes():
-        if attribute.GetName().startswith(NAMESPACE) and attribute.HasAuthoredValue():
+        if attribute.GetName().startswith(NAMESPACE) and _for_all_times(attribute):
             found = raw(attribute, _DEFAULT)
             if found is not None:
                 fits = isinstance(found, (bool, float, str)) or (isinstance(found, int) and abs(found) <= _LARGEST)
