@@ -15,8 +15,9 @@ from msbvh import _core
 from msbvh.base.errors import Diagnostics, SceneError
 from msbvh.output.images import read_alpha
 from msbvh.render_settings.asked import SettingsChoice, applied_to_reading, asked_of
+from msbvh.render_settings.layers import file_layers
 from msbvh.scene.reader import ReadSettings, read_frame
-from pxr import Gf, Sdf, Usd, UsdShade
+from pxr import Gf, Sdf, Usd, UsdRender, UsdShade
 from render_settings_stage import SETTINGS, STAGE, stage_of
 from shared_scenes import SCENES, require
 
@@ -159,6 +160,34 @@ def test_record_writes_the_first_products_windows_and_layers(msbvh: Run, scene: 
     assert [line for line in lines if "warning" in line] == [
         "msbvh: warning: /Render/Second: not rendered: of several products the first is, /Render/Product"
     ]
+
+
+def test_a_render_var_and_an_aov_of_one_name_are_told_apart():
+    stage = stage_of()
+    stage.GetAttributeAtPath("/Render/far.sourceName").Set("Neye")
+    stage.GetPrimAtPath("/Render/Product").GetRelationship("orderedVars").SetTargets(["/Render/far", "/Render/tint"])
+    said = Diagnostics()
+    asked = asked_of(stage, SettingsChoice(SETTINGS), None, said)
+    assert asked is not None
+    said = Diagnostics()
+    found = file_layers(asked, ("depth", "albedo"), said)
+    assert [(layer.name, layer.aov) for layer in found.layers] == [
+        ("far", "Neye"), ("tint", "albedo"), ("depth", "depth"), ("albedo", "albedo"),
+    ]  # fmt: skip
+    assert found.aovs == ("Neye", "albedo", "depth") and found.color_half is None
+    assert [str(each) for each in said] == [
+        "/Render/Product.orderedVars: names no colour, which is written all the same"
+    ]
+    depth = UsdRender.Var.Define(stage, "/Render/depth")
+    depth.CreateSourceNameAttr("z")
+    stage.GetPrimAtPath("/Render/Product").GetRelationship("orderedVars").SetTargets(
+        ["/Render/Beauty", "/Render/depth"]
+    )
+    asked = asked_of(stage, SettingsChoice(SETTINGS), None, Diagnostics())
+    assert asked is not None
+    said = Diagnostics()
+    assert file_layers(asked, ("depth",), said).aovs == ("cameraDepth",)
+    assert "depth: not written: a render var of that name is cameraDepth" in str(next(iter(said)))
 
 
 def test_record_follows_the_option_rather_than_the_metadata(msbvh: Run, scene: Path, tmp_path: Path):

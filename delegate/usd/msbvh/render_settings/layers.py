@@ -40,8 +40,13 @@ def file_layers(asked: Asked, aovs: Sequence[str], diagnostics: Diagnostics) -> 
     layers = [Layer(var.name, var.aov, var.format == "half") for var in asked.product.vars if var.aov is not None]
     if layers and not colors:
         diagnostics.note(asked.product.path, "orderedVars", "names no colour, which is written all the same")
-    names = {layer.name for layer in layers}
-    layers += [Layer(aov, aov) for aov in aovs if aov not in names]
+    taken = {layer.name: layer.aov for layer in layers}
+    for aov in aovs:
+        if aov not in taken:
+            layers.append(Layer(aov, aov))
+        elif taken[aov] != aov:
+            message = f"{aov}: not written: a render var of that name is {taken[aov]}, expected another name"
+            diagnostics.warning(asked.product.path, "orderedVars", message)
     known = [color.format == "half" for color in colors if color.format is not None]
     return FileLayers(tuple(layers), known[0] if known else None)
 
