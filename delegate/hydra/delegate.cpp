@@ -15,6 +15,7 @@
 #include "delegate/hydra/points.h"
 #include "delegate/hydra/render_buffer.h"
 #include "delegate/hydra/render_pass.h"
+#include "delegate/hydra/render_settings.h"
 #include "delegate/hydra/settings.h"
 
 namespace msbvh::hydra {
@@ -58,7 +59,7 @@ const TfTokenVector& Delegate::GetSupportedSprimTypes() const {
 }
 
 const TfTokenVector& Delegate::GetSupportedBprimTypes() const {
-  static const TfTokenVector types{HdPrimTypeTokens->renderBuffer};
+  static const TfTokenVector types{HdPrimTypeTokens->renderBuffer, HdPrimTypeTokens->renderSettings};
   return types;
 }
 
@@ -162,6 +163,7 @@ void Delegate::DestroySprim(HdSprim* prim) { delete prim; }
 
 HdBprim* Delegate::CreateBprim(const TfToken& type, const SdfPath& path) {
   if (type == HdPrimTypeTokens->renderBuffer) return new RenderBuffer(path);
+  if (type == HdPrimTypeTokens->renderSettings) return new SettingsPrim(path);
   if (param_.is_news("type " + type.GetString()))
     TF_WARN("%s: prims of type %s are not rendered", path.GetText(), type.GetText());
   return nullptr;

@@ -115,6 +115,9 @@ translate::AssembledFrame FrameBuilder::build(const PassView& view, const ImageF
   FrameInput frame;
   frame.shutter = shutter;
   frame.camera = camera_input(view.state, shutter, image, said_);
+  if (!settings.depth_of_field) {
+    for (translate::CameraSample& sample : frame.camera.samples) sample.lens = {};
+  }
   for (Material* material : param_.materials()) {
     if (!material->network().nodes.empty())
       frame.materials.push_back({material->GetId().GetString(), material->network()});

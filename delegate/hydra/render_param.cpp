@@ -69,6 +69,11 @@ void RenderParam::note_instancer(HdDirtyBits bits) {
   edits_.looks += (bits & HdChangeTracker::DirtyVisibility) != 0;
 }
 
+void RenderParam::note_settings() {
+  const std::scoped_lock lock(mutex_);
+  ++edits_.settings;
+}
+
 void RenderParam::note_camera() {
   const std::scoped_lock lock(mutex_);
   ++edits_.cameras;

@@ -37,7 +37,8 @@ struct Edits {
   std::uint64_t topology = 0;  // and shapes that come and go
   std::uint64_t looks = 0;     // primvars, materials, visibility
   std::uint64_t lights = 0;
-  std::uint64_t buffers = 0;  // that are allocated anew
+  std::uint64_t buffers = 0;   // that are allocated anew
+  std::uint64_t settings = 0;  // render settings prims
 
   bool operator==(const Edits&) const = default;
 };
@@ -57,6 +58,7 @@ class RenderParam : public HdRenderParam {
   void note_camera();
   void note_render_tag();
   void note_buffer();
+  void note_settings();
 
   Edits edits() const;
   // In the order of their paths, which is the order of the Scene. For the host's thread between Syncs.

@@ -13,8 +13,8 @@ namespace msbvh::hydra {
 
 bool RenderPass::Seen::operator==(const Seen& other) const {
   return any == other.any && edits == other.edits && settings == other.settings && image == other.image &&
-         shutter == other.shutter && camera == other.camera && view == other.view &&
-         clipping_planes == other.clipping_planes && projection == other.projection &&
+         shutter == other.shutter && camera == other.camera && settings_prim == other.settings_prim &&
+         view == other.view && clipping_planes == other.clipping_planes && projection == other.projection &&
          render_tags == other.render_tags && bindings == other.bindings;
 }
 
@@ -52,6 +52,7 @@ RenderPass::Seen RenderPass::seen(const HdRenderPassState& state, const TfTokenV
     now.view = state.GetWorldToViewMatrix();
     now.projection = state.GetProjectionMatrix();
   }
+  if (const SettingsPrim* prim = active_settings(*GetRenderIndex())) now.settings_prim = prim->GetId();
   now.clipping_planes = state.GetClipPlanes();
   now.render_tags = render_tags;
   now.bindings = state.GetAovBindings();
@@ -81,11 +82,20 @@ void RenderPass::_Execute(const HdRenderPassStateSharedPtr& state, const TfToken
   }
 }
 
+std::optional<PassSettings> RenderPass::prim_settings(Diagnostics& said) const {
+  const SettingsPrim* prim = active_settings(*GetRenderIndex());
+  return prim ? std::optional(pass_settings(*prim, seen_.camera, said)) : std::nullopt;
+}
+
 void RenderPass::render(const HdRenderPassState& state) {
   RenderParam& param = delegate_.param();
   Diagnostics said;
-  const Shutter shutter = shutter_of(state, said);
+  Shutter shutter = shutter_of(state, said);
   Settings settings = settings_of(delegate_, said);
+  if (const std::optional<PassSettings> wanted = prim_settings(said)) {
+    apply(*wanted, settings);
+    if (!wanted->motion_blur) shutter = {};
+  }
   tell(said, param);
   param.set_last_shutter(shutter);
   settings.render.width = std::uint32_t(seen_.image.data_window.GetWidth());

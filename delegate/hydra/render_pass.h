@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <pxr/base/gf/vec4d.h>
 #include <pxr/base/vt/value.h>
 #include <pxr/imaging/hd/renderPass.h>
@@ -11,6 +12,7 @@
 #include "delegate/hydra/camera.h"
 #include "delegate/hydra/jobs.h"
 #include "delegate/hydra/render_param.h"
+#include "delegate/hydra/render_settings.h"
 
 namespace msbvh::hydra {
 
@@ -36,6 +38,7 @@ class RenderPass : public HdRenderPass {
     ImageFrame image;
     Shutter shutter;
     SdfPath camera;
+    SdfPath settings_prim;                  // the active one
     GfMatrix4d view{1.0}, projection{1.0};  // of hosts that set no camera
     std::vector<GfVec4d> clipping_planes;
     TfTokenVector render_tags;
@@ -46,6 +49,8 @@ class RenderPass : public HdRenderPass {
 
   Seen seen(const HdRenderPassState& state, const TfTokenVector& render_tags) const;
   void render(const HdRenderPassState& state);
+  // What the active render settings prim says; nothing where there is none.
+  std::optional<PassSettings> prim_settings(Diagnostics& said) const;
 
   Delegate& delegate_;
   std::shared_ptr<Jobs> jobs_;

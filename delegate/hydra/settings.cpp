@@ -53,7 +53,12 @@ bool apply_interpolation(Settings& settings, const VtValue& value) {
   const std::string name = text_of(value);
   translate::TrackChoice& choice = settings.translate.choice;
   const std::pair<const char*, std::uint32_t> degrees[] = {{"linear", 1}, {"quadratic", 2}, {"cubic", 3}};
-  if (name == "auto") return true;
+  if (name == "auto") {
+    const translate::TrackChoice any;
+    choice.min_degree = any.min_degree;
+    choice.max_degree = any.max_degree;
+    return true;
+  }
   for (const auto& [known, degree] : degrees) {
     if (name != known) continue;
     choice.min_degree = choice.max_degree = degree;
@@ -160,6 +165,12 @@ Settings settings_of(const HdRenderDelegate& delegate, Diagnostics& said) {
   // What follows is the next edit of the same scene, or the next frame.
   settings.render.build.keep_topology = true;
   return settings;
+}
+
+void set_choice(Settings& settings, const TfToken& key, const std::string& name) {
+  for (const Setting& setting : all_settings()) {
+    if (setting.key == key) setting.apply(settings, VtValue(name));
+  }
 }
 
 std::vector<VtValue> values_set(const HdRenderDelegate& delegate) {

@@ -14,6 +14,7 @@ namespace msbvh::hydra {
 struct Settings {
   RenderSettings render;  // without size and AOVs
   translate::TranslatorSettings translate;
+  bool depth_of_field = true;  // false: cameras are pinholes
 };
 
 // For a host's dialogue: names, keys and defaults, which are those of `msbvh record`.
@@ -21,6 +22,9 @@ const HdRenderSettingDescriptorList& setting_descriptors();
 
 // A value that is none of those that are expected is left out, with a warning.
 Settings settings_of(const HdRenderDelegate& delegate, Diagnostics& said);
+
+// One of those that are names, by its key; the name is one that is known (translate/render/own_settings.h).
+void set_choice(Settings& settings, const TfToken& key, const std::string& name);
 
 // What a host has set of those: hosts set many others, and set them again as they are.
 std::vector<VtValue> values_set(const HdRenderDelegate& delegate);

@@ -56,6 +56,7 @@ SUBPACKAGES = [
     "look",
     "camera",
     "scene",
+    "render_settings",
     "output",
     "plan_report",
     "render",

@@ -28,6 +28,7 @@ void bind_translator(nanobind::module_& m);
 void bind_skinning(nanobind::module_& m);
 void bind_plan(nanobind::module_& m);
 void bind_renderer(nanobind::module_& m);
+void bind_render_spec(nanobind::module_& m);
 void bind_bench(nanobind::module_& m);
 void bind_crash_line(nanobind::module_& m);
 void bind_pipe(nanobind::module_& m);

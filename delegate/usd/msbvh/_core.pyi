@@ -33,7 +33,6 @@ from ._core_look import LIGHT_SIZES as LIGHT_SIZES
 from ._core_look import LightSamples as LightSamples
 from ._core_look import Optics as Optics
 from ._core_look import SampledLight as SampledLight
-from ._core_look import conformed as conformed
 from ._core_look import image_height as image_height
 from ._core_look import is_similarity as is_similarity
 from ._core_look import light_emission as light_emission
@@ -54,6 +53,19 @@ from ._core_materials import ShaderValue as ShaderValue
 from ._core_materials import displacement as displacement
 from ._core_materials import evaluated_inputs as evaluated_inputs
 from ._core_materials import preview_surface as preview_surface
+from ._core_render_spec import NamedSetting as NamedSetting
+from ._core_render_spec import OwnSettings as OwnSettings
+from ._core_render_spec import ProductSpec as ProductSpec
+from ._core_render_spec import RenderBaseInput as RenderBaseInput
+from ._core_render_spec import RenderProductInput as RenderProductInput
+from ._core_render_spec import RenderSettingsInput as RenderSettingsInput
+from ._core_render_spec import RenderSpec as RenderSpec
+from ._core_render_spec import RenderVarInput as RenderVarInput
+from ._core_render_spec import RenderVarSpec as RenderVarSpec
+from ._core_render_spec import conformed_picture as conformed_picture
+from ._core_render_spec import pixels_of as pixels_of
+from ._core_render_spec import render_spec as render_spec
+from ._core_render_spec import window_part as window_part
 from ._core_sample import BEFORE_JUMP01 as BEFORE_JUMP01
 from ._core_sample import FINEST_LEVEL as FINEST_LEVEL
 from ._core_sample import LARGEST_ELEMENT as LARGEST_ELEMENT

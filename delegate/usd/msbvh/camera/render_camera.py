@@ -9,7 +9,7 @@ import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
 from .. import _core
-from .._core import LARGEST_ELEMENT, Density, PixelSize, Turns, dense_times01, image_height
+from .._core import LARGEST_ELEMENT, Density, PixelSize, Turns, dense_times01
 from ..base.errors import Diagnostics, SceneError
 from ..base.image_metadata import world_to_camera, world_to_ndc
 from ..motion.boxes import Box
@@ -28,10 +28,11 @@ from ..motion.turns import NO_TURNS, report_too_fast, total_turns, xform_turns
 from ..stage.opening import tf_reason
 from ..stage.value_types import FLOAT
 from ..stage.values import value
-from .aspect import Window, conformed, optics_of, window_of
+from .aspect import Window, optics_of, window_of
 from .camera_values import CameraValues
 from .framing import framing_camera
 from .lens import read_lenses
+from .picture import Picture, PixelWindow
 
 
 @dataclass(frozen=True)
@@ -48,7 +49,7 @@ class RenderCamera:
     world_from_camera: np.ndarray
     """float64[T, 4, 4]."""
     windows: np.ndarray
-    """float32[T, 4]: left, right, bottom, top of the image at unit distance (orthographic: stage units)."""
+    """float32[T, 4]: left, right, bottom, top of the pixels at unit distance (orthographic: stage units)."""
     breakpoints01: np.ndarray
     """float64[B]: where the camera may change its course."""
     periods01: np.ndarray
@@ -62,14 +63,24 @@ class RenderCamera:
     """float32[T, 2]: near and far, where they change; None: the same throughout."""
     clipping_planes: np.ndarray
     """float32[P, 4]: unit normal and offset, in camera space; what lies below any of them is not seen."""
-    width: int
-    height: int
+    pixels: PixelWindow
+    """What is rendered of the picture: all of it, a crop, or overscan too."""
     frame_matrix: np.ndarray
     """world_from_camera at the frame, float64[4, 4]."""
     frame_window: Window
-    """At the frame."""
+    """At the frame, of the whole picture."""
     pixel_aspect_ratio: float
-    """Width of a pixel over its height; not 1 only where the conform policy says so."""
+    """Width of a pixel over its height; not 1 only where the conform policy or render settings say so."""
+
+    @property
+    def width(self) -> int:
+        """Of the pixels that are rendered."""
+        return self.pixels.width
+
+    @property
+    def height(self) -> int:
+        """Of the pixels that are rendered."""
+        return self.pixels.height
 
     @property
     def world_to_camera(self) -> np.ndarray:
@@ -89,30 +100,39 @@ class RenderCamera:
         return PixelSize(eyes.ends(), self.projection == "perspective", per_unit, max(self.near_clip, 0.0))
 
 
+@dataclass(frozen=True)
+class Blur:
+    """What of a camera blurs a picture."""
+
+    shutter: tuple[float, float] | None = None
+    """In place of the camera's own, in frames relative to the frame; None: the camera's."""
+    motion: bool = True
+    """False: the shutter is closed."""
+    lens: bool = True
+    """False: a pinhole."""
+
+
 def read_camera(
     stage: Usd.Stage,
     frame: float | None,
     name: str | None,
-    image_size: tuple[int, int | None],
-    conform: str,
+    picture: Picture,
     purposes: list[str],
     diagnostics: Diagnostics,
-    asked: tuple[float, float] | None = None,
+    blur: Blur = Blur(),
 ) -> RenderCamera:
     """Finds the camera, and samples it over its shutter.
 
-    `image_size` is width and height in pixels; height None: the camera's aspect ratio decides, as in
-    usdrecord. `asked`: a shutter in place of the camera's own, in frames relative to the frame. Raises SceneError
-    for an unknown camera, an unknown conform policy and optics that make no image.
+    Raises SceneError for an unknown camera, an unknown conform policy and optics that make no image.
     """
     prim = find_camera(stage, name, diagnostics)
     if prim is None:
-        shutter = _shutter(None, frame, asked, diagnostics)
-        framing = framing_camera(stage, shutter, purposes, image_size, conform, diagnostics)
+        shutter = _shutter(None, frame, blur, diagnostics)
+        framing = framing_camera(stage, shutter, purposes, picture, diagnostics)
         course = Course(shutter, (), NO_TURNS, False)
-        return _sampled("", shutter, course, lambda _: framing, image_size, conform, diagnostics)
+        return _sampled("", shutter, course, lambda _: framing, picture, diagnostics)
     try:
-        return _read(prim, frame, image_size, conform, diagnostics, asked)
+        return _read(prim, frame, picture, diagnostics, blur)
     except Tf.ErrorException as error:
         raise SceneError(f"{prim.GetPath()}: USD cannot evaluate it: {tf_reason(error)}") from error
 
@@ -120,14 +140,13 @@ def read_camera(
 def _read(
     prim: Usd.Prim,
     frame: float | None,
-    image_size: tuple[int, int | None],
-    conform: str,
+    picture: Picture,
     diagnostics: Diagnostics,
-    asked: tuple[float, float] | None,
+    blur: Blur,
 ) -> RenderCamera:
     camera = UsdGeom.Camera(prim)
     code = Shutter(frame).frame_code
-    shutter = _shutter(camera, frame, asked, diagnostics)
+    shutter = _shutter(camera, frame, blur, diagnostics)
     own = shutter.scaled(scales_at(prim, shutter, diagnostics).blur)
     course = _course(prim, own, is_held(prim.GetStage()))
     report_too_fast(course.turns, str(prim.GetPath()), diagnostics)
@@ -140,23 +159,27 @@ def _read(
     def camera_at(code: Usd.TimeCode) -> Gf.Camera:
         found = values_at(code)
         found.projection = projection
+        if not blur.lens:
+            found.fStop = 0.0
         if not (np.abs(np.array(found.transform)) <= LARGEST_ELEMENT).all():
             path, attribute, message = unusable_op(list(xformables(prim, None)), own)
             raise SceneError(f"{path}.{attribute}: {message}")
         return found
 
-    return _sampled(str(prim.GetPath()), shutter, course, camera_at, image_size, conform, diagnostics)
+    return _sampled(str(prim.GetPath()), shutter, course, camera_at, picture, diagnostics)
 
 
 def _shutter(
     camera: UsdGeom.Camera | None,
     frame: float | None,
-    asked: tuple[float, float] | None,
+    blur: Blur,
     diagnostics: Diagnostics,
 ) -> Shutter:
     """The one that was asked for, else the camera's; closed where a camera is made up, which says so itself."""
-    if frame is not None and asked is not None:
-        return asked_shutter(frame, asked, diagnostics)
+    if not blur.motion:
+        return Shutter(frame)
+    if frame is not None and blur.shutter is not None:
+        return asked_shutter(frame, blur.shutter, diagnostics)
     if camera is None:
         return checked_shutter(frame, 0.0, 0.0, "", diagnostics) if frame is None else Shutter(frame)
     code = Shutter(frame).frame_code
@@ -261,24 +284,24 @@ def _sampled(
     shutter: Shutter,
     course: Course,
     camera_at: Callable[[Usd.TimeCode], Gf.Camera],
-    image_size: tuple[int, int | None],
-    conform: str,
+    picture: Picture,
     diagnostics: Diagnostics,
 ) -> RenderCamera:
     """Evaluates `camera_at` as densely as interpolation between needs, to a thousandth of a pixel; or once if it does
     not move."""
     at_frame = camera_at(shutter.frame_code)
     _check_optics(path, at_frame)
-    width, height = image_size
-    height = height or image_height(width, at_frame.aspectRatio)
-    window, pixel_aspect = conformed(window_of(at_frame), width / height, conform)
+    size = picture.sized(at_frame.aspectRatio)
+    window, pixel_aspect = picture.fitted(window_of(at_frame), size)
+    pixels = picture.pixels(size, diagnostics)
 
     times01 = course.times01()
     cameras = [camera_at(course.shutter.time_code(time01)) for time01 in times01]
     for camera in cameras:
         _check_optics(path, camera)
     matrices = np.array([np.array(camera.transform) for camera in cameras])
-    windows = np.array([conformed(window_of(camera), width / height, conform)[0] for camera in cameras], np.float32)
+    shown = np.array([picture.fitted(window_of(camera), size)[0] for camera in cameras])
+    windows = pixels.part_of(shown).astype(np.float32)
     lenses = read_lenses(path, at_frame, cameras, diagnostics)
     keep = len(times01)
     clips = np.array([(camera.clippingRange.min, camera.clippingRange.max) for camera in cameras], np.float32)
@@ -298,8 +321,7 @@ def _sampled(
         far_clip=float(clips[:, 1].max()),
         clips=None if (clips == clips[0]).all() else clips,
         clipping_planes=_planes(path, at_frame, diagnostics),
-        width=width,
-        height=height,
+        pixels=pixels,
         frame_matrix=np.array(at_frame.transform),
         frame_window=window,
         pixel_aspect_ratio=pixel_aspect,
