@@ -63,35 +63,48 @@ CameraMoment synced_moment(const HdCamera& camera) {
   return {0.0, matrix_of(camera.GetTransform()), in_tenths(optics), {clip.GetMin(), clip.GetMax()}};
 }
 
-// The attributes of a camera that may change within the shutter.
+// How far from the frame values are compared with those at the frame, in frames.
+constexpr float kCloseToFrame = 1.0f / 1024.0f;
+
+// Whether lengths off the frame are counted in tenths, as USD does, though those at the frame are not: so
+// they come from UsdImagingDelegate, which samples attributes as they are authored.
+bool counts_tenths_off_frame(HdFloatDataSource& length, double unit) {
+  const auto at_frame = double(length.GetTypedValue(0.0f)),
+             close = double(length.GetTypedValue(kCloseToFrame));
+  return at_frame != 0.0 && std::abs(close * unit / at_frame - 1.0) < 0.05;
+}
+
+// The attributes of a camera that change within the shutter.
 class MovingOptics {
  public:
-  explicit MovingOptics(HdCameraSchema schema)
-      : numbers_{{schema.GetHorizontalAperture(), &Optics::horizontal_aperture},
-                 {schema.GetVerticalAperture(), &Optics::vertical_aperture},
-                 {schema.GetHorizontalApertureOffset(), &Optics::horizontal_aperture_offset},
-                 {schema.GetVerticalApertureOffset(), &Optics::vertical_aperture_offset},
-                 {schema.GetFocalLength(), &Optics::focal_length},
-                 {schema.GetFStop(), &Optics::f_stop},
-                 {schema.GetFocusDistance(), &Optics::focus_distance}},
-        clip_(schema.GetClippingRange()) {}
+  MovingOptics(HdCameraSchema schema, const Shutter& shutter) {
+    add(schema.GetHorizontalAperture(), &Optics::horizontal_aperture, shutter);
+    add(schema.GetVerticalAperture(), &Optics::vertical_aperture, shutter);
+    add(schema.GetHorizontalApertureOffset(), &Optics::horizontal_aperture_offset, shutter);
+    add(schema.GetVerticalApertureOffset(), &Optics::vertical_aperture_offset, shutter);
+    add(schema.GetFocalLength(), &Optics::focal_length, shutter);
+    add(schema.GetFStop(), &Optics::f_stop, shutter);
+    add(schema.GetFocusDistance(), &Optics::focus_distance, shutter);
+    const HdVec2fDataSourceHandle clip = schema.GetClippingRange();
+    if (clip && contributing_offsets(*clip, shutter).size() > 1) clip_ = clip;
+    const HdFloatDataSourceHandle focal_length = schema.GetFocalLength();
+    tenths_off_frame_ = focal_length && counts_tenths_off_frame(*focal_length, GfCamera::FOCAL_LENGTH_UNIT);
+  }
 
   std::vector<double> breakpoints01(const Shutter& shutter) const {
     std::vector<double> found;
-    const auto add = [&](HdSampledDataSource* source) {
-      if (!source) return;
-      for (const float offset : contributing_offsets(*source, shutter))
+    const auto add_times = [&](HdSampledDataSource& source) {
+      for (const float offset : contributing_offsets(source, shutter))
         found.push_back(shutter.time01(double(offset)));
     };
-    for (const auto& [source, member] : numbers_) add(source.get());
-    add(clip_.get());
+    for (const auto& [source, member] : numbers_) add_times(*source);
+    if (clip_) add_times(*clip_);
     return found;
   }
 
   // Whether each sample holds until the next.
   bool held(const Shutter& shutter) const {
     return std::any_of(numbers_.begin(), numbers_.end(), [&](const auto& number) {
-      if (!number.first) return false;
       std::vector<double> offsets;
       for (const float offset : contributing_offsets(*number.first, shutter))
         offsets.push_back(double(offset));
@@ -100,12 +113,15 @@ class MovingOptics {
     });
   }
 
-  // `still` has the values of what is not sampled.
+  // `still` has the values of what does not change.
   CameraMoment at(double time01, const Shutter& shutter, const CameraMoment& still) const {
     const auto offset = float(shutter.frames_at(time01));
     Optics optics = still.optics;
     for (const auto& [source, member] : numbers_) {
-      if (source) optics.*member = tenths(member, double(source->GetTypedValue(offset)));
+      Optics found;
+      found.*member = double(source->GetTypedValue(offset));
+      if (offset == 0.0f || !tenths_off_frame_) found = in_tenths(found);
+      optics.*member = found.*member;
     }
     CameraMoment moment{time01, still.world_from_camera, optics, still.clip};
     if (clip_) {
@@ -118,14 +134,13 @@ class MovingOptics {
  private:
   using Member = double Optics::*;
 
-  static double tenths(Member member, double value) {
-    Optics one;
-    one.*member = value;
-    return in_tenths(one).*member;
+  void add(const HdFloatDataSourceHandle& source, Member member, const Shutter& shutter) {
+    if (source && contributing_offsets(*source, shutter).size() > 1) numbers_.emplace_back(source, member);
   }
 
   std::vector<std::pair<HdFloatDataSourceHandle, Member>> numbers_;
   HdVec2fDataSourceHandle clip_;
+  bool tenths_off_frame_ = false;
 };
 
 std::vector<double> inside_shutter(std::vector<double> times01) {
@@ -139,7 +154,7 @@ std::vector<double> inside_shutter(std::vector<double> times01) {
 std::vector<CameraMoment> moments_over(HdSceneDelegate& delegate, const SdfPath& path, const Shutter& shutter,
                                        const CameraMoment& at_frame, std::vector<double>& breakpoints01) {
   const MotionPointer motion = transform_motion(delegate, path, shutter);
-  const MovingOptics optics(HdCameraSchema::GetFromParent(scene_index_prim(delegate, path)));
+  const MovingOptics optics(HdCameraSchema::GetFromParent(scene_index_prim(delegate, path)), shutter);
   breakpoints01 = motion->breakpoints01();
   const std::vector<double> zooms = optics.breakpoints01(shutter);
   breakpoints01.insert(breakpoints01.end(), zooms.begin(), zooms.end());

@@ -75,6 +75,7 @@ Host::Host(const UsdStageRefPtr& stage, Engine engine, const SdfPath& camera, st
   if (engine == Engine::kSceneDelegate) {
     scene_delegate_ = std::make_unique<UsdImagingDelegate>(index_.get(), SdfPath::AbsoluteRootPath());
     scene_delegate_->Populate(stage->GetPseudoRoot());
+    scene_delegate_->SetCameraForSampling(camera);  // as UsdImagingGLEngine does
   } else {
     UsdImagingCreateSceneIndicesInfo info;
     info.stage = stage;
