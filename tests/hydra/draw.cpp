@@ -6,9 +6,12 @@
 //
 // `recorder` is UsdAppUtilsFrameRecorder, which usdrecord is a command line of; the height follows from the
 // camera. `delegate` and `indices` are host.h's: OpenUSD's scene delegate, and its scene indices. All frames
-// are drawn by one host, the last one is written. Exit code 1, with one line, for whatever cannot be drawn.
+// are drawn by one host; `delegate` and `indices` write the last one alone. Exit code 1, with one line, for
+// whatever cannot be drawn.
+#include <algorithm>
 #include <cstdlib>
 #include <exception>
+#include <iomanip>
 #include <iostream>
 #include <memory>
 #include <pxr/imaging/hio/image.h>
@@ -78,6 +81,25 @@ Options options_of(const std::vector<std::string>& arguments) {
   return options;
 }
 
+// `#` stand for a frame's digits as in usdrecord: `shot.####.exr`, `shot.####.###.exr` with those after the
+// point.
+std::string name_of(std::string out, double frame) {
+  const std::size_t first = out.find('#');
+  if (first == std::string::npos) return out;
+  std::size_t end = std::min(out.find_first_not_of('#', first), out.size());
+  std::size_t width = end - first, precision = 0;
+  if (end + 1 < out.size() && out[end] == '.' && out[end + 1] == '#') {
+    const std::size_t last = std::min(out.find_first_not_of('#', end + 1), out.size());
+    precision = last - end - 1;
+    width += precision + 1;
+    end = last;
+  }
+  std::ostringstream digits;
+  digits << std::fixed << std::setprecision(int(precision)) << std::setfill('0') << std::setw(int(width))
+         << frame;
+  return out.replace(first, end - first, digits.str());
+}
+
 void write(const Picture& picture, const std::string& file) {
   const HioImageSharedPtr image = HioImage::OpenForWriting(file);
   HioImage::StorageSpec storage;
@@ -98,7 +120,7 @@ void draw_by_host(const Options& options, const UsdStageRefPtr& stage) {
     host.set_time(frame);
     host.converge();
   }
-  write(host.picture(), options.out);
+  write(host.picture(), name_of(options.out, options.frames.back()));
 }
 
 #ifdef MSBVH_HAS_RECORDER
@@ -109,8 +131,9 @@ void draw_by_recorder(const Options& options, const UsdStageRefPtr& stage) {
   recorder.SetCameraLightEnabled(false);
   const UsdGeomCamera camera(stage->GetPrimAtPath(SdfPath(options.camera)));
   for (const double frame : options.frames) {
-    if (!recorder.Record(stage, camera, UsdTimeCode(frame), options.out))
-      throw std::runtime_error(options.out + ": the frame recorder wrote nothing");
+    const std::string file = name_of(options.out, frame);
+    if (!recorder.Record(stage, camera, UsdTimeCode(frame), file))
+      throw std::runtime_error(file + ": the frame recorder wrote nothing");
   }
 }
 #endif
