@@ -8,6 +8,7 @@
 
 #include "delegate/hydra/camera.h"
 #include "delegate/hydra/curves.h"
+#include "delegate/hydra/implicit.h"
 #include "delegate/hydra/instancer.h"
 #include "delegate/hydra/light.h"
 #include "delegate/hydra/material.h"
@@ -28,8 +29,7 @@ std::int64_t peak_memory() {
   return std::int64_t(usage.ru_maxrss) * 1024;
 }
 
-bool is_light(const TfToken& type) {
-  const TfTokenVector& types = Light::types();
+bool is_one_of(const TfTokenVector& types, const TfToken& type) {
   return std::find(types.begin(), types.end(), type) != types.end();
 }
 
@@ -43,8 +43,11 @@ Delegate::Delegate(const HdRenderSettingsMap& settings) : HdRenderDelegate(setti
 Delegate::~Delegate() { jobs_->stop(); }
 
 const TfTokenVector& Delegate::GetSupportedRprimTypes() const {
-  static const TfTokenVector types{HdPrimTypeTokens->mesh, HdPrimTypeTokens->basisCurves,
-                                   HdPrimTypeTokens->points};
+  static const TfTokenVector types = [] {
+    TfTokenVector all = implicit_types();
+    all.insert(all.end(), {HdPrimTypeTokens->mesh, HdPrimTypeTokens->basisCurves, HdPrimTypeTokens->points});
+    return all;
+  }();
   return types;
 }
 
@@ -138,6 +141,7 @@ HdRprim* Delegate::CreateRprim(const TfToken& type, const SdfPath& path) {
   if (type == HdPrimTypeTokens->mesh) return new Mesh(path);
   if (type == HdPrimTypeTokens->basisCurves) return new Curves(path);
   if (type == HdPrimTypeTokens->points) return new Points(path);
+  if (is_one_of(implicit_types(), type)) return new Implicit(type, path);
   if (param_.is_news("type " + type.GetString()))
     TF_WARN("%s: prims of type %s are not drawn", path.GetText(), type.GetText());
   return nullptr;
@@ -149,7 +153,7 @@ HdSprim* Delegate::CreateSprim(const TfToken& type, const SdfPath& path) {
   if (type == HdPrimTypeTokens->camera) return new Camera(path);
   if (type == HdPrimTypeTokens->material) return new Material(path);
   if (type == HdPrimTypeTokens->extComputation) return new HdExtComputation(path);
-  if (is_light(type)) return new Light(type, path);
+  if (is_one_of(Light::types(), type)) return new Light(type, path);
   if (param_.is_news("type " + type.GetString()))
     TF_WARN("%s: prims of type %s are not rendered", path.GetText(), type.GetText());
   return nullptr;

@@ -1,10 +1,13 @@
 #include "delegate/hydra/motion_source.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <pxr/imaging/hd/instancerTopologySchema.h>
 #include <pxr/imaging/hd/primvarSchema.h>
 #include <pxr/imaging/hd/primvarsSchema.h>
+#include <pxr/imaging/hd/renderIndex.h>
+#include <pxr/imaging/hd/sceneIndex.h>
 #include <pxr/imaging/hd/timeSampleArray.h>
 #include <pxr/imaging/hd/tokens.h>
 #include <pxr/imaging/hd/xformSchema.h>
@@ -49,6 +52,47 @@ std::vector<Matrix4d> every_matrix(const VtValue& value) {
   if (!value.IsHolding<VtMatrix4dArray>()) return result;
   for (const GfMatrix4d& matrix : value.UncheckedGet<VtMatrix4dArray>()) result.push_back(matrix_of(matrix));
   return result;
+}
+
+bool same(const Matrix4d& a, const Matrix4d& b) {
+  constexpr double kRounding = 1e-9;
+  return std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
+    return std::abs(x - y) <= kRounding * std::max({1.0, std::abs(x), std::abs(y)});
+  });
+}
+
+// Of native instances: UsdImaging hands their matrices over as they are at the frame alone, but the prims
+// where they stand have transforms that are sampled. Null where there are no such prims, where they stand
+// elsewhere at the frame, and where none of them moves.
+MotionPointer from_locations(const HdSceneIndexBaseRefPtr& scene,
+                             const HdContainerDataSourceHandle& instancer,
+                             const std::vector<Matrix4d>& at_frame, const Shutter& shutter) {
+  const HdPathArrayDataSourceHandle locations =
+      HdInstancerTopologySchema::GetFromParent(instancer).GetInstanceLocations();
+  if (!locations || !shutter.moving()) return nullptr;
+  const VtArray<SdfPath> paths = locations->GetTypedValue(0.0f);
+  if (paths.size() != at_frame.size()) return nullptr;
+  std::vector<HdMatrixDataSourceHandle> sources;
+  std::vector<float> offsets;
+  for (const SdfPath& path : paths) {
+    const HdMatrixDataSourceHandle source =
+        HdXformSchema::GetFromParent(scene->GetPrim(path).dataSource).GetMatrix();
+    if (!source || !same(matrix_of(source->GetTypedValue(0.0f)), at_frame[sources.size()])) return nullptr;
+    const std::vector<float> own = contributing_offsets(*source, shutter);
+    if (own.size() > 1) offsets.insert(offsets.end(), own.begin(), own.end());
+    sources.push_back(source);
+  }
+  if (offsets.empty()) return nullptr;
+  std::sort(offsets.begin(), offsets.end());
+  offsets.erase(std::unique(offsets.begin(), offsets.end()), offsets.end());
+  const auto evaluate = [sources, shutter](double time01) {
+    std::vector<Matrix4d> matrices;
+    for (const HdMatrixDataSourceHandle& source : sources)
+      matrices.push_back(matrix_of(source->GetTypedValue(float(shutter.frames_at(time01)))));
+    return matrices;
+  };
+  return std::make_shared<EvaluatedMotion>(sources.size(), false, times01(offsets, shutter), evaluate,
+                                           translate::uniform_turns(kAssumedTurns));
 }
 
 MotionPointer from_samples(const HdTimeSampleArray<GfMatrix4d, kUsualSamples>& samples,
@@ -104,7 +148,11 @@ MotionPointer instance_matrices(HdSceneDelegate& delegate, const SdfPath& path, 
   if (const HdContainerDataSourceHandle prim = scene_index_prim(delegate, path)) {
     HdPrimvarSchema primvar = HdPrimvarsSchema::GetFromParent(prim).GetPrimvar(name);
     const HdSampledDataSourceHandle source = primvar ? primvar.GetPrimvarValue() : nullptr;
-    const std::size_t count = source ? every_matrix(source->GetValue(0.0f)).size() : 0;
+    const std::vector<Matrix4d> at_frame =
+        source ? every_matrix(source->GetValue(0.0f)) : std::vector<Matrix4d>();
+    const std::size_t count = at_frame.size();
+    const HdSceneIndexBaseRefPtr scene = delegate.GetRenderIndex().GetTerminalSceneIndex();
+    if (const MotionPointer found = from_locations(scene, prim, at_frame, shutter)) return found;
     return count > 0 ? evaluated(source, count, shutter, every_matrix) : nullptr;
   }
   const TimedValues samples = timed_primvar(delegate, path, name, shutter, false);

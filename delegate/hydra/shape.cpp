@@ -67,6 +67,8 @@ void Shape::sync(HdSceneDelegate& delegate, HdDirtyBits bits, std::int32_t prim_
   stale_ |= bits;
 }
 
+HdDirtyBits Shape::point_bits() const { return kPointBits; }
+
 double Shape::blur_scale(HdSceneDelegate& delegate, const Shutter& shutter) {
   const VtValue value = timed_primvar(delegate, path_, HdTokens->blurScale, shutter, false).at_frame;
   if (value.IsEmpty()) return 1.0;
@@ -95,7 +97,7 @@ void Shape::pull(const Shutter& shutter) {
   shutter_ = own;
   if (stale(HdChangeTracker::DirtyTransform) || !same_window)
     motion_ = transform_motion(*delegate_, path_, shutter_);
-  if (stale(kPointBits) || !same_window) pull_points(*delegate_);
+  if (stale(point_bits()) || !same_window) pull_points(*delegate_);
   if (stale(kPrimvarBits) || !same_window) pull_primvars(*delegate_);
   camera_shutter_ = shutter;
   read_ = true;

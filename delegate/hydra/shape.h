@@ -60,6 +60,8 @@ class Shape {
   // What of the topology changes within the shutter; asked where points or topology are stale. Returns
   // whether points have no path from one topology to the next.
   virtual bool pull_topology(HdSceneDelegate&, const Shutter&) { return false; }
+  // What makes points, or what stands for them, stale.
+  virtual HdDirtyBits point_bits() const;
   // The topology and all that only this kind has.
   virtual void describe(translate::FrameShape& shape) const = 0;
   virtual bool wants_normals() const { return true; }

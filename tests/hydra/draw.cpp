@@ -2,15 +2,17 @@
 //
 //     hydra_draw --engine recorder|delegate|indices [--renderer HdMsbvhRendererPlugin] --camera /cam --frames
 //     1,2
-//                --imageWidth 64 --imageHeight 48 [--set KEY=NUMBER]... SCENE OUT.exr
+//                --imageWidth 64 --imageHeight 48 [--set KEY=NUMBER]... [--dump FILE] SCENE OUT.exr
 //
 // `recorder` is UsdAppUtilsFrameRecorder, which usdrecord is a command line of; the height follows from the
 // camera. `delegate` and `indices` are host.h's: OpenUSD's scene delegate, and its scene indices. All frames
-// are drawn by one host; `delegate` and `indices` write the last one alone. Exit code 1, with one line, for
-// whatever cannot be drawn.
+// are drawn by one host; `delegate` and `indices` write the last one alone. With
+// `--dump` they also write what they have handed over (dump.h), over the camera's shutter. Exit code 1, with
+// one line, for whatever cannot be drawn.
 #include <algorithm>
 #include <cstdlib>
 #include <exception>
+#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -25,6 +27,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/hydra/dump.h"
 #include "tests/hydra/host.h"
 
 using namespace msbvh::testing;
@@ -33,7 +36,7 @@ PXR_NAMESPACE_USING_DIRECTIVE
 namespace {
 
 struct Options {
-  std::string engine = "delegate", renderer = "HdMsbvhRendererPlugin", camera, scene, out;
+  std::string engine = "delegate", renderer = "HdMsbvhRendererPlugin", camera, scene, out, dump;
   std::vector<double> frames{0.0};
   std::uint32_t width = 64, height = 64;
   std::vector<std::pair<std::string, double>> settings;
@@ -69,6 +72,8 @@ Options options_of(const std::vector<std::string>& arguments) {
       options.width = std::uint32_t(std::stoul(value));
     else if (name == "--imageHeight")
       options.height = std::uint32_t(std::stoul(value));
+    else if (name == "--dump")
+      options.dump = value;
     else if (name == "--set")
       options.settings.emplace_back(value.substr(0, value.find('=')),
                                     std::stod(value.substr(value.find('=') + 1)));
@@ -119,6 +124,14 @@ void draw_by_host(const Options& options, const UsdStageRefPtr& stage) {
   for (const double frame : options.frames) {
     host.set_time(frame);
     host.converge();
+  }
+  if (!options.dump.empty()) {
+    const UsdGeomCamera camera(stage->GetPrimAtPath(SdfPath(options.camera)));
+    double open = 0.0, close = 0.0;
+    camera.GetShutterOpenAttr().Get(&open, UsdTimeCode(options.frames.back()));
+    camera.GetShutterCloseAttr().Get(&close, UsdTimeCode(options.frames.back()));
+    std::ofstream file(options.dump);
+    dump(*host.scene(), float(open), float(close), file);
   }
   write(host.picture(), name_of(options.out, options.frames.back()));
 }

@@ -51,6 +51,8 @@ class Host {
   // What the buffers show.
   Picture picture();
 
+  // What the render index has of the stage.
+  HdSceneIndexBaseRefPtr scene() const { return index_->GetTerminalSceneIndex(); }
   HdRenderDelegate& delegate() { return **delegate_; }
   VtDictionary stats() const { return (*delegate_)->GetRenderStats(); }
 

@@ -5,6 +5,7 @@
 #include "delegate/translate/box_corners.h"
 #include "delegate/translate/frame/bound_materials.h"
 #include "delegate/translate/frame/camera_moments.h"
+#include "delegate/translate/frame/frame_implicit.h"
 #include "delegate/translate/frame/held_parts.h"
 #include "delegate/translate/frame/primvar_policy.h"
 #include "delegate/translate/sample/sampler.h"
@@ -46,7 +47,13 @@ class Assembler {
   // In parts, where what holds changes within the shutter.
   template <typename Add>
   void add_shape(const FrameShape& shape, const PixelSize& pixel, const Add& add) {
-    const Box3d box = box_of(shape.mesh);
+    std::optional<FrameImplicit> implicit;
+    if (shape.implicit) {
+      PrimLog log(said_, shape.mesh.path);
+      implicit = FrameImplicit::make(*shape.implicit, log);
+      if (!implicit) return;
+    }
+    const Box3d box = implicit ? implicit->box() : box_of(shape.mesh);
     const std::vector<MotionSamples> samples =
         sample_motion(*shape.motion, std::span(&box, 1), pixel, tolerance_, shape.motion->held());
     if (samples.empty() || !samples.front().usable) {
@@ -56,6 +63,16 @@ class Assembler {
       return;
     }
     const TransformSamples motion = samples.front().of(0);
+    if (implicit) {
+      FrameShape formed = shape;
+      implicit->form(motion, pixel, formed.mesh);
+      return add_formed(formed, motion, add);
+    }
+    add_formed(shape, motion, add);
+  }
+
+  template <typename Add>
+  void add_formed(const FrameShape& shape, const TransformSamples& motion, const Add& add) {
     if (!holds_values(shape)) return add_part(shape, motion, add);
     PrimLog log(said_, shape.mesh.path);
     const ShapeParts parts = parts_of(shape, log);
@@ -80,11 +97,20 @@ class Assembler {
     for (NamedPrimvar& each : mesh.named_primvars) settle_samples(each.primvar, "primvars:" + each.name, log);
   }
 
+  // Empty for a shape that cannot be drawn; add_shape() says why.
+  static Box3d bounds_of(const FrameShape& shape) {
+    if (!shape.implicit) return box_of(shape.mesh);
+    std::vector<Diagnostic> unsaid;
+    PrimLog log(unsaid, shape.mesh.path);
+    const std::optional<FrameImplicit> implicit = FrameImplicit::make(*shape.implicit, log);
+    return implicit ? implicit->box() : Box3d();
+  }
+
   // A prototype, followed as closely as that instance asks for which is seen largest.
   void add_instanced(const FrameGroup& group) {
     Box3d box;
     for (const FrameShape& shape : group.shapes)
-      box.grow(image_of({shape.motion, nullptr, {}}, box_of(shape.mesh)));
+      box.grow(image_of({shape.motion, nullptr, {}}, bounds_of(shape)));
     if (box.empty()) return;
     const double pixels_per_unit = measure(group, CoarseLevels(group.levels).from(0), box);
     const PixelSize pixel = PixelSize::uniform(1.0 / std::max(pixels_per_unit, kSmallest));

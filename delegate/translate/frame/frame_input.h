@@ -16,6 +16,7 @@
 #include "delegate/translate/inputs.h"
 #include "delegate/translate/look/light_samples.h"
 #include "delegate/translate/look/shader_network.h"
+#include "delegate/translate/shape/implicit_shape.h"
 #include "delegate/translate/shape/subsets.h"
 
 namespace msbvh::translate {
@@ -46,7 +47,14 @@ struct BoundSubset {
   HeldIndices held{};      // of the faces
 };
 
-// A mesh, curves or points, without its transform.
+// An implicit prim's parameters: those of the frame, then those at `times01`, which increase.
+struct ImplicitFrameInput {
+  ImplicitInput shape;
+  std::vector<double> times01{};
+  bool held = false;  // each until the next
+};
+
+// A mesh, curves, points or an implicit prim, without its transform.
 struct FrameShape {
   // Without world_from_object, material, face_materials. `named_primvars` may be more than its materials
   // read.
@@ -55,6 +63,7 @@ struct FrameShape {
   std::string material{};  // path; empty: displayColor shows
   std::vector<BoundSubset> subsets{};
   HeldShapeValues held{};
+  std::optional<ImplicitFrameInput> implicit{};  // in place of the mesh's topology and points
 };
 
 // Shapes that are placed together.
