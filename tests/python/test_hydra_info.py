@@ -44,7 +44,6 @@ def test_the_template_names_the_types_that_are_registered(plugin: Path) -> None:
         assert f"Define<{name}>" in sources
         assert {"displayName", "priority"} <= info.keys()
     assert types["HdMsbvhRendererPlugin"]["displayName"] == "MSBVH"
-    assert '"MSBVH", TfToken("HdMsbvh_ImplicitSurfaceSceneIndexPlugin")' in sources
 
 
 def test_finds_the_plugin_by_the_search_path(
