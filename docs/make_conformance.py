@@ -2,17 +2,20 @@
 
     python docs/make_conformance.py    # some minutes; with msbvh installed or on PYTHONPATH
 
-The second table needs ../shared/scenes beside the checkout.
+The table of reference images needs ../shared/scenes beside the checkout. That of Hydra shows what docs/make_hydra.py has
+found, where there was an OpenUSD to build the plugin for.
 """
 
 from __future__ import annotations
 
+import json
 import platform
 import sys
 import tempfile
 from collections.abc import Iterator
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "tests" / "python"))
@@ -26,7 +29,7 @@ from pxr import Usd
 
 
 def main() -> None:
-    text = "\n".join([*heading(), *rules_table(), *references_table()])
+    text = "\n".join([*heading(), *rules_table(), *hydra_table(), *references_table()])
     (ROOT / "docs" / "conformance.md").write_text(text + "\n", encoding="utf-8")
 
 
@@ -38,6 +41,15 @@ mean of alpha's absolute error over what either image covers; by noise is what a
 pixel explain, by record what a run of ours may have: {standard_errors:g} standard errors above that of the
 run in `testenv/motion/recorded.json` (`python testenv/motion/make_recorded.py`).
 `msbvh conform --command 'usdrecord --renderer X'` holds another renderer to them, by noise alone."""
+
+HYDRA_TEXT = """## Through Hydra
+
+The same rules through the Hydra plugin and, in the same host, through OpenUSD's own CPU delegate: OpenUSD {openusd}, {samples}
+samples a pixel, errors allowed by noise alone. Made by `python docs/make_hydra.py`. Scene indices are the way that OpenUSD
+takes by default since 25.11; the frame recorder, which usdrecord is a command line of, still takes the older scene delegate in
+{openusd}. What fails through scene indices is excused where the dump of it shows that the host has handed over other values
+([hydra_dumps.md](hydra_dumps.md)): {excused} of {failed}.
+"""
 
 REFERENCES_TEXT = """Scenes of Autodesk/arnold-usd's test suite, whose reference images' alpha is coverage.
 Mean absolute error of alpha over the whole image, ours and that of the oracle: usd-core's evaluation,
@@ -73,6 +85,32 @@ def rules_table() -> Iterator[str]:
         yield "|---|---|---|---|---|---|"
         yield from map(rule_row, group)
     yield ""
+
+
+def hydra_table() -> Iterator[str]:
+    """Every rule through the plugin, as docs/make_hydra.py has found it."""
+    found = json.loads((ROOT / "docs" / "hydra_conformance.json").read_text(encoding="utf-8"))
+    columns, excused = found["columns"], found["excused"]
+    titles = sorted(columns, key=lambda title: (not title.endswith("indices"), not title.startswith("MSBVH")))
+    failed = [name for name, row in columns[titles[0]].items() if not row["passed"]]
+    yield HYDRA_TEXT.format(
+        openusd=found["openusd"], samples=found["samples"], excused=len(excused), failed=len(failed)
+    )
+    yield f"| rule | {' | '.join(titles)} | what the host does not hand over |"
+    yield f"|---|{'---|' * len(titles)}---|"
+    passed = [
+        f"**{sum(row['passed'] for row in columns[title].values())} of {len(columns[title])}**" for title in titles
+    ]
+    yield f"| all | {' | '.join(passed)} | |"
+    for name in columns[titles[0]]:
+        cells = [hydra_cell(columns[title][name]) for title in titles]
+        yield f"| `{name}` | {' | '.join(cells)} | {excused.get(name, '' if name not in failed else '**not excused**')} |"
+    yield ""
+
+
+def hydra_cell(row: dict[str, Any]) -> str:
+    error = "no picture" if row["error"] is None else f"{row['error']:.4f}"
+    return f"pass {error}" if row["passed"] else f"**fail** {error}"
 
 
 def rule_row(outcome: Outcome) -> str:

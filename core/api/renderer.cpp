@@ -76,7 +76,34 @@ Tracer tracer_of(const Bvh& world, const RenderSettings& settings) {
   return settings.instruction_set ? Tracer(world, *settings.instruction_set) : Tracer(world);
 }
 
-constexpr std::chrono::milliseconds kProgressInterval{100};
+// How long a render goes on at most that has been cancelled, beside the tiles at hand.
+constexpr std::chrono::milliseconds kProgressInterval{25};
+
+// A frame in another size, as long as this lives.
+class FewerPixels {
+ public:
+  FewerPixels(Frame& frame, std::uint32_t width, std::uint32_t height)
+      : frame_(frame), width_(frame.width), height_(frame.height) {
+    frame_.width = width;
+    frame_.height = height;
+  }
+  ~FewerPixels() {
+    frame_.width = width_;
+    frame_.height = height_;
+  }
+  FewerPixels(const FewerPixels&) = delete;
+  FewerPixels& operator=(const FewerPixels&) = delete;
+
+ private:
+  Frame& frame_;
+  std::uint32_t width_, height_;
+};
+
+// What a render leaves beside its picture.
+struct Traced {
+  TraceModes rays;
+  StageCounts stages;  // of settings.sample_stages
+};
 
 }  // namespace
 
@@ -89,8 +116,13 @@ struct Renderer::Data {
   std::optional<Frame> frame;
 
   void build(SceneTrees* previous);
-  void render_tiles(SampleRange samples, Image& image, std::atomic<std::size_t>& finished_tiles,
-                    const std::atomic<bool>& cancelled);
+  // Of `samples` of each pixel of `frame`, which is this data's in some size. Adds to `traced`.
+  Image render(const Frame& drawn, SampleRange samples, const ProgressFunction& progress,
+               Traced& traced) const;
+
+ private:
+  void render_tiles(const TileJob& job, Image& image, std::atomic<std::size_t>& finished_tiles,
+                    Traced& traced) const;
 };
 
 void Renderer::Data::build(SceneTrees* previous) {
@@ -100,32 +132,51 @@ void Renderer::Data::build(SceneTrees* previous) {
   trees->add_to(statistics.accel, statistics.trees);
 }
 
-void Renderer::Data::render_tiles(SampleRange samples, Image& image, std::atomic<std::size_t>& finished_tiles,
-                                  const std::atomic<bool>& cancelled) {
-  const TileGrid grid(settings.width, settings.height);
-  const TileJob job{*frame, samples, settings.batch_paths, cancelled};
+void Renderer::Data::render_tiles(const TileJob& job, Image& image, std::atomic<std::size_t>& finished_tiles,
+                                  Traced& traced) const {
+  const TileGrid grid(image.width, image.height);
   std::optional<StageSampler> sampler;
   if (settings.sample_stages) sampler.emplace();
   WorkspacePool workspaces(sampler ? &*sampler : nullptr);
   std::mutex summing;
-  TraceModes rays;
-  const Stopwatch watch;
   Arena(settings.threads).execute([&] {
     parallel_for(grid.count(), [&](std::size_t i) {
       std::unique_ptr<TileWorkspace> workspace = workspaces.take();
-      const TraceModes traced = render_tile(job, grid.tile(i), *workspace, image);
+      const TraceModes rays = render_tile(job, grid.tile(i), *workspace, image);
       workspaces.give_back(std::move(workspace));
       {
         const std::scoped_lock lock(summing);
-        rays += traced;
+        traced.rays += rays;
       }
       ++finished_tiles;
     });
   });
-  statistics.trace_seconds = watch.seconds();
-  statistics.stages = sampler ? sampler->stop() : StageCounts{};
-  statistics.rays = rays;
-  statistics.camera_rays = std::uint64_t(settings.width) * settings.height * samples.count;
+  if (sampler) traced.stages = sampler->stop();
+}
+
+Image Renderer::Data::render(const Frame& drawn, SampleRange samples, const ProgressFunction& progress,
+                             Traced& traced) const {
+  Image image{drawn.width, drawn.height, {}, {}};
+  const std::size_t pixels = std::size_t(drawn.width) * drawn.height;
+  image.rgba.resize(4 * pixels);
+  for (const Aov aov : settings.aovs) image.aovs.emplace_back(aov, pixels);
+  const double tiles = static_cast<double>(TileGrid(drawn.width, drawn.height).count());
+  std::atomic<std::size_t> finished_tiles = 0;
+  std::atomic<bool> cancelled = false;
+
+  const TileJob job{drawn, samples, settings.batch_paths, cancelled};
+  Background work([&] { render_tiles(job, image, finished_tiles, traced); });
+  try {
+    while (!work.finished_within(kProgressInterval)) {
+      if (progress && !progress(static_cast<double>(finished_tiles) / tiles)) throw Cancelled();
+    }
+    work.join();
+    if (progress && !progress(1.0)) throw Cancelled();
+  } catch (...) {
+    cancelled = true;  // the destructor of `work` waits for the tiles at hand
+    throw;
+  }
+  return image;
 }
 
 Renderer::Renderer() = default;
@@ -155,27 +206,23 @@ Image Renderer::render(SampleRange samples, const ProgressFunction& progress) {
   Data& data = committed();
   expect_range("first sample", samples.first, 0, kMaxSpp);
   expect_range("samples", samples.count, 1, kMaxSpp);
-  const RenderSettings& settings = data.settings;
-  Image image{settings.width, settings.height, {}, {}};
-  const std::size_t pixels = std::size_t(settings.width) * settings.height;
-  image.rgba.resize(4 * pixels);
-  for (const Aov aov : settings.aovs) image.aovs.emplace_back(aov, pixels);
-  const double tiles = static_cast<double>(TileGrid(settings.width, settings.height).count());
-  std::atomic<std::size_t> finished_tiles = 0;
-  std::atomic<bool> cancelled = false;
-
-  Background work([&] { data.render_tiles(samples, image, finished_tiles, cancelled); });
-  try {
-    while (!work.finished_within(kProgressInterval)) {
-      if (progress && !progress(static_cast<double>(finished_tiles) / tiles)) throw Cancelled();
-    }
-    work.join();
-    if (progress && !progress(1.0)) throw Cancelled();
-  } catch (...) {
-    cancelled = true;  // the destructor of `work` waits for the tiles at hand
-    throw;
-  }
+  Traced traced;
+  const Stopwatch watch;
+  Image image = data.render(*data.frame, samples, progress, traced);
+  data.statistics.trace_seconds = watch.seconds();
+  data.statistics.stages = traced.stages;
+  data.statistics.rays = traced.rays;
+  data.statistics.camera_rays = std::uint64_t(image.width) * image.height * samples.count;
   return image;
+}
+
+Image Renderer::preview(std::uint32_t width, std::uint32_t height, const ProgressFunction& progress) {
+  Data& data = committed();
+  expect_range("width of a preview", width, 1, data.settings.width);
+  expect_range("height of a preview", height, 1, data.settings.height);
+  const FewerPixels fewer(*data.frame, width, height);
+  Traced unused;
+  return data.render(*data.frame, {0, 1}, progress, unused);
 }
 
 Renderer::Data& Renderer::committed() const {

@@ -69,6 +69,11 @@ class Renderer {
   // counts, have the mean of all at once: so samples can be added to a picture without another noise.
   Image render(SampleRange samples, const ProgressFunction& progress = {});
 
+  // A first look: one sample a pixel of the same picture in fewer pixels, with the same AOVs. Not a part of
+  // what ranges of samples add up to; the statistics stay as they are. Throws Error for a size above the
+  // settings'.
+  Image preview(std::uint32_t width, std::uint32_t height, const ProgressFunction& progress = {});
+
   // Proves the invariants of every tree, as Accel::verify(). For tests: takes seconds on large scenes.
   void verify() const;
   // Traces rays that are likely to find a defect (core/probe/probe.h). Throws Cancelled.

@@ -42,6 +42,12 @@ constexpr ClipRange lerp(const ClipRange& a, const ClipRange& b, float w) {
   return {lerp(a.near_clip, b.near_clip, w), lerp(a.far_clip, b.far_clip, w)};
 }
 
+// What lies below it, seen by dot(normal, point) + offset < 0 in camera space, is cut off.
+struct ClippingPlane {
+  Vec3f normal;
+  float offset = 0.0f;
+};
+
 enum class Projection : std::uint8_t { kPerspective, kOrthographic };
 
 // Looks along -z with y up, as USD cameras do.
@@ -57,6 +63,7 @@ struct Camera {
   std::uint32_t degree = 1;
   TimeRemap time_remap{};         // of the tracks; hides nothing
   std::vector<ClipRange> clip{};  // empty: near_clip to far_clip throughout; else form().controls()
+  std::vector<ClippingPlane> clipping_planes{};  // of camera rays; they move with the camera
 
   TrackForm form() const { return {segments, degree}; }
 };

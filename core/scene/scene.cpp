@@ -271,6 +271,13 @@ void check_clip(const ClipRange& clip, Projection projection, const std::string&
          "near below far, and not negative for a perspective camera");
 }
 
+void check_planes(const Camera& camera, const std::string& part) {
+  for (const ClippingPlane& plane : camera.clipping_planes) {
+    expect(is_finite(plane.normal) && is_finite(plane.offset), part, "clippingPlanes",
+           "a number that is not finite", "finite numbers");
+  }
+}
+
 void check_camera(const Camera& camera) {
   const std::string part = camera.name.empty() ? "camera" : camera.name;
   expect_curve(camera.world_from_camera, camera.form(), part, "worldFromCamera");
@@ -281,6 +288,7 @@ void check_camera(const Camera& camera) {
   for (const Affine3f& m : camera.world_from_camera) {
     expect(m.determinant() != 0.0f, part, "worldFromCamera", "a singular matrix", "one that can be inverted");
   }
+  check_planes(camera, part);
   check_clip({camera.near_clip, camera.far_clip}, camera.projection, part);
   if (camera.clip.empty()) return;
   expect_curve(camera.clip, camera.form(), part, "clippingRange");

@@ -1,5 +1,8 @@
 #include "core/shade/camera.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "core/motion/bezier.h"
 #include "core/shade/warp.h"
 
@@ -30,19 +33,43 @@ class CameraTime {
   float time_;
 };
 
-Ray ray_through(const Camera& camera, const Affine3f& world_from_camera, const ScreenWindow& window,
-                const ClipRange& clip, float screen_x, float screen_y, float time) {
+// A ray in the camera's space.
+struct Sight {
+  Vec3f origin, direction;
+};
+
+// Leaves of a ray's range what no plane cuts off: planes are half-spaces, so that is one range again.
+void cut_off(const std::vector<ClippingPlane>& planes, const Sight& sight, Ray& ray) {
+  for (const ClippingPlane& plane : planes) {
+    const float at_origin = dot(plane.normal, sight.origin) + plane.offset;
+    const float slope = dot(plane.normal, sight.direction);
+    if (slope > 0.0f) {
+      ray.tnear = std::max(ray.tnear, -at_origin / slope);
+    } else if (slope < 0.0f) {
+      ray.tfar = std::min(ray.tfar, -at_origin / slope);
+    } else if (at_origin < 0.0f) {
+      ray.tfar = -std::numeric_limits<float>::infinity();
+    }
+  }
+}
+
+Sight sight_through(const Camera& camera, const ScreenWindow& window, float screen_x, float screen_y) {
   const float x = lerp(window.left, window.right, screen_x);
   const float y = lerp(window.top, window.bottom, screen_y);
-  const bool perspective = camera.projection == Projection::kPerspective;
-  const Vec3f origin = perspective ? Vec3f{} : Vec3f{x, y, 0.0f};
-  const Vec3f direction = perspective ? Vec3f{x, y, -1.0f} : Vec3f{0.0f, 0.0f, -1.0f};
+  if (camera.projection == Projection::kPerspective) return {{}, {x, y, -1.0f}};
+  return {{x, y, 0.0f}, {0.0f, 0.0f, -1.0f}};
+}
+
+Ray ray_through(const Camera& camera, const Affine3f& world_from_camera, const ScreenWindow& window,
+                const ClipRange& clip, float screen_x, float screen_y, float time) {
+  const Sight sight = sight_through(camera, window, screen_x, screen_y);
   Ray ray;
-  ray.org = world_from_camera.point(origin);
-  ray.dir = world_from_camera.vector(direction);
+  ray.org = world_from_camera.point(sight.origin);
+  ray.dir = world_from_camera.vector(sight.direction);
   ray.tnear = clip.near_clip;
   ray.tfar = clip.far_clip;
   ray.time = time;
+  if (!camera.clipping_planes.empty()) cut_off(camera.clipping_planes, sight, ray);
   return ray;
 }
 
@@ -78,6 +105,12 @@ Ray lens_ray(const Camera& camera, float screen_x, float screen_y, float time, P
   const Vec3f offset = at.world_from_camera().vector(on_lens);
   ray.org += offset;
   ray.dir = ray.dir - offset * (1.0f / lens.focus_distance);
+  if (camera.clipping_planes.empty()) return ray;
+  const Vec3f through = sight_through(camera, at.window(), screen_x, screen_y).direction;
+  const ClipRange clip = at.clip();
+  ray.tnear = clip.near_clip;
+  ray.tfar = clip.far_clip;
+  cut_off(camera.clipping_planes, {on_lens, through - on_lens * (1.0f / lens.focus_distance)}, ray);
   return ray;
 }
 

@@ -14,6 +14,7 @@ Ray camera_ray(const Camera& camera, float screen_x, float screen_y, float time)
 
 // The same through a point of the lens that `random` chooses, uniformly by area: the rays of a point of the
 // image meet in the plane in focus. t still counts along -z, from the lens. The camera must have a lens.
+// The camera's clipping planes shorten the range of either; where they leave nothing of it, tfar < tnear.
 Ray lens_ray(const Camera& camera, float screen_x, float screen_y, float time, Point2 random);
 
 // The rays of a frame, what does not move evaluated once. The same rays as the functions above to the bit.

@@ -323,6 +323,7 @@ Camera fit_camera(const CameraInput& input, const Vec3d& origin, const Translato
   Camera camera;
   camera.name = input.path;
   camera.projection = input.projection;
+  camera.clipping_planes = input.clipping_planes;
   camera.near_clip = input.near_clip;
   camera.far_clip = input.far_clip;
   camera.segments = form.segments;

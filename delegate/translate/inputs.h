@@ -156,6 +156,7 @@ struct MeshInput {
   std::uint32_t material = kNone;
   // Empty, or one a face in place of `material`; negative: none.
   std::span<const int> face_materials;
+  std::uint32_t prim_id = kNone;  // for the AOV primId; kNone: the place in the scene
 };
 
 // Quaternions as USD lays them out.
@@ -232,6 +233,7 @@ struct CameraInput {
   std::vector<double> periods01{};  // as of TransformSamples
   float near_clip = 1.0f;           // the nearest and the farthest of all samples
   float far_clip = 1.0e6f;
+  std::vector<ClippingPlane> clipping_planes{};  // those of checked_planes() (frame/clipping_planes.h)
 };
 
 struct LightInput {

@@ -371,6 +371,13 @@ const std::string& TranslatedMesh::name() const {
                   : mesh.shape.name;
 }
 
+Appearance& TranslatedMesh::look() {
+  if (grids) return *grids;
+  if (curves) return *curves;
+  if (points) return *points;
+  return mesh;
+}
+
 Box3d TranslatedMesh::box() const {
   if (grids) return drawn_box(grids->shape);
   if (curves) return drawn_box(curves->shape.vertices);

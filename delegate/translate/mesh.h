@@ -58,7 +58,8 @@ struct TranslatedMesh {
   bool never_seen = false;  // invisible throughout the shutter
 
   const std::string& name() const;
-  Box3d box() const;  // around all that it draws, at all of its controls
+  Appearance& look();  // of whichever it became
+  Box3d box() const;   // around all that it draws, at all of its controls
 };
 
 // The motion of a mesh is kept in one of three ways, the first that is exact:

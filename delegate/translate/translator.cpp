@@ -91,7 +91,7 @@ struct Translator::Data {
   Data(const CameraInput& camera, const TranslatorSettings& settings_, std::shared_ptr<RefinementCache> kept)
       : settings(settings_),
         fit{settings.motion_tolerance_pixels, settings.max_segments, settings.choice},
-        origin(frame_origin(camera)),
+        origin(settings.origin ? *settings.origin : frame_origin(camera)),
         measure(camera, origin, settings.width, settings.height),
         refinements(kept ? std::move(kept) : std::make_shared<RefinementCache>()) {}
 
@@ -153,6 +153,7 @@ std::optional<TranslatedMesh> Translator::Data::translated(const MeshInput& inpu
   target.displacements = displacements;
   std::optional<TranslatedMesh> result = translate_mesh(input, target, log);
   if (result) {
+    result->look().prim_id = input.prim_id;
     if (!target.measure) result->track.count = 0;
     tracks.push_back(result->track);
   } else if (!log.rejected()) {
@@ -194,6 +195,7 @@ void Translator::Data::add_instanced(TranslatedMesh translated) {
   const bool baked = translated.world_from_mesh.empty();
   scene.prototypes.push_back({name, {add(translated)}, baked ? translated.time_remap : TimeRemap{}});
   InstanceSet set{name, prototype, 0, {Affine3f{}}, {}};
+  set.ids = {-1};
   if (!baked) {
     set.segments = translated.track.segments;
     set.degree = translated.track.degree;

@@ -51,6 +51,8 @@ struct TranslatorSettings {
   // Of the render that the scene is for: what none of its rays can reach is left out (unreached.h). None:
   // nothing but what is hidden throughout the shutter, so that the scene serves any render.
   std::optional<std::uint32_t> max_bounces{};
+  // Of the frame's world, in stage space; none: the camera's place when the shutter opens.
+  std::optional<Vec3d> origin{};
 };
 
 // How a prim's motion was kept: the camera's, then one for each mesh, set of instances and light. For

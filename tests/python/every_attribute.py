@@ -221,6 +221,7 @@ LENS = """
     float verticalApertureOffset = 0
     float focalLength = 50
     float2 clippingRange = (1, 1000000)
+    float4[] clippingPlanes = [(0, 0, -1, 0)]
     float fStop = 0
     float focusDistance = 20
 """

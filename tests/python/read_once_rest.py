@@ -205,6 +205,15 @@ def _projection() -> None:
     assert read.projection == "perspective" and (read.windows == read.windows[0]).all()
 
 
+@case("Camera.clippingPlanes")
+def _clipping_planes() -> None:
+    shot = Shot(SHUTTER)
+    row_of_squares(shot)
+    planes = [[Gf.Vec4f(1, 0, 0, 0)], [Gf.Vec4f(1, 0, 0, 2)]]
+    set_in_turn(shot.camera.CreateClippingPlanesAttr(), planes, (9.0, 10.2))
+    named(shot, "/Camera.clippingPlanes", "changes within the shutter", "held")
+
+
 @case("motion:blurScale")
 @case("motion:velocityScale")
 def _motion_scales() -> None:

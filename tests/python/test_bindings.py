@@ -300,7 +300,9 @@ def test_instruction_sets() -> None:
     assert set(names) <= {"sse4", "avx2", "avx3"}
 
 
-STUBS = tuple(f"_core{part}.pyi" for part in ("", "_inputs", "_look", "_materials", "_sample", "_shape"))
+STUBS = tuple(
+    f"_core{part}.pyi" for part in ("", "_frame", "_inputs", "_look", "_materials", "_render_spec", "_sample", "_shape")
+)
 
 
 def test_the_stub_names_what_there_is() -> None:

@@ -219,7 +219,6 @@ def test_a_warning_is_said_once_for_all_frames(msbvh: Run, scene: Path) -> None:
         (("plan", "scene.usda", "--segments", "3"), "found '3', expected a power of two"),
         (("plan", "scene.usda", "--segments", "two"), "found 'two', expected a power of two"),
         (("record", "scene.usda", "a.exr", "-r", "Storm"), "only msbvh renders here"),
-        (("record", "scene.usda", "a.exr", "-rs", "/Render"), "--renderSettingsPrimPath is not supported"),
         (("record", "scene.usda", "a.exr", "-rp", "/Render"), "--renderPassPrimPath is not supported"),
         (("record", "scene.usda", "a.exr", "--sessionLayer", "b.usda"), "--sessionLayer is not supported"),
         (("plan", "scene.usda", "-f", "1:2"), "plan looks at one frame"),

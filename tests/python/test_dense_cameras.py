@@ -25,7 +25,7 @@ def window_of(camera: Gf.Camera, aspect: float) -> np.ndarray:
     box = camera.frustum.GetWindow()
     scale = camera.frustum.GetReferencePlaneDepth() if perspective else 1.0
     (left, bottom), (right, top) = box.GetMin() / scale, box.GetMax() / scale
-    return np.array(conformed((left, right, bottom, top), aspect, "expandAperture")[0])
+    return np.array(conformed((left, right, bottom, top), (aspect, 1.0), "expandAperture")[0])
 
 
 def worst_pixels(result: ReadResult, camera: UsdGeom.Camera) -> float:

@@ -56,6 +56,7 @@ SUBPACKAGES = [
     "look",
     "camera",
     "scene",
+    "render_settings",
     "output",
     "plan_report",
     "render",
@@ -66,6 +67,7 @@ SUBPACKAGES = [
     "conform",
     "bench",
     "accuracy",
+    "hydra_info",
     "cli",
 ]
 """In the order in which data flows: a subpackage imports itself and those before it."""
@@ -77,6 +79,7 @@ MODULE_HOMES = {
         "cli.budget_options",
         "cli.conform_command",
         "cli.frame_options",
+        "cli.hydra_info_command",
         "cli.main",
         "cli.motion_command",
         "cli.option_types",
@@ -208,7 +211,8 @@ def read(folder: str, *suffixes: str) -> dict[str, str]:
 
 def test_includes_run_one_way() -> None:
     files = read("core", ".h", ".cpp") | read("delegate", ".h", ".cpp")
-    assert {module_of(file) for file in files} >= {"core/base", "core/trace", "core/api", "delegate/translate"}
+    named = {"core/base", "core/trace", "core/api", "delegate/translate", "delegate/hydra"}
+    assert {module_of(file) for file in files} >= named
     assert list(include_violations(files)) == []
 
 
@@ -234,6 +238,7 @@ def test_imports_run_one_way() -> None:
         ("core/build/topology.cpp", "<tbb/parallel_for.h>", "only core/base/parallel.h"),
         ("core/build/reference.cpp", "<opensubdiv/bfr/surface.h>", "only core/geometry/ may"),
         ("core/scene/scene.cpp", "<pxr/usd/usd/stage.h>", "only delegate/hydra/ may"),
+        ("delegate/translate/frame/shutter.h", "<pxr/pxr.h>", "only delegate/hydra/ may"),
         ("delegate/translate/translator.cpp", "<nanobind/nanobind.h>", "only delegate/usd/bindings/ may"),
         ("core/attic/old.cpp", "<vector>", "stands in no module"),
     ],
@@ -287,3 +292,15 @@ def test_what_is_allowed_passes() -> None:
     }
     assert list(include_violations(includes)) == []
     assert list(import_violations(imports)) == []
+
+
+def test_openusd_versions_are_told_apart_in_one_header() -> None:
+    """All guards of the Hydra plugin are made in api_version.h; others use what it defines."""
+    files = read("delegate/hydra", ".h", ".cpp")
+    assert "HD_API_VERSION >= 103" in files["delegate/hydra/api_version.h"]
+    guarded = [
+        file
+        for file, text in files.items()
+        if re.search(r"^#.*(HD_API_VERSION|HDSI_API_VERSION|PXR_VERSION)", text, re.MULTILINE)
+    ]
+    assert guarded == ["delegate/hydra/api_version.h"]

@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from msbvh import _core
 from msbvh._core import ASPECT_POLICIES
 from msbvh.base.errors import SceneError
+from msbvh.scene.reader import ReadSettings, read_frame
 from pxr import Gf, Usd, UsdGeom
 from recording import Shot, messages
 
@@ -215,3 +217,27 @@ def test_camera_inside_a_moving_parent():
     read = shot.read().camera
     assert read.world_from_camera[-1, 3, 0] == pytest.approx(2.0)
     assert read.shutter.time_code(1.0) == Usd.TimeCode(10.5)
+
+
+def test_clipping_planes_are_those_of_the_frame_with_unit_normals():
+    shot = Shot()
+    planes = shot.camera.CreateClippingPlanesAttr()
+    planes.Set([Gf.Vec4f(3, 0, 4, 10), Gf.Vec4f(0, 0, 0, 1)])
+    result = shot.read()
+    assert result.camera.clipping_planes == pytest.approx(np.array([[0.6, 0, 0.8, 2]]))
+    assert any("/Camera.clippingPlanes: found (0, 0, 0, 1)" in text for text in messages(result, "warning"))
+
+
+def test_what_clipping_planes_cut_off_is_not_seen():
+    def row(planes: list[Gf.Vec4f]) -> np.ndarray:
+        """Alpha along the middle of the image, of a floor across all of it."""
+        shot = Shot((0, 0))
+        shot.mesh("/Wall", [(-99, -99, 0), (99, -99, 0), (99, 99, 0), (-99, 99, 0)])
+        shot.camera.CreateClippingPlanesAttr(planes)
+        scene = read_frame(shot.stage, 10.0, ReadSettings(width=32, height=24)).scene
+        return _core.Renderer(scene, width=32, height=24, spp=16, max_bounces=0).render()[12, :, 3]
+
+    assert (row([]) == 1.0).all()
+    right = row([Gf.Vec4f(1, 0, 0, 0)])
+    assert (right[:15] == 0.0).all() and (right[17:] == 1.0).all()
+    assert (row([Gf.Vec4f(0, 0, 1, 1)]) == 0.0).all(), "all further than 1 in front of the camera"

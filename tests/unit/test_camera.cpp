@@ -97,5 +97,36 @@ TEST_CASE("lens radius and focus move by key") {
   CHECK(length(ray.dir - pinhole.dir - Vec3f{-0.125f, 0, 0}) <= 1e-6f);
 }
 
+TEST_CASE("clipping planes shorten rays, and leave nothing of those that they cut off") {
+  Camera camera = still_camera(Projection::kPerspective);
+  camera.window = {{-1.0f, 1.0f, -1.0f, 1.0f}};
+  camera.clipping_planes = {{{0, 0, -1}, -2.0f}, {{0, 0, 1}, 50.0f}};  // from 2 to 50 in front
+  const Ray between = camera_ray(camera, 0.5f, 0.5f, 0.0f);
+  CHECK(between.tnear == 2.0f);
+  CHECK(between.tfar == 50.0f);
+  camera.clipping_planes = {{{1, 0, 0}, 0.0f}};  // the right half
+  CHECK(camera_ray(camera, 1.0f, 0.5f, 0.0f).tfar == 100.0f);
+  const Ray left = camera_ray(camera, 0.0f, 0.5f, 0.0f);
+  CHECK(left.tfar < left.tnear);
+  CHECK(CameraRays(camera).ray(0.0f, 0.5f, 0.0f).tfar == left.tfar);
+  camera.clipping_planes = {{{0, 1, 0}, -1.0f}};  // parallel to the ray in the middle, and above it
+  const Ray below = camera_ray(camera, 0.5f, 0.5f, 0.0f);
+  CHECK(below.tfar < below.tnear);
+  camera = still_camera(Projection::kOrthographic);
+  camera.clipping_planes = {{{0, 0, -1}, -2.0f}};
+  CHECK(camera_ray(camera, 0.5f, 0.5f, 0.0f).tnear == 2.0f);
+}
+
+TEST_CASE("clipping planes cut the rays of a lens where they are") {
+  Camera camera = still_camera(Projection::kPerspective);
+  camera.lens = {{0.5f, 10.0f}};
+  camera.clipping_planes = {{{0.6f, 0, -0.8f}, -2.0f}};
+  for (const float random : {0.1f, 0.6f, 0.9f}) {
+    const Ray ray = lens_ray(camera, 0.3f, 0.7f, 0.0f, {random, random});
+    const Vec3f at = ray.org + ray.dir * ray.tnear - camera.world_from_camera[0].t;
+    CHECK(double(0.6f * at.x - 0.8f * at.z - 2.0f) == doctest::Approx(0.0).epsilon(1e-4));
+  }
+}
+
 }  // namespace
 }  // namespace msbvh

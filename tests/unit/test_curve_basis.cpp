@@ -1,6 +1,7 @@
 // Curves of every basis and wrap, against their own definitions evaluated in double precision.
 #include <cmath>
 #include <doctest/doctest.h>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -163,4 +164,42 @@ TEST_CASE("counts that do not fit, and tokens that there are not") {
   CHECK(said({"cubic", "power", "nonperiodic", counts}, 8, false)[0].attribute == "basis");
   CHECK(said({"cubic", "bezier", "closed", counts}, 8, false)[0].attribute == "wrap");
   CHECK(said({"quintic", "bezier", "pinned", counts}, 8, false)[0].attribute == "basis");
+}
+
+TEST_CASE("vertices may be points by index, and curves hidden") {
+  std::vector<Diagnostic> said;
+  PrimLog log(said, "/curves");
+  const std::vector<int> counts{2, 3}, indices{2, 0, 0, 1, 2}, hidden{0, 9};
+  CurveTopology topology;
+  topology.type = "linear";
+  topology.vertex_counts = counts;
+  topology.indices = indices;
+  const std::optional<CurveBasis> both = curve_basis(topology, 3, log);
+  REQUIRE(both);
+  CHECK(both->authored_vertices == 3);
+  REQUIRE(both->spans.size() == 3);
+  const auto corner = [&](const CurveBasis& basis, std::size_t vertex) {
+    std::uint32_t index = 99;
+    for (const Term& term : basis.terms_of(vertex)) {
+      if (term.weight == 1.0) index = term.index;
+    }
+    return index;
+  };
+  CHECK(corner(*both, 0) == 2);  // the first curve: from point 2
+  CHECK(corner(*both, both->spans[1]) == 0);
+  CHECK(corner(*both, both->spans[2]) == 1);
+  topology.hidden = hidden;
+  const std::optional<CurveBasis> one = curve_basis(topology, 3, log);
+  REQUIRE(one);
+  CHECK(one->span_curves == std::vector<std::uint32_t>{1, 1});
+  CHECK(one->authored_varying == both->authored_varying);  // values of what is hidden are skipped
+  CHECK(one->varying.front().from == 2);
+  CHECK(said.empty());
+  CHECK_FALSE(curve_basis(topology, 2, log));
+  REQUIRE(said.size() == 1);
+  CHECK(said[0].message == "found 2; expected one of 2 points");
+  topology.vertex_counts = std::span(counts).first(1);
+  CHECK_FALSE(curve_basis(topology, 3, log));
+  REQUIRE(said.size() == 2);
+  CHECK(said[1].message == "they add up to 2; expected 5, the number of indices");
 }

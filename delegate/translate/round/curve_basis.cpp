@@ -177,6 +177,15 @@ void add_hermite(const CurveTopology& topology, std::uint32_t points, LeftOut& l
   out.authored_varying = points;
 }
 
+bool check_indices(const CurveTopology& topology, std::size_t points, PrimLog& log) {
+  for (const int index : topology.indices) {
+    if (index < 0 || std::size_t(index) >= points)
+      return log.reject("curveIndices", message("found ", index, "; expected one of ", points, " points"));
+  }
+  return true;
+}
+
+// `points`: or the indices of some.
 bool check_counts(const CurveTopology& topology, std::size_t points, PrimLog& log) {
   std::size_t sum = 0;
   for (const int count : topology.vertex_counts) {
@@ -186,11 +195,16 @@ bool check_counts(const CurveTopology& topology, std::size_t points, PrimLog& lo
   }
   if (sum == points) return true;
   return log.reject("curveVertexCounts",
-                    message("they add up to ", sum, "; expected ", points, ", the number of points"));
+                    message("they add up to ", sum, "; expected ", points, ", the number of ",
+                            topology.indices.empty() ? "points" : "indices"));
 }
 
 void add_of_basis(const CurveTopology& topology, const Kind& kind, LeftOut& left_out, CurveBasis& out) {
   std::uint32_t first = 0;
+  std::vector<bool> hidden(out.curves, false);
+  for (const int curve : topology.hidden) {
+    if (curve >= 0 && std::size_t(curve) < hidden.size()) hidden[std::size_t(curve)] = true;
+  }
   for (std::uint32_t curve = 0; curve < out.curves; ++curve) {
     const auto count = static_cast<std::size_t>(topology.vertex_counts[curve]);
     const std::size_t spans = kind.spans(count);
@@ -198,7 +212,7 @@ void add_of_basis(const CurveTopology& topology, const Kind& kind, LeftOut& left
       left_out.add(curve, message("has ", count, " vertices, which no ", topology.wrap, " ",
                                   topology.type == "linear" ? "linear" : topology.basis, " curve has"));
     }
-    Chain(kind, curve, first, count, out).add(spans, std::uint32_t(out.authored_varying));
+    if (!hidden[curve]) Chain(kind, curve, first, count, out).add(spans, std::uint32_t(out.authored_varying));
     if (spans > 0) out.authored_varying += kind.varying(spans);
     first += std::uint32_t(count);
   }
@@ -223,7 +237,8 @@ std::optional<CurveBasis> curve_basis(const CurveTopology& topology, std::size_t
   const std::size_t vertices = hermite ? points / 2 : points;
   std::optional<Kind> kind;
   if (!hermite && !nurbs && !(kind = kind_of(topology, log))) return std::nullopt;
-  if (!check_counts(topology, vertices, log)) return std::nullopt;
+  const std::size_t counted = topology.indices.empty() ? vertices : topology.indices.size();
+  if (!check_counts(topology, counted, log) || !check_indices(topology, vertices, log)) return std::nullopt;
   CurveBasis result;
   result.first_term.push_back(0);
   result.curves = topology.vertex_counts.size();
@@ -235,6 +250,9 @@ std::optional<CurveBasis> curve_basis(const CurveTopology& topology, std::size_t
     if (!add_nurbs(topology, left_out, result, log)) return std::nullopt;
   } else {
     add_of_basis(topology, *kind, left_out, result);
+  }
+  if (!topology.indices.empty()) {
+    for (Term& term : result.terms) term.index = std::uint32_t(topology.indices[term.index]);
   }
   left_out.report(result.curves, log);
   return result;

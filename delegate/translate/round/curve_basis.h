@@ -28,6 +28,9 @@ struct CurveTopology {
   // last parameter of each or none, one weight a point or none.
   std::span<const int> orders{};
   std::span<const double> knots{}, ranges{}, weights{};
+  // Of linear and cubic ones, as Hydra's curves may have them: the point of each vertex, and curves that are
+  // not drawn. None: vertices are points, in their order, and all are drawn.
+  std::span<const int> indices{}, hidden{};
 };
 
 // A share of an authored value.
@@ -65,9 +68,9 @@ struct CurveBasis {
   }
 };
 
-// Nothing, with an error in the log, for tokens that there are not, counts that are negative, and counts that
-// do not add up to `points`. Curves of too few vertices, or of a number that their basis does not have, are
-// left out with one warning; their values are skipped.
+// Nothing, with an error in the log, for tokens that there are not, counts that are negative, counts that do
+// not add up to `points` or to the indices, and indices of no point. Curves of too few vertices, or of a
+// number that their basis does not have, are left out with one warning; their values are skipped.
 std::optional<CurveBasis> curve_basis(const CurveTopology& topology, std::size_t points, PrimLog& log);
 
 }  // namespace msbvh::translate

@@ -22,6 +22,9 @@ class MotionSource {
   // Authored times inside the shutter, increasing: where the motion may change its course or, on a held
   // stage, its place.
   virtual std::vector<double> breakpoints01() const = 0;
+  // Matrices jump at the breakpoints, and are the same in between: a held stage, where the front-end does not
+  // know it of all that it reads.
+  virtual bool held() const { return false; }
   // How far thing number `which` turns at most.
   virtual Turns turns(std::uint32_t which) const = 0;
   // `out` is [time][which]. Elements may be anything, NaN included.

@@ -20,20 +20,6 @@ using Four = std::tuple<double, double, double, double>;
 
 Four plain(const Window& window) { return {window.left, window.right, window.bottom, window.top}; }
 
-std::tuple<Four, double> conformed_window(const Four& window, double image_aspect,
-                                          const std::string& policy) {
-  const std::optional<AspectPolicy> known = aspect_policy(policy);
-  if (!known) {
-    std::string names;
-    for (const std::string_view name : aspect_policy_names())
-      names += (names.empty() ? "" : ", ") + std::string(name);
-    bad_choice("aspectRatioConformPolicy", policy, names.c_str());
-  }
-  const auto [left, right, bottom, top] = window;
-  const Conformed found = conformed({left, right, bottom, top}, image_aspect, *known);
-  return {plain(found.window), found.pixel_aspect_ratio};
-}
-
 void set_projection(Optics& optics, const std::string& name) { optics.projection = projection_from(name); }
 
 }  // namespace
@@ -62,7 +48,6 @@ void bind_look(nb::module_& m) {
         const Lens lens = thin_lens(o);
         return std::tuple<float, float>(lens.radius, lens.focus_distance);
       });
-  m.def("conformed", &conformed_window, "window"_a, "image_aspect"_a, "policy"_a);
   m.def("image_height", &image_height, "width"_a, "aspect_ratio"_a);
 }
 

@@ -62,6 +62,18 @@ std::vector<Lens> lenses_from(Arguments& arguments, std::size_t count) {
   return lenses;
 }
 
+// float32[P, 4]: normals and offsets.
+std::vector<ClippingPlane> planes_from(Arguments& arguments) {
+  std::vector<ClippingPlane> planes;
+  const nb::object given = arguments.optional("clipping_planes");
+  if (given.is_none()) return planes;
+  const AnyArray array = checked_array<float>(given, "clipping_planes", {kAnySize, 4});
+  const std::span<const float> values = elements<float>(array);
+  for (std::size_t i = 0; i + 3 < values.size(); i += 4)
+    planes.push_back({{values[i], values[i + 1], values[i + 2]}, values[i + 3]});
+  return planes;
+}
+
 // Clipping ranges by sample, or none: the camera's stands throughout.
 std::vector<std::optional<ClipRange>> clips_from(Arguments& arguments, std::size_t count) {
   std::vector<std::optional<ClipRange>> clips(count);
@@ -79,6 +91,7 @@ CameraInput camera_from(Arguments& arguments) {
   camera.projection = projection_from(arguments.value<std::string>("projection", "a str"));
   camera.near_clip = arguments.value<float>("near_clip", "a float");
   camera.far_clip = arguments.value<float>("far_clip", "a float");
+  camera.clipping_planes = planes_from(arguments);
   camera.breakpoints01 = arguments.optional_times("breakpoints01");
   camera.periods01 = arguments.optional_times("periods01").value_or(std::vector<double>{});
   const TransformSamples transform = transform_from(arguments, "times01", "world_from_camera");

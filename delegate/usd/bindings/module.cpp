@@ -19,6 +19,7 @@ NB_MODULE(_core, m) {
   msbvh::python::bind_mesh(m);
   msbvh::python::bind_level(m);
   msbvh::python::bind_look(m);
+  msbvh::python::bind_frame(m);
   msbvh::python::bind_lights(m);
   msbvh::python::bind_shape(m);
   msbvh::python::bind_nurbs(m);
@@ -27,6 +28,7 @@ NB_MODULE(_core, m) {
   msbvh::python::bind_skinning(m);
   msbvh::python::bind_plan(m);
   msbvh::python::bind_renderer(m);
+  msbvh::python::bind_render_spec(m);
   msbvh::python::bind_bench(m);
   msbvh::python::bind_crash_line(m);
   msbvh::python::bind_pipe(m);

@@ -14,6 +14,18 @@ from typing import Literal, Required, TypeAlias, TypedDict, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from ._core_frame import ABSURD_SHUTTER_FRAMES as ABSURD_SHUTTER_FRAMES
+from ._core_frame import MOST_STRETCHES as MOST_STRETCHES
+from ._core_frame import check_optics as check_optics
+from ._core_frame import checked_planes as checked_planes
+from ._core_frame import checked_scale as checked_scale
+from ._core_frame import checked_shutter as checked_shutter
+from ._core_frame import common_intervals as common_intervals
+from ._core_frame import course_breakpoints01 as course_breakpoints01
+from ._core_frame import held_stretches as held_stretches
+from ._core_frame import intervals_between as intervals_between
+from ._core_frame import knots_within as knots_within
+from ._core_frame import lenses_of as lenses_of
 from ._core_inputs import InstanceLevel as InstanceLevel
 from ._core_inputs import MeshInput as MeshInput
 from ._core_look import ASPECT_POLICIES as ASPECT_POLICIES
@@ -21,7 +33,6 @@ from ._core_look import LIGHT_SIZES as LIGHT_SIZES
 from ._core_look import LightSamples as LightSamples
 from ._core_look import Optics as Optics
 from ._core_look import SampledLight as SampledLight
-from ._core_look import conformed as conformed
 from ._core_look import image_height as image_height
 from ._core_look import is_similarity as is_similarity
 from ._core_look import light_emission as light_emission
@@ -42,6 +53,19 @@ from ._core_materials import ShaderValue as ShaderValue
 from ._core_materials import displacement as displacement
 from ._core_materials import evaluated_inputs as evaluated_inputs
 from ._core_materials import preview_surface as preview_surface
+from ._core_render_spec import NamedSetting as NamedSetting
+from ._core_render_spec import OwnSettings as OwnSettings
+from ._core_render_spec import ProductSpec as ProductSpec
+from ._core_render_spec import RenderBaseInput as RenderBaseInput
+from ._core_render_spec import RenderProductInput as RenderProductInput
+from ._core_render_spec import RenderSettingsInput as RenderSettingsInput
+from ._core_render_spec import RenderSpec as RenderSpec
+from ._core_render_spec import RenderVarInput as RenderVarInput
+from ._core_render_spec import RenderVarSpec as RenderVarSpec
+from ._core_render_spec import conformed_picture as conformed_picture
+from ._core_render_spec import pixels_of as pixels_of
+from ._core_render_spec import render_spec as render_spec
+from ._core_render_spec import window_part as window_part
 from ._core_sample import BEFORE_JUMP01 as BEFORE_JUMP01
 from ._core_sample import FINEST_LEVEL as FINEST_LEVEL
 from ._core_sample import LARGEST_ELEMENT as LARGEST_ELEMENT
@@ -232,6 +256,8 @@ class Translator:
         lenses: F32 | None = None,
         near_clip: float,
         far_clip: float,
+        clips: F32 | None = None,
+        clipping_planes: F32 | None = None,
         width: int,
         height: int,
         motion_tolerance: float = 0.1,
@@ -250,9 +276,10 @@ class Translator:
     ) -> None:
         """The camera at ``times01`` [T]: ``world_from_camera`` [T, 4, 4], ``windows`` [T, 4] (left, right,
         bottom, top; at unit distance for a perspective camera, in scene units for an orthographic one),
-        ``bends01``: where its motion may change its course; None: at every time. ``periods01``: shares of the
+        ``breakpoints01``: where its motion may change its course; None: at every time. ``periods01``: shares of the
         shutter after which it may repeat.
         ``lenses`` [T, 2] (radius and focus distance of a thin lens, in camera space; None: a pinhole).
+        ``clipping_planes`` [P, 4]: of checked_planes().
         ``outside_tolerance``: how many times as far may stray what moves wholly outside of the picture; at least 1.
         ``keep_faces``: for the AOV elementId. ``measure_shape``: whether TrackReport.shape_error_pixels is.
         ``edge_length``: about how long edges of a subdivided surface are in pixels;

@@ -36,10 +36,6 @@ class Optics:
     def lens(self) -> tuple[float, float]:
         """Radius and focus distance of a thin lens; radius 0: a pinhole."""
 
-def conformed(window: Window, image_aspect: float, policy: str) -> tuple[Window, float]:
-    """The window that fills an image of width / height = ``image_aspect``, and the width of a pixel over its height.
-    Raises ValueError for an unknown policy."""
-
 def image_height(width: int, aspect_ratio: float) -> int:
     """By usdrecord's rule: rounded down, never below one pixel."""
 

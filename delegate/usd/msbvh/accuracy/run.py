@@ -97,7 +97,8 @@ def run_accuracy(
     tell(diagnostics)
     camera = result.camera
     size = ("--resolution", str(camera.width), str(camera.height))
-    shot = Shot(settings.scene, time, (*settings.shared, *size), settings.processors)
+    by_options_alone = ("--renderSettingsPrimPath", "")
+    shot = Shot(settings.scene, time, (*settings.shared, *size, *by_options_alone), settings.processors)
     identity = repr((fingerprint(stage), build(), shot))
     shapes = ShapeErrors(stage, time, settings.read, "shape" in kinds_in(facts))
     measurement = Measurement(shot, Store(out / "points", identity), settings.seeds, progress, shapes)

@@ -17,8 +17,8 @@ MEANINGS: tuple[tuple[int, str], ...] = (
         " After a full report: `conform`: a rule fails; `bench`: an answer differs from the oracle's, or a closed"
         " scene leaks (also with `--stability`), or with `--frames` another renderer's picture differs; `motion`: a track"
         " misses `--motion-tolerance`;"
-        " `verify`: a ray's answer is wrong, or a tree breaks an invariant; `record`, `accuracy`: a `--target` or the"
-        " `--time-budget` was missed by more than 10 %",
+        " `verify`: a ray's answer is wrong, or a tree breaks an invariant; `hydra-info`: there is no plugin, or the"
+        " host cannot load it; `record`, `accuracy`: a `--target` or the `--time-budget` was missed by more than 10 %",
     ),
     (USAGE, "usage: a wrong option, or an output that would overwrite the scene, what it reads or another output"),
     (DEGRADED, "rendered, but with `--strict` and something was missing or degraded"),

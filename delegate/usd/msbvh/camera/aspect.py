@@ -9,6 +9,8 @@ from ..base.errors import SceneError
 
 Window = tuple[float, float, float, float]
 """left, right, bottom, top; see core/scene/camera.h."""
+FITS_PIXELS = "adjustPixelAspectRatio"
+"""The one policy that changes pixels, not the camera's window."""
 
 
 def optics_of(camera: Gf.Camera) -> _core.Optics:
@@ -28,10 +30,12 @@ def window_of(camera: Gf.Camera) -> Window:
     return optics_of(camera).window
 
 
-def conformed(window: Window, image_aspect: float, policy: str) -> tuple[Window, float]:
-    """The window that fills an image of width / height = `image_aspect`, and the pixel aspect ratio, by
-    UsdRenderSettings' aspectRatioConformPolicy. Raises SceneError for an unknown one."""
+def conformed(
+    window: Window, size: tuple[float, float], policy: str, pixel_aspect: float = 1.0
+) -> tuple[Window, float]:
+    """The window that a picture of `size` pixels of that aspect ratio shows, and theirs as the policy, UsdRenderSettings'
+    aspectRatioConformPolicy, leaves it. Raises SceneError for an unknown one."""
     if policy not in _core.ASPECT_POLICIES:
         names = ", ".join(_core.ASPECT_POLICIES)
         raise SceneError(f"aspectRatioConformPolicy: found '{policy}', expected one of {names}")
-    return _core.conformed(window, image_aspect, policy)
+    return _core.conformed_picture(window, *size, pixel_aspect, policy)

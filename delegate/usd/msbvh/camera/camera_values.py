@@ -5,7 +5,7 @@ from __future__ import annotations
 from pxr import Gf, Usd, UsdGeom
 
 from ..motion.xform_ops import world_transform
-from ..stage.value_types import FLOAT, FLOAT2, TOKEN, Kind
+from ..stage.value_types import FLOAT, FLOAT2, FLOAT4S, TOKEN, Kind
 from ..stage.values import diagnostics, might_vary, value
 
 _PROPERTIES = {
@@ -17,6 +17,7 @@ _PROPERTIES = {
     "fStop": FLOAT,
     "focusDistance": FLOAT,
     "clippingRange": FLOAT2,
+    "clippingPlanes": FLOAT4S,
 }
 """Attributes that are called as Gf.Camera calls them."""
 _PROJECTIONS = {"perspective": Gf.Camera.Perspective, "orthographic": Gf.Camera.Orthographic}
@@ -50,6 +51,8 @@ def _values(attributes: list[tuple[str, Usd.Attribute, Kind]], code: Usd.TimeCod
     known = {name: each for name, each in found.items() if each is not None}
     if "clippingRange" in known:
         known["clippingRange"] = Gf.Range1f(*known["clippingRange"])
+    if "clippingPlanes" in known:
+        known["clippingPlanes"] = list(known["clippingPlanes"])
     if "projection" in known:
         known["projection"] = _projection(known["projection"], attributes)
     return known

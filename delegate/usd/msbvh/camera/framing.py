@@ -8,7 +8,6 @@ from collections.abc import Iterator
 import numpy as np
 from pxr import Gf, Tf, Usd, UsdGeom
 
-from .._core import image_height
 from ..base.errors import Diagnostics
 from ..motion.boxes import Box
 from ..motion.times import SHUTTER_HINT, Shutter
@@ -17,7 +16,8 @@ from ..skel.skinned_bounds import SkinnedBounds
 from ..stage.tokens import inherited_purpose
 from ..stage.value_types import FLOAT3S
 from ..stage.values import value
-from .aspect import conformed, window_of
+from .aspect import window_of
+from .picture import Picture
 
 LARGEST_COORDINATE = 2.0**60
 """What single precision can square and multiply; see core/geometry/triangle_mesh.h."""
@@ -33,8 +33,7 @@ def framing_camera(
     stage: Usd.Stage,
     shutter: Shutter,
     purposes: list[str],
-    image_size: tuple[int, int | None],
-    conform: str,
+    picture: Picture,
     diagnostics: Diagnostics,
 ) -> Gf.Camera:
     """A 50 mm camera in front of everything, as usdrecord makes it (OpenUSD, usdAppUtils/frameRecorder.cpp).
@@ -55,7 +54,7 @@ def framing_camera(
     up, depth = (size[1], size[2]) if y_up else (size[2], size[1])
 
     camera = Gf.Camera()
-    to_front = max(_distance(camera, size[0], up, image_size, conform), 1e-6)  # More than 0 for a single point.
+    to_front = max(_distance(camera, size[0], up, picture), 1e-6)  # More than 0 for a single point.
     distance = to_front + depth / 2
     if y_up:
         camera.transform = Gf.Matrix4d().SetTranslate(centre + Gf.Vec3d(0, 0, distance))
@@ -74,13 +73,9 @@ def _closed(shutter: Shutter) -> str:
     return f". Its shutter is closed, so nothing is blurred; {SHUTTER_HINT}"
 
 
-def _distance(
-    camera: Gf.Camera, width: float, height: float, image_size: tuple[int, int | None], conform: str
-) -> float:
+def _distance(camera: Gf.Camera, width: float, height: float, picture: Picture) -> float:
     """From which a face of that size is seen whole."""
-    columns, rows = image_size
-    aspect = columns / (rows or image_height(columns, camera.aspectRatio))
-    (left, right, bottom, top), _ = conformed(window_of(camera), aspect, conform)
+    (left, right, bottom, top), _ = picture.fitted(window_of(camera), picture.sized(camera.aspectRatio))
     as_usdrecord = math.hypot(width, height) / math.tan(
         math.radians(camera.GetFieldOfView(Gf.Camera.FOVHorizontal)) / 2
     )

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
 
-from .._core import BEFORE_JUMP01, LARGEST_ELEMENT, Density, PixelSize, Turns, dense_times01, image_height
+from .. import _core
+from .._core import LARGEST_ELEMENT, Density, PixelSize, Turns, dense_times01
 from ..base.errors import Diagnostics, SceneError
 from ..base.image_metadata import world_to_camera, world_to_ndc
 from ..motion.boxes import Box
@@ -28,13 +28,11 @@ from ..motion.turns import NO_TURNS, report_too_fast, total_turns, xform_turns
 from ..stage.opening import tf_reason
 from ..stage.value_types import FLOAT
 from ..stage.values import value
-from .aspect import Window, conformed, window_of
+from .aspect import Window, optics_of, window_of
 from .camera_values import CameraValues
 from .framing import framing_camera
 from .lens import read_lenses
-
-LARGEST_OFFSET = 1e6
-"""Apertures by which an aperture's offset may shift it: beyond, single precision has no pixels left to tell apart."""
+from .picture import Picture, PixelWindow
 
 
 @dataclass(frozen=True)
@@ -51,7 +49,7 @@ class RenderCamera:
     world_from_camera: np.ndarray
     """float64[T, 4, 4]."""
     windows: np.ndarray
-    """float32[T, 4]: left, right, bottom, top of the image at unit distance (orthographic: stage units)."""
+    """float32[T, 4]: left, right, bottom, top of the pixels at unit distance (orthographic: stage units)."""
     breakpoints01: np.ndarray
     """float64[B]: where the camera may change its course."""
     periods01: np.ndarray
@@ -63,14 +61,26 @@ class RenderCamera:
     far_clip: float
     clips: np.ndarray | None
     """float32[T, 2]: near and far, where they change; None: the same throughout."""
-    width: int
-    height: int
+    clipping_planes: np.ndarray
+    """float32[P, 4]: unit normal and offset, in camera space; what lies below any of them is not seen."""
+    pixels: PixelWindow
+    """What is rendered of the picture: all of it, a crop, or overscan too."""
     frame_matrix: np.ndarray
     """world_from_camera at the frame, float64[4, 4]."""
     frame_window: Window
-    """At the frame."""
+    """At the frame, of the whole picture."""
     pixel_aspect_ratio: float
-    """Width of a pixel over its height; not 1 only where the conform policy says so."""
+    """Width of a pixel over its height; not 1 only where the conform policy or render settings say so."""
+
+    @property
+    def width(self) -> int:
+        """Of the pixels that are rendered."""
+        return self.pixels.width
+
+    @property
+    def height(self) -> int:
+        """Of the pixels that are rendered."""
+        return self.pixels.height
 
     @property
     def world_to_camera(self) -> np.ndarray:
@@ -90,30 +100,39 @@ class RenderCamera:
         return PixelSize(eyes.ends(), self.projection == "perspective", per_unit, max(self.near_clip, 0.0))
 
 
+@dataclass(frozen=True)
+class Blur:
+    """What of a camera blurs a picture."""
+
+    shutter: tuple[float, float] | None = None
+    """In place of the camera's own, in frames relative to the frame; None: the camera's."""
+    motion: bool = True
+    """False: the shutter is closed."""
+    lens: bool = True
+    """False: a pinhole."""
+
+
 def read_camera(
     stage: Usd.Stage,
     frame: float | None,
     name: str | None,
-    image_size: tuple[int, int | None],
-    conform: str,
+    picture: Picture,
     purposes: list[str],
     diagnostics: Diagnostics,
-    asked: tuple[float, float] | None = None,
+    blur: Blur = Blur(),
 ) -> RenderCamera:
     """Finds the camera, and samples it over its shutter.
 
-    `image_size` is width and height in pixels; height None: the camera's aspect ratio decides, as in
-    usdrecord. `asked`: a shutter in place of the camera's own, in frames relative to the frame. Raises SceneError
-    for an unknown camera, an unknown conform policy and optics that make no image.
+    Raises SceneError for an unknown camera, an unknown conform policy and optics that make no image.
     """
     prim = find_camera(stage, name, diagnostics)
     if prim is None:
-        shutter = _shutter(None, frame, asked, diagnostics)
-        framing = framing_camera(stage, shutter, purposes, image_size, conform, diagnostics)
+        shutter = _shutter(None, frame, blur, diagnostics)
+        framing = framing_camera(stage, shutter, purposes, picture, diagnostics)
         course = Course(shutter, (), NO_TURNS, False)
-        return _sampled("", shutter, course, lambda _: framing, image_size, conform, diagnostics)
+        return _sampled("", shutter, course, lambda _: framing, picture, diagnostics)
     try:
-        return _read(prim, frame, image_size, conform, diagnostics, asked)
+        return _read(prim, frame, picture, diagnostics, blur)
     except Tf.ErrorException as error:
         raise SceneError(f"{prim.GetPath()}: USD cannot evaluate it: {tf_reason(error)}") from error
 
@@ -121,42 +140,46 @@ def read_camera(
 def _read(
     prim: Usd.Prim,
     frame: float | None,
-    image_size: tuple[int, int | None],
-    conform: str,
+    picture: Picture,
     diagnostics: Diagnostics,
-    asked: tuple[float, float] | None,
+    blur: Blur,
 ) -> RenderCamera:
     camera = UsdGeom.Camera(prim)
     code = Shutter(frame).frame_code
-    shutter = _shutter(camera, frame, asked, diagnostics)
+    shutter = _shutter(camera, frame, blur, diagnostics)
     own = shutter.scaled(scales_at(prim, shutter, diagnostics).blur)
     course = _course(prim, own, is_held(prim.GetStage()))
     report_too_fast(course.turns, str(prim.GetPath()), diagnostics)
     values_at = CameraValues(camera).at
 
-    warn_of_change(camera.GetProjectionAttr(), "", own, diagnostics)
+    for attribute in (camera.GetProjectionAttr(), camera.GetClippingPlanesAttr()):
+        warn_of_change(attribute, "", own, diagnostics)
     projection = values_at(code).projection
 
     def camera_at(code: Usd.TimeCode) -> Gf.Camera:
         found = values_at(code)
         found.projection = projection
+        if not blur.lens:
+            found.fStop = 0.0
         if not (np.abs(np.array(found.transform)) <= LARGEST_ELEMENT).all():
             path, attribute, message = unusable_op(list(xformables(prim, None)), own)
             raise SceneError(f"{path}.{attribute}: {message}")
         return found
 
-    return _sampled(str(prim.GetPath()), shutter, course, camera_at, image_size, conform, diagnostics)
+    return _sampled(str(prim.GetPath()), shutter, course, camera_at, picture, diagnostics)
 
 
 def _shutter(
     camera: UsdGeom.Camera | None,
     frame: float | None,
-    asked: tuple[float, float] | None,
+    blur: Blur,
     diagnostics: Diagnostics,
 ) -> Shutter:
     """The one that was asked for, else the camera's; closed where a camera is made up, which says so itself."""
-    if frame is not None and asked is not None:
-        return asked_shutter(frame, asked, diagnostics)
+    if not blur.motion:
+        return Shutter(frame)
+    if frame is not None and blur.shutter is not None:
+        return asked_shutter(frame, blur.shutter, diagnostics)
     if camera is None:
         return checked_shutter(frame, 0.0, 0.0, "", diagnostics) if frame is None else Shutter(frame)
     code = Shutter(frame).frame_code
@@ -224,12 +247,6 @@ class Course:
     held: bool
     """Values jump at the breakpoints."""
 
-    @property
-    def breakpoints_with_jumps01(self) -> list[float]:
-        """The breakpoints; of a held stage with the instants before them."""
-        before = [time - BEFORE_JUMP01 for time in self.breakpoints01 if self.held and time > BEFORE_JUMP01]
-        return sorted([*self.breakpoints01, *before])
-
     def times01(self) -> list[float]:
         """Where the camera is evaluated: one time for a closed shutter."""
         if not self.shutter.moving:
@@ -267,24 +284,24 @@ def _sampled(
     shutter: Shutter,
     course: Course,
     camera_at: Callable[[Usd.TimeCode], Gf.Camera],
-    image_size: tuple[int, int | None],
-    conform: str,
+    picture: Picture,
     diagnostics: Diagnostics,
 ) -> RenderCamera:
     """Evaluates `camera_at` as densely as interpolation between needs, to a thousandth of a pixel; or once if it does
     not move."""
     at_frame = camera_at(shutter.frame_code)
     _check_optics(path, at_frame)
-    width, height = image_size
-    height = height or image_height(width, at_frame.aspectRatio)
-    window, pixel_aspect = conformed(window_of(at_frame), width / height, conform)
+    size = picture.sized(at_frame.aspectRatio)
+    window, pixel_aspect = picture.fitted(window_of(at_frame), size)
+    pixels = picture.pixels(size, diagnostics)
 
     times01 = course.times01()
     cameras = [camera_at(course.shutter.time_code(time01)) for time01 in times01]
     for camera in cameras:
         _check_optics(path, camera)
     matrices = np.array([np.array(camera.transform) for camera in cameras])
-    windows = np.array([conformed(window_of(camera), width / height, conform)[0] for camera in cameras], np.float32)
+    shown = np.array([picture.fitted(window_of(camera), size)[0] for camera in cameras])
+    windows = pixels.part_of(shown).astype(np.float32)
     lenses = read_lenses(path, at_frame, cameras, diagnostics)
     keep = len(times01)
     clips = np.array([(camera.clippingRange.min, camera.clippingRange.max) for camera in cameras], np.float32)
@@ -297,43 +314,30 @@ def _sampled(
         times01=np.array(times01[:keep]),
         world_from_camera=matrices[:keep],
         windows=windows[:keep],
-        breakpoints01=np.array(course.breakpoints_with_jumps01),
+        breakpoints01=np.array(_core.course_breakpoints01(course.breakpoints01, course.held)),
         periods01=np.array(course.turns.periods01),
         lenses=lenses[:keep],
         near_clip=float(clips[:, 0].min()),
         far_clip=float(clips[:, 1].max()),
         clips=None if (clips == clips[0]).all() else clips,
-        width=width,
-        height=height,
+        clipping_planes=_planes(path, at_frame, diagnostics),
+        pixels=pixels,
         frame_matrix=np.array(at_frame.transform),
         frame_window=window,
         pixel_aspect_ratio=pixel_aspect,
     )
 
 
+def _planes(path: str, camera: Gf.Camera, diagnostics: Diagnostics) -> np.ndarray:
+    given = np.array([list(plane) for plane in camera.clippingPlanes], np.float64).reshape(-1, 4)
+    planes, said = _core.checked_planes(path, given)
+    diagnostics.take(said)
+    return planes
+
+
 def _check_optics(path: str, camera: Gf.Camera) -> None:
-    sizes = {"horizontalAperture": camera.horizontalAperture, "verticalAperture": camera.verticalAperture}
-    if camera.projection != Gf.Camera.Orthographic:
-        sizes["focalLength"] = camera.focalLength
-    for attribute, value in sizes.items():
-        if not (math.isfinite(value) and value > 0.0):
-            raise SceneError(f"{path}.{attribute}: found {value:g}, expected a finite number above 0")
-    offsets = {
-        "horizontalApertureOffset": camera.horizontalApertureOffset,
-        "verticalApertureOffset": camera.verticalApertureOffset,
-    }
-    for attribute, value in offsets.items():
-        largest = LARGEST_OFFSET * max(camera.horizontalAperture, camera.verticalAperture)
-        if not abs(value) <= largest:
-            expected = f"a finite number of at most {largest:g} in size, {LARGEST_OFFSET:g} times the aperture"
-            raise SceneError(f"{path}.{attribute}: found {value:g}, expected {expected}")
-    left, right, bottom, top = window_of(camera)
-    if not (left < right and bottom < top):
-        attribute = "verticalAperture" if left < right else "horizontalAperture"
-        raise SceneError(
-            f"{path}.{attribute}: found {sizes[attribute]:g}, which is nothing beside its offset of"
-            f" {offsets[f'{attribute}Offset']:g}; expected more"
-        )
-    near, far = camera.clippingRange.min, camera.clippingRange.max
-    if not near < far:
-        raise SceneError(f"{path}.clippingRange: found ({near:g}, {far:g}), expected near < far")
+    clip = camera.clippingRange
+    try:
+        _core.check_optics(path, optics_of(camera), clip.min, clip.max)
+    except _core.Error as error:
+        raise SceneError(str(error)) from None

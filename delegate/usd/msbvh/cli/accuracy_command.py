@@ -107,6 +107,10 @@ def accuracy_command(ctx: click.Context, scene: str | None, frame: str | None, o
     _check_axes(options["globs"])
     if "#" in str(out):
         raise click.UsageError(f"--out: found '{out}', expected a name without '#', which stands for frame numbers")
+    if options["render_settings"]:
+        raise click.UsageError(
+            "--renderSettingsPrimPath: accuracy turns settings itself; give --camera and --resolution"
+        )
     check_folder(out)
     settings = AccuracySettings(
         scene=scene or "",

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import click
+from click.core import ParameterSource
 from pxr import Usd
 
 from ..base.errors import Diagnostics
@@ -14,6 +15,7 @@ from ..base.reporter import Reporter, one_line
 from ..farm.frames import FrameError, parse_frame_specs
 from ..motion.samples import SampleLog
 from ..render.record import reading_progress, report
+from ..render_settings.asked import SettingsChoice, applied_to_reading, asked_of
 from ..scene.reader import ReadResult, ReadSettings, read_frame
 from ..stage.opening import open_stage
 from ..stage.stage_metadata import start_time
@@ -38,12 +40,22 @@ def read_one_frame(
     settings = replace(read_settings(options), max_bounces=options.get("max_bounces"))
     diagnostics = Diagnostics()
     stage = open_stage(scene, diagnostics, options["mask"])
-    report(diagnostics, reporter)
     start = None if options["default_time"] else start_time(stage)
     time = frames[0] if frames else start
+    choice = settings_choice(click.get_current_context(), options)
+    asked = asked_of(stage, choice, time, diagnostics)
+    if asked is not None:
+        settings = applied_to_reading(asked, settings, choice.given, diagnostics)
+    report(diagnostics, reporter)
     with reading_progress(time) as progress:
         result = read_frame(stage, time, settings, progress=progress, found=log)
     return stage, time, result
+
+
+def settings_choice(ctx: click.Context, options: dict[str, Any]) -> SettingsChoice:
+    """Which render settings prim counts, and the options that the user gave."""
+    given = (name for name in ctx.params if ctx.get_parameter_source(name) is not ParameterSource.DEFAULT)
+    return SettingsChoice(options["render_settings"], frozenset(given))
 
 
 def parse(parser: Callable[[], Any]) -> Any:
@@ -81,7 +93,7 @@ def read_settings(options: dict[str, Any]) -> ReadSettings:
 
 def check_text(scene: str, options: dict[str, Any]) -> None:
     """Output files may have any name, but USD takes text."""
-    for text in (scene, options["camera"] or "", *options["mask"]):
+    for text in (scene, options["camera"] or "", options["render_settings"] or "", *options["mask"]):
         try:
             text.encode()
         except UnicodeEncodeError:

@@ -17,7 +17,7 @@ from ..base.exit_codes import DEFECT, DONE, USAGE, WRONG, table_text
 from ..base.reporter import Reporter
 from ..base.software import software
 
-COMMANDS = ("accuracy", "bench", "conform", "motion", "plan", "record", "verify")
+COMMANDS = ("accuracy", "bench", "conform", "hydra-info", "motion", "plan", "record", "verify")
 
 
 def load(arguments: Sequence[str]) -> None:
@@ -41,6 +41,10 @@ def _command(name: str) -> click.Command | None:
             from .conform_command import conform_command
 
             return conform_command
+        case "hydra-info":
+            from .hydra_info_command import hydra_info_command
+
+            return hydra_info_command
         case "motion":
             from .motion_command import motion_command
 

@@ -36,7 +36,7 @@ def motion_command(
     reporter, log = Reporter(), SampleLog()
     stage, time, result = read_one_frame("motion", scene, frame, options, reporter, log)
     with tf_messages(Diagnostics()):  # They have been said while the frame was read.
-        found = motion_report(stage, time, result, log, options["motion_tolerance"], prim)
+        found = motion_report(stage, time, result, log, result.settings.motion_tolerance, prim)
     if prim is None:
         report(result.diagnostics, reporter)
     if as_json:
@@ -45,5 +45,5 @@ def motion_command(
         print(motion_text(found, prim, verbose))
     if found.beyond:
         sys.stdout.flush()
-        Reporter.error(beyond_text(found, options["segments"], options["interpolation"]))
+        Reporter.error(beyond_text(found, result.settings.segments, result.settings.interpolation))
     return WRONG if found.beyond else DONE

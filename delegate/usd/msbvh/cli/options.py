@@ -210,10 +210,10 @@ READING: Sequence[Decorator] = (
     click.option(
         "--renderSettingsPrimPath",
         "-rs",
-        callback=_unsupported("; give --camera and --resolution"),
-        expose_value=False,
+        "render_settings",
         metavar="PRIMPATH",
-        help="Not supported yet.",
+        help="RenderSettings prim to follow; empty: none. Default: what the stage's metadata renderSettingsPrimPath names."
+        " Its camera and resolution win over --camera and --imageWidth, as with usdrecord; other options win over it.",
     ),
     click.option(
         "--renderPassPrimPath",

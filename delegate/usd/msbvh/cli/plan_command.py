@@ -61,7 +61,8 @@ def plan_command(
     reporter = Reporter()
     _, _, result = read_one_frame("plan", scene, frame, options, reporter)
     report(result.diagnostics, reporter)
-    bounces = options["max_bounces"]
+    wanted = result.settings.max_bounces  # The option's, or that of render settings.
+    bounces = options["max_bounces"] if wanted is None else wanted
     frame_rays = _traced(result, rays, spp if measure else 0, bounces)
     found = plan_report(
         result.scene, frame_rays, max_bounces=bounces, left_out=result.left_out, coarser=result.coarser_tracks

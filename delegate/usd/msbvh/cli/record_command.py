@@ -15,7 +15,7 @@ from ..look.color import ColorCorrection, ColorError
 from ..output.images import ImageSettings
 from ..render.record import FrameJob, RecordSettings, RenderSettings, record
 from .budget_options import GOALS, goals_from
-from .frame_options import check_text, parse, read_settings
+from .frame_options import check_text, parse, read_settings, settings_choice
 from .options import OUTPUT, SCENE, with_options
 from .render_options import RENDER
 from .thread_note import note_threads
@@ -73,6 +73,7 @@ def record_command(
         stats=stats,
         goals=goals,
         ray_costs=ray_costs,
+        choice=settings_choice(ctx, options),
     )
     reporter = Reporter()
     note_threads([options["threads"]], reporter)

@@ -26,7 +26,7 @@ class Materials:
     def bound_to(self, prim: Usd.Prim) -> int | None:
         """The translator's id of the material that a prim or subset is bound to; None: displayColor shows."""
         try:
-            material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
+            material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(self._context.material_purpose)
             return self._id(material)
         except (Tf.ErrorException, UnicodeDecodeError) as error:
             message = f"USD cannot evaluate the material: {tf_reason(error)}; displayColor shows instead"
@@ -36,7 +36,7 @@ class Materials:
     def bound_to_each(self, prims: list[Usd.Prim]) -> list[int | None]:
         """Likewise of many prims, which is quicker together."""
         try:
-            materials, _ = UsdShade.MaterialBindingAPI.ComputeBoundMaterials(prims, UsdShade.Tokens.full)
+            materials, _ = UsdShade.MaterialBindingAPI.ComputeBoundMaterials(prims, self._context.material_purpose)
             return [self._id(material) for material in materials]
         except (Tf.ErrorException, UnicodeDecodeError):
             return [self.bound_to(prim) for prim in prims]

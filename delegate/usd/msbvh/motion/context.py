@@ -30,6 +30,8 @@ class FrameContext:
     """That are drawn."""
     found: SampleLog | None = None
     """Where the reader notes what moves each prim; None: nobody asks."""
+    material_purpose: str = "full"
+    """Which material bindings count before those for all purposes."""
     caches: dict[type, Any] = field(default_factory=dict)
     """See cache()."""
 

@@ -10,14 +10,12 @@ from typing import Any
 import numpy as np
 from pxr import Usd
 
-from .._core import BEFORE_JUMP01
+from .._core import BEFORE_JUMP01, MOST_STRETCHES, held_stretches
 from ..base.errors import Diagnostics
 from ..stage.values import might_vary, raw
 from .times import Shutter
-from .visibility import intervals_between, steps
+from .visibility import steps
 
-MOST_STRETCHES = 32
-"""Each is a mesh, or a set of instances, of its own."""
 _SPLINE_PROBES = 9
 
 
@@ -41,22 +39,18 @@ def stretches(attributes: Sequence[Usd.Attribute], shutter: Shutter, diagnostics
     if not shutter.moving or not varying:
         return [Stretch(shutter.frame_code)]
     begins = sorted(set().union(*(steps(attribute, shutter) for attribute in varying)))
-    found: list[tuple[list[Any], list[int]]] = []
-    for index, begin in enumerate(begins):
+    found: list[list[Any]] = []
+    kinds = []
+    for begin in begins:
         values = [raw(attribute, begin) for attribute in varying]
-        for known, places in found:
-            if known == values:
-                places.append(index)
-                break
-        else:
-            found.append((values, [index]))
+        if values not in found:
+            found.append(values)
         if len(found) > MOST_STRETCHES:
             _warn_of_many(varying, shutter, diagnostics)
             return [Stretch(shutter.frame_code)]
-    if len(found) == 1:
-        return [Stretch(Usd.TimeCode(begins[0]))]
-    every = intervals_between(begins, shutter)
-    return [Stretch(Usd.TimeCode(begins[places[0]]), every[places]) for _, places in found]
+        kinds.append(found.index(values))
+    parts = held_stretches([shutter.time01(begin) for begin in begins], kinds)
+    return [Stretch(Usd.TimeCode(begins[first]), shown) for first, shown in parts]
 
 
 def _warn_of_many(attributes: Sequence[Usd.Attribute], shutter: Shutter, diagnostics: Diagnostics) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from pxr import Usd, UsdGeom
 
+from .._core import checked_scale
 from ..base.errors import Diagnostics
 from ..stage.value_types import FLOAT
 from ..stage.values import value
@@ -57,9 +58,6 @@ def _scale(
     found = value(attribute, shutter.frame_code, FLOAT)
     if found is None:
         return inherited
-    if math.isfinite(found) and found >= least:
-        return float(found)
-    expected = "a finite number" + (" of at least 0" if least == 0.0 else "")
-    message = f"found {found:g}, expected {expected}; took {inherited:g}"
-    diagnostics.warning(str(attribute.GetPrimPath()), attribute.GetName(), message)
-    return inherited
+    scale, said = checked_scale(str(attribute.GetPrimPath()), attribute.GetName(), found, inherited, least)
+    diagnostics.take(said)
+    return scale

@@ -15,14 +15,11 @@ from itertools import pairwise
 import numpy as np
 from pxr import Gf, Ts, Usd, UsdGeom
 
-from .._core import FINEST_LEVEL, even_times01
+from .. import _core
+from .._core import ABSURD_SHUTTER_FRAMES, FINEST_LEVEL, even_times01
 from ..base.errors import Diagnostics
 from ..stage.values import might_vary, raw
 from .xform_ops import ordered_ops
-
-ABSURD_SHUTTER_FRAMES = 16.0
-"""A shutter that is open for longer is taken as authored, with a warning: one exporter writes the length of
-the shot."""
 
 
 @dataclass(frozen=True)
@@ -90,24 +87,12 @@ def checked_shutter(
     frame: float | None, open_frames: float, close_frames: float, camera: str, diagnostics: Diagnostics
 ) -> Shutter:
     """The shutter that a camera asks for, closed where that makes no sense. Says what it decided and why."""
-    closed = Shutter(frame)
     if frame is None:
         diagnostics.note("", "", "rendered at USD's default time: no motion blur")
-        return closed
-    if not (math.isfinite(open_frames) and math.isfinite(close_frames)):
-        found = f"found {open_frames:g} to {close_frames:g}, expected finite numbers"
-        diagnostics.warning(camera, "shutter:open, shutter:close", f"{found}; no motion blur")
-        return closed
-    if close_frames < open_frames:
-        found = f"found {close_frames:g}, before shutter:open at {open_frames:g}, expected a later time"
-        diagnostics.warning(camera, "shutter:close", f"{found}; no motion blur")
-        return closed
-    if close_frames == open_frames:
-        message = f"equals shutter:open, {open_frames:g}: no motion blur; {SHUTTER_HINT}"
-        diagnostics.note(camera, "shutter:close", message)
-        return closed
-    _warn_of_absurd_length(close_frames - open_frames, (camera, "shutter:close"), "as authored", diagnostics)
-    return Shutter(frame, open_frames, close_frames)
+        return Shutter(frame)
+    (opening, closing), said = _core.checked_shutter(open_frames, close_frames, camera, SHUTTER_HINT)
+    diagnostics.take(said)
+    return Shutter(frame, opening, closing)
 
 
 def asked_shutter(frame: float, asked: tuple[float, float], diagnostics: Diagnostics) -> Shutter:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from .. import _core
 from ..stage.value_types import TOKEN
 from ..stage.values import might_vary, value
 from .times import Shutter
@@ -51,13 +52,9 @@ def visible_intervals(visibilities: Sequence[Usd.Attribute], shutter: Shutter) -
 def intervals_between(begins: Sequence[float], shutter: Shutter) -> np.ndarray:
     """float64[K, 2]: from each time code until the next, as time01. The last one ends behind the closing, which is
     part of it."""
-    ends = [*map(shutter.time01, begins[1:]), 2.0]
-    return np.array([*zip(map(shutter.time01, begins), ends, strict=True)], np.float64).reshape(-1, 2)
+    return _core.intervals_between([shutter.time01(begin) for begin in begins])
 
 
 def common_intervals(a: np.ndarray | None, b: np.ndarray | None) -> np.ndarray | None:
     """Where both are visible; None is everywhere."""
-    if a is None or b is None:
-        return b if a is None else a
-    pairs = [(max(x[0], y[0]), min(x[1], y[1])) for x in a for y in b]
-    return np.array([pair for pair in pairs if pair[0] < pair[1]], np.float64).reshape(-1, 2)
+    return _core.common_intervals(a, b)

@@ -62,6 +62,14 @@ class Layers:
     """By name: int32[h, w] of ids, else float32[h, w, channels]. EXR alone stores them, in 32-bit floats."""
     prims: Sequence[str] = ()
     """The paths that primId counts."""
+    colours: frozenset[str] = frozenset(["albedo"])
+    """Names of `aovs` whose channels are called R, G, B, not X, Y, Z."""
+    halves: frozenset[str] = frozenset()
+    """Names of `aovs` that are stored in 16 bits a number."""
+    origin: tuple[int, int] = (0, 0)
+    """Where the first pixel lies in the display window, x and y from its upper left corner; it may lie outside."""
+    display: tuple[int, int] | None = None
+    """Width and height of the display window; None: the pixels'. EXR alone stores both windows."""
 
 
 class ImageReadError(Exception):
@@ -126,6 +134,8 @@ def write_image(path: Path, layers: np.ndarray | Layers, metadata: ImageMetadata
     pixels, spec = _encode(suffix, layers.rgba, settings)
     if suffix == ".exr" and layers.aovs:
         pixels = _add_aovs(pixels, spec, layers)
+    if suffix == ".exr":
+        _place(spec, layers)
     _describe(spec, metadata)
     try:
         content = _file_content(FORMATS[suffix], pixels, spec)
@@ -194,7 +204,8 @@ def _reads_back(name: str, spec: oiio.ImageSpec) -> bool:
     image = oiio.ImageInput.open(name)
     rows = None
     if image is not None:
-        rows = image.read_scanlines(spec.height - 1, spec.height, 0, 0, spec.nchannels)
+        last = spec.y + spec.height - 1
+        rows = image.read_scanlines(last, last + 1, 0, 0, spec.nchannels)
         image.geterror()
         image.close()
     oiio.geterror()
@@ -237,19 +248,29 @@ def _encode_exr(rgba: np.ndarray, exr_float: bool) -> tuple[np.ndarray, oiio.Ima
 def _add_aovs(pixels: np.ndarray, spec: oiio.ImageSpec, layers: Layers) -> np.ndarray:
     """The pixels with the channels of the AOVs behind them."""
     names, parts = list(spec.channelnames), [pixels]
+    formats = [oiio.TypeDesc(spec.format)] * pixels.shape[2]
     for name, values in layers.aovs.items():
         part = values.astype(np.float32).reshape(*pixels.shape[:2], -1)
         # An infinite value spoils every filter behind us; Hydra clears cameraDepth to 0.
-        parts.append(np.where(np.isinf(part), np.float32(0.0), part))
-        parts_of_it = "RGB" if name == "albedo" else "XYZ"
+        part = np.where(np.isinf(part), np.float32(0.0), part)
+        half = name in layers.halves
+        parts.append(np.clip(part, -HALF_MAX, HALF_MAX) if half else part)
+        parts_of_it = "RGB" if name in layers.colours else "XYZ"
         names += [name] if part.shape[2] == 1 else [f"{name}.{letter}" for letter in parts_of_it]
-    storage = oiio.TypeDesc(spec.format)
+        formats += [oiio.TypeDesc("half" if half else "float")] * part.shape[2]
     spec.nchannels = len(names)
     spec.channelnames = tuple(names)
-    spec.channelformats = tuple([storage] * pixels.shape[2] + [oiio.TypeDesc("float")] * (len(names) - pixels.shape[2]))
+    spec.channelformats = tuple(formats)
     if layers.prims:
         spec.attribute("msbvh:prims", json.dumps(list(layers.prims)))
     return np.ascontiguousarray(np.concatenate(parts, axis=2))
+
+
+def _place(spec: oiio.ImageSpec, layers: Layers) -> None:
+    """The data window, which the pixels fill, in the display window."""
+    spec.x, spec.y = layers.origin
+    spec.full_x = spec.full_y = 0
+    spec.full_width, spec.full_height = layers.display or (spec.width, spec.height)
 
 
 def _spec(pixels: np.ndarray, storage: oiio.BASETYPE) -> oiio.ImageSpec:

@@ -24,6 +24,8 @@ from ..output.outputs import Outputs
 from ..output.stats import FrameStats, RunStats
 from ..plan_report.measured import measured_effects
 from ..plan_report.ray_shares import ray_shares
+from ..render_settings.asked import SettingsChoice, applied_to_reading, asked_of, own_render_settings
+from ..render_settings.layers import FileLayers, file_layers, tell_unwritten
 from ..scene.reader import ReadResult, ReadSettings, read_frame
 from ..stage.opening import open_stage
 from ..stage.stage_metadata import frames_per_second, start_time
@@ -74,6 +76,10 @@ class RecordSettings:
     """What every frame has to keep."""
     ray_costs: bool = False
     """Whether they say what rays cost: Renderer.ray_costs()."""
+    choice: SettingsChoice | None = None
+    """Which render settings prim counts; None: none does, not even one that the stage's metadata names."""
+    layers: FileLayers | None = None
+    """Of .exr files, with the formats of their channels; None: render.aovs under their own names."""
 
 
 TRACK_FIELDS = (
@@ -127,6 +133,8 @@ def record(
     report(diagnostics, reporter)
     outputs.check_stage(stage)
     frame_jobs = _frame_jobs(jobs, stage)
+    settings = with_render_settings(stage, frame_jobs, settings, reporter)
+    run.settings = _plain(settings)
     kept = Kept(Trees(_with_depth(settings), len(frame_jobs)), _core.RefinementCache(), FineEnough())
     for frame, files in frame_jobs:
         run.frames.append(_record_frame(stage, frame, files, settings, kept, reporter, read_seconds))
@@ -135,6 +143,35 @@ def record(
     if settings.stats is not None:
         run.write(settings.stats)
     return run
+
+
+def with_render_settings(
+    stage: Usd.Stage, jobs: Sequence[FrameJob], settings: RecordSettings, reporter: Reporter
+) -> RecordSettings:
+    """The settings as a render settings prim changes them. Raises SceneError where the one that is asked for is not
+    there."""
+    if settings.choice is None:
+        return settings
+    frame, files = jobs[0]
+    diagnostics, given = Diagnostics(), settings.choice.given
+    asked = asked_of(stage, settings.choice, frame, diagnostics)
+    if asked is not None:
+        layers = file_layers(asked, settings.render.aovs, diagnostics)
+        tell_unwritten(asked, files, diagnostics)
+        image = settings.image
+        if layers.color_half is not None and "exr_float" not in given:
+            image = replace(image, exr_float=not layers.color_half)
+        read = applied_to_reading(asked, settings.read, given, diagnostics)
+        settings = replace(
+            settings,
+            read=replace(read, keep_faces="elementId" in layers.aovs),
+            render=replace(settings.render, aovs=layers.aovs, **own_render_settings(asked.spec.own, given)),
+            image=image,
+            layers=layers,
+        )
+        diagnostics.note("", "", f"render settings: {asked.path}")
+    report(diagnostics, reporter)
+    return settings
 
 
 class Trees:
@@ -224,7 +261,7 @@ def _record_frame(
     if not camera.path and not pixels[..., 3].any():
         reporter.warning(NOTHING_SEEN)
     with stats.timed("write"):
-        layers = Layers(pixels, aovs, result.scene.mesh_names if "primId" in aovs else [])
+        layers = _layers(pixels, aovs, result, settings.layers)
         _write_images(
             files, layers, _metadata(rate, result, stats, replace(settings.render, spp=outcome.samples)), settings.image
         )
@@ -280,6 +317,21 @@ def frame_label(frame: float | None) -> str:
     return "default time" if frame is None else f"frame {frame:g}"
 
 
+def _layers(pixels: Any, aovs: dict[str, Any], result: ReadResult, wanted: FileLayers | None) -> Layers:
+    """The frame as a file holds it."""
+    window = result.camera.pixels
+    prims = result.scene.mesh_names if "primId" in aovs else []
+    layers = Layers(pixels, aovs, prims, origin=(window.x, window.y), display=window.display)
+    if wanted is None:
+        return layers
+    return replace(
+        layers,
+        aovs={layer.name: aovs[layer.aov] for layer in wanted.layers},
+        colours=frozenset(layer.name for layer in wanted.layers if layer.aov == "albedo"),
+        halves=frozenset(layer.name for layer in wanted.layers if layer.half),
+    )
+
+
 def _metadata(rate: float, result: ReadResult, stats: FrameStats, settings: RenderSettings) -> ImageMetadata:
     camera = result.camera
     return ImageMetadata(
@@ -311,6 +363,7 @@ def _write_images(files: Sequence[str], layers: Layers, metadata: ImageMetadata,
 def _plain(settings: RecordSettings) -> dict[str, Any]:
     """The settings as JSON knows them."""
     values = asdict(settings)
+    values["choice"] = None if settings.choice is None else settings.choice.path
     values["stats"] = None if settings.stats is None else str(settings.stats)
     if settings.read.shutter is not None:  # JSON has no NaN.
         values["read"]["shutter"] = [x if math.isfinite(x) else str(x) for x in settings.read.shutter]

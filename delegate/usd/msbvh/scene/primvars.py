@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from .._core import BEFORE_JUMP01
+from .._core import knots_within
 from ..motion.context import FrameContext, array
 from ..motion.held_values import Stretch, changes_within, values_within
-from ..motion.times import Shutter, sample_times
+from ..motion.times import sample_times
 from ..stage.value_types import COLOR_PRIMVAR, COORDINATE_PRIMVAR, FLOAT_PRIMVAR, INTS, Kind
 from ..stage.values import Unreadable, ignore, might_vary, required, value
 
@@ -130,21 +130,9 @@ def _samples(found: FoundPrimvar, context: FrameContext, stretch: Stretch | None
     if stretch is None or stretch.shown is None:
         codes = [(shutter.time01(time), Usd.TimeCode(time)) for time in times]
     else:
-        knots = _knots(times, stretch.shown, shutter) if times else []
+        knots = knots_within([shutter.time01(time) for time in times], stretch.shown) if times else []
         codes = [(time01, shutter.time_code(time01)) for time01 in knots]
     return [(time01, np.asarray(value(found.attribute, code, kind) or kind.exact())) for time01, code in codes]
-
-
-def _knots(times: list[float], shown: np.ndarray, shutter: Shutter) -> list[float]:
-    """time01 between which values are linear in parts of the shutter: their ends, an instant before each closing, and
-    what is authored within."""
-    authored = [shutter.time01(time) for time in times]
-    knots: list[float] = []
-    for begin, end in shown.tolist():
-        last = min(end, 1.0) - BEFORE_JUMP01
-        knots += [begin, *(time01 for time01 in authored if begin < time01 < last)]
-        knots += [last] if last > begin else []
-    return knots
 
 
 def primvar_source(prim: Usd.Prim, name: str) -> str:

@@ -16,7 +16,7 @@ from pxr import Tf, Usd, UsdGeom
 from .._core import EDGE_LENGTHS, MOST_PLACES, SILHOUETTES, InstanceLevel, MeshInput, PixelSize, RefinementCache
 from ..base.crash_line import crash_line
 from ..base.errors import Diagnostics, SceneError
-from ..camera.render_camera import RenderCamera, optics, read_camera
+from ..camera.render_camera import Blur, RenderCamera, optics, read_camera
 from ..look.light_values import Switches
 from ..look.lights import add_lights, camera_light
 from ..look.materials import Materials
@@ -35,63 +35,12 @@ from .instance_count import InstanceGraph
 from .instances import Placement, Placer, coarse_level, sampled_levels
 from .part import Part
 from .point_instancers import each, taken
+from .read_settings import DEFAULTS
+from .read_settings import MAX_INSTANCES as MAX_INSTANCES
+from .read_settings import ReadSettings as ReadSettings
 from .shapes import BATCH_WEIGHT, Draft, Shape, Shapes
 from .shared_shapes import Crowd, SharedShapes
 from .traversal import WORLD, Group, Traversal
-
-MAX_INSTANCES = 10_000_000
-"""While they are read and their tree is built, instances take 0.8 kB each, moving ones 1 kB: these fit in 10 GB."""
-
-
-@dataclass(frozen=True)
-class ReadSettings:
-    """What is read. Names and defaults are usdrecord's where it has them."""
-
-    camera: str | None = None
-    """Path or name; None: the primary or first camera, or one that frames the stage."""
-    width: int = 960
-    height: int | None = None
-    """Pixels; None: from the camera's aspect ratio."""
-    conform: str = "expandAperture"
-    """UsdRenderSettings' aspectRatioConformPolicy."""
-    purposes: tuple[str, ...] = ("proxy",)
-    """Drawn beside the default purpose."""
-    shutter: tuple[float, float] | None = None
-    """Opening and closing in frames relative to the frame, in place of the camera's; None: the camera's."""
-    disable_camera_light: bool = False
-    complexity: str = "high"
-    """How fine implicit shapes and subdivided surfaces are; a key of SILHOUETTES and EDGE_LENGTHS."""
-    edge_length: float | None = None
-    """About how long edges of a subdivided surface are in pixels, 0 for its cage; None: by the complexity."""
-    curves: str = "ribbon"
-    """What BasisCurves are drawn as: ribbon, flat, across their normals or turned to each ray; tube, round."""
-    displacement: str = "auto"
-    """What surfaces become that are displaced: patches, tessellate for triangles, auto for triangles as long as there is
-    room; none: they are not."""
-    displaced_triangle_bytes: int = 2**28
-    """The room of `auto`: about as many bytes of trees."""
-    motion_tolerance: float = 0.1
-    """Pixels by which a moving point may stray from the stage's own evaluation. Less: more keys, more memory.
-    """
-    outside_tolerance: float = 8.0
-    """How many times as far a prim may stray that moves wholly outside of the picture throughout the shutter, where shadows
-    and bounces alone show it; not with `segments`. 1: no further than the rest."""
-    max_segments: int = 128
-    interpolation: str = "auto"
-    """linear, quadratic or cubic tracks only; auto: the cheapest for each prim."""
-    segments: int = 0
-    """Exactly these for whatever moves, a power of two; 0: as few as it takes."""
-    disable_draw_modes: bool = False
-    """Models are drawn in full, whatever their model:drawMode is."""
-    max_instances: int = MAX_INSTANCES
-    """More are refused, nested ones multiplied out."""
-    keep_faces: bool = False
-    """Which face each triangle is of, for the AOV elementId: four bytes a triangle."""
-    max_bounces: int | None = None
-    """Of the render that the scene is for: prims that none of its rays can reach are left out. None: of any render."""
-    measure_shape: bool = False
-    """Whether TrackReport.shape_error_pixels is measured: how far what is drawn strays from the true surface. Takes a few
-    times as long as refining the surfaces."""
 
 
 @dataclass
@@ -108,6 +57,8 @@ class ReadResult:
     """Wall-clock time of each part of the reading."""
     left_out: list = field(default_factory=list)
     """msbvh._core.LeftOut of each prim that no ray can reach."""
+    settings: ReadSettings = DEFAULTS
+    """By which it was read."""
 
     @property
     def coarser_tracks(self) -> CoarserTracks:
@@ -118,7 +69,7 @@ class ReadResult:
 def read_frame(
     stage: Usd.Stage,
     frame: float | None,
-    settings: ReadSettings = ReadSettings(),
+    settings: ReadSettings = DEFAULTS,
     diagnostics: Diagnostics | None = None,
     make_translator: Callable[..., Any] | None = None,
     *,
@@ -189,15 +140,16 @@ class _FrameReader:
                 stage,
                 frame,
                 settings.camera,
-                (settings.width, settings.height),
-                settings.conform,
+                settings.picture,
                 purposes,
                 diagnostics,
-                settings.shutter,
+                Blur(settings.shutter, settings.motion_blur, settings.depth_of_field),
             )
             shutter = self._camera.shutter
             drawn = ("default", *purposes)
-            self._context = FrameContext(stage, shutter, is_held(stage), diagnostics, drawn, found)
+            self._context = FrameContext(
+                stage, shutter, is_held(stage), diagnostics, drawn, found, settings.material_purpose
+            )
             self._traversal = Traversal(self._context, not settings.disable_draw_modes)
             self._graph = InstanceGraph(self._traversal.groups, self._context)
             self._graph.check(settings.max_instances)
@@ -264,6 +216,7 @@ class _FrameReader:
             "near_clip": camera.near_clip,
             "far_clip": camera.far_clip,
             "clips": camera.clips,
+            "clipping_planes": camera.clipping_planes,
             "width": camera.width,
             "height": camera.height,
             "motion_tolerance": settings.motion_tolerance,
@@ -405,4 +358,6 @@ class _FrameReader:
             report_overs(self._context.stage, diagnostics)
         scene = self._translator.finish()
         tracks = self._translator.tracks()
-        return ReadResult(scene, self._camera, diagnostics, tracks, self._seconds, self._translator.left_out())
+        return ReadResult(
+            scene, self._camera, diagnostics, tracks, self._seconds, self._translator.left_out(), self._settings
+        )

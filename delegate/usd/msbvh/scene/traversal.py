@@ -370,7 +370,7 @@ class Traversal:
     def _instanced(self, prim: Usd.Prim, state: _State) -> Hashable:
         """The group that a native instance shows; one for each set of looks and skeletal bindings that
         instances inherit."""
-        material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
+        material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(self._context.material_purpose)
         inherited = (
             state.purpose,
             str(material.GetPath()) if material else "",

@@ -1,0 +1,96 @@
+#include "delegate/hydra/material.h"
+
+#include <pxr/base/gf/vec2f.h>
+#include <pxr/base/gf/vec3f.h>
+#include <pxr/base/gf/vec4f.h>
+#include <pxr/base/tf/stringUtils.h>
+#include <pxr/imaging/hd/sceneDelegate.h>
+#include <pxr/usd/sdf/assetPath.h>
+
+#include "delegate/hydra/render_param.h"
+
+namespace msbvh::hydra {
+namespace {
+
+using translate::Asset;
+using translate::ShaderConnection;
+using translate::ShaderData;
+using translate::ShaderInput;
+using translate::ShaderNode;
+
+template <typename Vector>
+ShaderData numbers(const VtValue& value) {
+  const Vector& from = value.UncheckedGet<Vector>();
+  std::vector<double> to;
+  for (std::size_t i = 0; i < Vector::dimension; ++i) to.push_back(double(from[i]));
+  return to;
+}
+
+ShaderData asset(const SdfAssetPath& path) {
+  Asset result{path.GetAssetPath(), {}};
+  // Of a UDIM texture hosts resolve the pattern, not its tiles.
+  if (!path.GetResolvedPath().empty()) result.files.push_back(path.GetResolvedPath());
+  return result;
+}
+
+ShaderData data_of(const VtValue& value) {
+  if (value.IsHolding<bool>()) return value.UncheckedGet<bool>();
+  if (value.IsHolding<float>()) return double(value.UncheckedGet<float>());
+  if (value.IsHolding<double>()) return value.UncheckedGet<double>();
+  if (value.IsHolding<int>()) return double(value.UncheckedGet<int>());
+  if (value.IsHolding<GfVec2f>()) return numbers<GfVec2f>(value);
+  if (value.IsHolding<GfVec3f>()) return numbers<GfVec3f>(value);
+  if (value.IsHolding<GfVec4f>()) return numbers<GfVec4f>(value);
+  if (value.IsHolding<TfToken>()) return value.UncheckedGet<TfToken>().GetString();
+  if (value.IsHolding<std::string>()) return value.UncheckedGet<std::string>();
+  if (value.IsHolding<SdfAssetPath>()) return asset(value.UncheckedGet<SdfAssetPath>());
+  return std::monostate{};
+}
+
+ShaderNode node_of(const SdfPath& path, const HdMaterialNode2& from) {
+  ShaderNode node{path.GetString(), from.nodeTypeId.GetString(), {}};
+  for (const auto& [name, sources] : from.inputConnections) {
+    ShaderInput input{name.GetString()};
+    for (const HdMaterialConnection2& source : sources)
+      input.connections.push_back({source.upstreamNode.GetString(), source.upstreamOutputName.GetString()});
+    node.inputs.push_back(std::move(input));
+  }
+  for (const auto& [name, value] : from.parameters) {
+    if (from.inputConnections.contains(name)) continue;
+    ShaderInput input{name.GetString()};
+    input.value = {data_of(value), TfStringify(value), value.GetTypeName()};
+    node.inputs.push_back(std::move(input));
+  }
+  return node;
+}
+
+translate::ShaderNetwork network_of(const SdfPath& path, const HdMaterialNetwork2& from) {
+  translate::ShaderNetwork network;
+  network.path = path.GetString();
+  for (const auto& [name, node] : from.nodes) network.nodes.push_back(node_of(name, node));
+  for (const auto& [name, source] : from.terminals) {
+    network.terminals[name.GetString()] = {source.upstreamNode.GetString(),
+                                           source.upstreamOutputName.GetString()};
+  }
+  return network;
+}
+
+}  // namespace
+
+void Material::Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits) {
+  if (*bits & (HdMaterial::DirtyResource | HdMaterial::DirtyParams)) {
+    const VtValue resource = delegate->GetMaterialResource(GetId());
+    network_ = {};
+    network_.path = GetId().GetString();
+    if (resource.IsHolding<HdMaterialNetworkMap>()) {
+      const auto& map = resource.UncheckedGet<HdMaterialNetworkMap>();
+      network_ = network_of(GetId(), HdConvertToHdMaterialNetwork2(map));
+    }
+  }
+  static_cast<RenderParam*>(param)->note_material(*this);
+  *bits = HdMaterial::Clean;
+}
+
+void Material::Finalize(HdRenderParam* param) { static_cast<RenderParam*>(param)->forget_material(*this); }
+
+}  // namespace msbvh::hydra

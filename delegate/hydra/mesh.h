@@ -1,0 +1,51 @@
+// Meshes: polygons and subdivision surfaces.
+#pragma once
+
+#include <pxr/imaging/hd/mesh.h>
+
+#include "delegate/hydra/shape.h"
+
+namespace msbvh::hydra {
+
+class RenderParam;
+
+// The values of a mesh.
+class MeshShape : public Shape {
+ public:
+  using Shape::Shape;
+
+ protected:
+  void sync_topology(HdSceneDelegate& delegate) override;
+  bool pull_topology(HdSceneDelegate& delegate, const Shutter& shutter) override;
+  void describe(translate::FrameShape& shape) const override;
+  bool wants_normals() const override;
+
+ private:
+  void pull_held(HdSceneDelegate& delegate, const Shutter& shutter);
+  void describe_subdivision(translate::MeshInput& mesh) const;
+
+  HdMeshTopology topology_;
+  PxOsdSubdivTags tags_;
+  VtIntArray holes_;              // and faces that are invisible
+  TimedInts held_holes_;          // over the shutter, likewise
+  std::vector<TimedInts> parts_;  // of each subset, its faces over the shutter
+};
+
+class Mesh : public HdMesh {
+ public:
+  explicit Mesh(const SdfPath& path) : HdMesh(path), shape_(path) {}
+
+  HdDirtyBits GetInitialDirtyBitsMask() const override { return kFirstBits; }
+  void Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits, const TfToken&) override;
+  void UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) override;
+  void Finalize(HdRenderParam* param) override;
+
+ protected:
+  HdDirtyBits _PropagateDirtyBits(HdDirtyBits bits) const override { return bits; }
+  void _InitRepr(const TfToken& name, HdDirtyBits* bits) override;
+
+ private:
+  MeshShape shape_;
+};
+
+}  // namespace msbvh::hydra

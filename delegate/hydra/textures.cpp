@@ -1,0 +1,125 @@
+#include "delegate/hydra/textures.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <pxr/base/gf/half.h>
+#include <pxr/imaging/hio/image.h>
+#include <pxr/imaging/hio/types.h>
+#include <vector>
+
+namespace msbvh::hydra {
+namespace {
+
+using translate::Rgba;
+using translate::ScalarImage;
+
+constexpr double kBrightest = 65504.0;  // as everywhere (delegate/translate/primvars.h)
+
+// An image as linear numbers, [height][width][channels].
+struct Texels {
+  std::uint32_t width = 0, height = 0;
+  std::size_t channels = 0;
+  std::vector<float> values{};
+};
+
+// IEC 61966-2-1.
+double linear(double encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((std::max(encoded, 0.0) + 0.055) / 1.055, 2.4);
+}
+
+std::optional<float> number_at(const unsigned char* bytes, HioType type, std::size_t index) {
+  switch (type) {
+    case HioTypeUnsignedByte:
+    case HioTypeUnsignedByteSRGB:
+      return float(bytes[index]) / 255.0f;
+    case HioTypeUnsignedShort:
+      return float(reinterpret_cast<const std::uint16_t*>(bytes)[index]) / 65535.0f;
+    case HioTypeHalfFloat:
+      return float(reinterpret_cast<const GfHalf*>(bytes)[index]);
+    case HioTypeFloat:
+      return reinterpret_cast<const float*>(bytes)[index];
+    default:
+      return std::nullopt;
+  }
+}
+
+// sRGB where there are 8 bits and three or four channels, unless the network says otherwise.
+bool is_srgb(std::string_view colour_space, HioType type, std::size_t channels) {
+  const bool bytes = type == HioTypeUnsignedByte || type == HioTypeUnsignedByteSRGB;
+  return colour_space == "sRGB" || (colour_space != "raw" && bytes && channels >= 3);
+}
+
+std::optional<Texels> read(const std::string& file, std::string_view colour_space) {
+  const HioImageSharedPtr image = HioImage::OpenForReading(file, 0, 0, HioImage::Raw, true);
+  if (!image || image->GetWidth() <= 0 || image->GetHeight() <= 0) return std::nullopt;
+  const HioFormat format = image->GetFormat();
+  const HioType type = HioGetHioType(format);
+  Texels texels{std::uint32_t(image->GetWidth()),
+                std::uint32_t(image->GetHeight()),
+                std::size_t(HioGetComponentCount(format)),
+                {}};
+  std::vector<unsigned char> bytes(std::size_t(texels.width) * texels.height *
+                                   std::size_t(image->GetBytesPerPixel()));
+  HioImage::StorageSpec storage;
+  storage.width = image->GetWidth();
+  storage.height = image->GetHeight();
+  storage.depth = 1;
+  storage.format = format;
+  storage.data = bytes.data();
+  if (!image->Read(storage)) return std::nullopt;
+  const bool srgb = is_srgb(colour_space, type, texels.channels);
+  texels.values.resize(std::size_t(texels.width) * texels.height * texels.channels);
+  for (std::size_t i = 0; i < texels.values.size(); ++i) {
+    const std::optional<float> value = number_at(bytes.data(), type, i);
+    if (!value) return std::nullopt;
+    const bool alpha =
+        (texels.channels == 2 || texels.channels == 4) && i % texels.channels == texels.channels - 1;
+    texels.values[i] = srgb && !alpha ? float(linear(double(*value))) : *value;
+  }
+  return texels;
+}
+
+Rgba mean_of(const Texels& texels) {
+  std::array<double, 4> sum{}, count{};
+  for (std::size_t i = 0; i < texels.values.size(); ++i) {
+    if (!std::isfinite(texels.values[i])) continue;
+    sum[i % texels.channels] += std::clamp(double(texels.values[i]), -kBrightest, kBrightest);
+    ++count[i % texels.channels];
+  }
+  for (std::size_t i = 0; i < texels.channels; ++i) sum[i] /= std::max(count[i], 1.0);
+  if (texels.channels < 3) return {sum[0], sum[0], sum[0], texels.channels == 2 ? sum[1] : 1.0};
+  return {sum[0], sum[1], sum[2], texels.channels == 4 ? sum[3] : 1.0};
+}
+
+// Of red, green, blue and alpha among the channels of an image; none: it has no alpha.
+std::optional<std::size_t> place_of(std::size_t channel, std::size_t count) {
+  if (channel == 3) return count == 2 || count == 4 ? std::optional(count - 1) : std::nullopt;
+  return count < 3 ? 0 : channel;
+}
+
+}  // namespace
+
+std::optional<Rgba> Textures::mean(const translate::Asset& texture, std::string_view colour_space) const {
+  if (texture.files.empty()) return std::nullopt;
+  const std::pair key{texture.files.front(), std::string(colour_space)};
+  const auto known = means_.find(key);
+  if (known != means_.end()) return known->second;
+  const std::optional<Texels> texels = read(key.first, colour_space);
+  return means_[key] = texels ? std::optional(mean_of(*texels)) : std::nullopt;
+}
+
+std::optional<ScalarImage> Textures::channel(const translate::Asset& texture, std::string_view colour_space,
+                                             std::size_t channel) const {
+  if (texture.files.empty()) return std::nullopt;
+  const std::optional<Texels> texels = read(texture.files.front(), colour_space);
+  if (!texels) return std::nullopt;
+  ScalarImage image{texels->width, texels->height,
+                    std::vector<float>(std::size_t(texels->width) * texels->height, 1.0f)};
+  const std::optional<std::size_t> place = place_of(channel, texels->channels);
+  for (std::size_t i = 0; place && i < image.values.size(); ++i)
+    image.values[i] = texels->values[i * texels->channels + *place];
+  return image;
+}
+
+}  // namespace msbvh::hydra

@@ -1,0 +1,1 @@
+"""Where the Hydra plugin is, and which hosts it fits."""
