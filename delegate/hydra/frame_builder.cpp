@@ -54,16 +54,17 @@ void FrameBuilder::add_instanced(const Shape& shape, HdRenderIndex& index, const
                                  FrameInput& frame) {
   auto* instancer = static_cast<Instancer*>(index.GetInstancer(shape.instancer()));
   if (!instancer) return;
-  Placed placed = instancer->place(shape.path(), shutter, said_);
+  Placed placed = instancer->place(shape.path(), {shutter, shape.own_shutter()}, said_);
   if (!placed.visible || placed.count() == 0) return;
   const auto same = std::find_if(known_.begin(), known_.end(), [&](const Known& each) {
-    return each.instancer == shape.instancer() && each.indices == placed.indices;
+    return each.instancer == shape.instancer() && each.indices == placed.indices &&
+           each.shutter == shape.own_shutter();
   });
   if (same != known_.end()) {
     frame.groups[same->group].shapes.push_back(shape.frame_shape(said_));
     return;
   }
-  known_.push_back({shape.instancer(), placed.indices, frame.groups.size()});
+  known_.push_back({shape.instancer(), placed.indices, shape.own_shutter(), frame.groups.size()});
   FrameGroup& group = frame.groups.emplace_back();
   group.path = shape.instancer().GetString();
   group.shapes.push_back(shape.frame_shape(said_));

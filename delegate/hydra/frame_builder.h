@@ -49,6 +49,7 @@ class FrameBuilder {
   struct Known {
     SdfPath instancer;
     std::vector<VtIntArray> indices;
+    Shutter shutter;
     std::size_t group;
   };
 

@@ -1,6 +1,7 @@
 #include "delegate/hydra/instancer.h"
 
 #include <algorithm>
+#include <optional>
 #include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/tokens.h>
 
@@ -28,8 +29,24 @@ bool has_own_colors(HdSceneDelegate& delegate, const SdfPath& path) {
   });
 }
 
-std::size_t largest_index(const VtIntArray& indices) {
-  return indices.empty() ? 0 : std::size_t(*std::max_element(indices.cbegin(), indices.cend()));
+// What is wrong with the indices of a prototype's instances; empty: nothing. `known`: how many there are.
+std::string fault_of(const VtIntArray& indices, std::optional<std::size_t> known) {
+  if (std::any_of(indices.cbegin(), indices.cend(), [](int index) { return index < 0; }))
+    return "found a negative index, expected none";
+  if (indices.empty() || !known) return "";
+  const auto largest = std::size_t(*std::max_element(indices.cbegin(), indices.cend()));
+  if (largest < *known) return "";
+  return message("found index ", largest, ", expected less than ", *known, ", the number of its instances");
+}
+
+// One an index, or none.
+std::vector<Vec3f> picked(const VtVec3fArray& every, const VtIntArray& indices) {
+  std::vector<Vec3f> colors;
+  for (const int index : indices) {
+    if (std::size_t(index) < every.size()) colors.push_back(span_of(every)[std::size_t(index)]);
+  }
+  if (colors.size() != indices.size()) colors.clear();
+  return colors;
 }
 
 }  // namespace
@@ -47,119 +64,118 @@ void Instancer::Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBit
   static_cast<RenderParam*>(param)->note_instancer(*bits);
 }
 
-void Instancer::pull(const Shutter& shutter, Diagnostics& said) {
-  if (read_ && stale_ == 0 && shutter_ == shutter) return;
-  shutter_ = shutter;
-  HdSceneDelegate& delegate = *GetDelegate();
-  whole_ = instancer_motion(delegate, GetId(), shutter_);
-  shown_ = shutter_.moving() ? timed_visibility(delegate, GetId(), shutter_) : std::nullopt;
-  matrices_ = instance_matrices(delegate, GetId(), shutter_);
-  pull_arrays(delegate, said);
-  read_ = true;
+// More shutters than these at once come from blur scales that change from edit to edit.
+constexpr std::size_t kMostShutters = 16;
+
+Instancer::ValuesPointer Instancer::values_over(const Shutter& shutter, Diagnostics& said) {
+  if (stale_ != 0 || known_.size() > kMostShutters) known_.clear();
   stale_ = 0;
+  const auto found = std::find_if(known_.begin(), known_.end(),
+                                  [&](const ValuesPointer& each) { return each->shutter == shutter; });
+  if (found != known_.end()) return *found;
+  known_.push_back(pulled(shutter, said));
+  return known_.back();
 }
 
-void Instancer::pull_arrays(HdSceneDelegate& delegate, Diagnostics& said) {
+Instancer::ValuesPointer Instancer::pulled(const Shutter& shutter, Diagnostics& said) const {
+  auto values = std::make_shared<Values>();
+  HdSceneDelegate& delegate = *GetDelegate();
+  values->shutter = shutter;
+  values->whole = instancer_motion(delegate, GetId(), shutter);
+  values->shown = shutter.moving() ? timed_visibility(delegate, GetId(), shutter) : std::nullopt;
+  values->matrices = instance_matrices(delegate, GetId(), shutter);
+  pull_arrays(*values, said);
+  return values;
+}
+
+void Instancer::pull_arrays(Values& values, Diagnostics& said) const {
+  HdSceneDelegate& delegate = *GetDelegate();
   const std::string path = GetId().GetString();
+  const Shutter shutter = shutter_of_rates(delegate, GetId(), values.shutter);
   const auto vectors = [&](const TfToken& name) {
-    return typed<VtVec3fArray>(timed_primvar(delegate, GetId(), name, shutter_, false), shutter_, path,
+    return typed<VtVec3fArray>(timed_primvar(delegate, GetId(), name, shutter, false), shutter, path,
                                name.GetString(), said);
   };
-  translations_ = vectors(HdInstancerTokens->instanceTranslations);
-  scales_ = vectors(HdInstancerTokens->instanceScales);
-  colors_ = has_own_colors(delegate, GetId()) ? vectors(HdTokens->displayColor) : TypedValues<VtVec3fArray>{};
+  values.translations = vectors(HdInstancerTokens->instanceTranslations);
+  values.scales = vectors(HdInstancerTokens->instanceScales);
+  if (has_own_colors(delegate, GetId())) values.colors = vectors(HdTokens->displayColor);
   const TfToken& turned = HdInstancerTokens->instanceRotations;
-  if (!colors_.samples.empty()) hold_frame(colors_, path, "primvars:displayColor", said);
-  rotations_ = typed<VtQuatfArray>(timed_primvar(delegate, GetId(), turned, shutter_, false), shutter_, path,
-                                   turned.GetString(), said);
-  velocities_ = accelerations_ = angular_velocities_ = {};
-  if (shutter_.moving()) {
-    velocities_ = vectors(HdTokens->velocities);
-    accelerations_ = vectors(HdTokens->accelerations);
-    angular_velocities_ = vectors(angular_velocities_name());
+  if (!values.colors.samples.empty()) hold_frame(values.colors, path, "primvars:displayColor", said);
+  values.rotations = typed<VtQuatfArray>(timed_primvar(delegate, GetId(), turned, shutter, false), shutter,
+                                         path, turned.GetString(), said);
+  if (shutter.moving()) {
+    values.velocities = vectors(HdTokens->velocities);
+    values.accelerations = vectors(HdTokens->accelerations);
+    values.angular_velocities = vectors(angular_velocities_name());
   }
-  count_ = std::max({translations_.at_frame.size(), scales_.at_frame.size(), rotations_.at_frame.size()});
-  arrays_.reset();
-  if (count_ == 0) return;
-  arrays_ = std::make_shared<translate::PointInstancerInput>();
-  arrays_->path = path;
-  arrays_->count = count_;
-  arrays_->positions = array_samples(translations_);
-  arrays_->scales = array_samples(scales_);
-  arrays_->orientations = quaternion_samples(rotations_);
-  arrays_->rates = {array_samples(velocities_), array_samples(accelerations_)};
-  arrays_->angular_velocities = array_samples(angular_velocities_);
-  arrays_->time_remap = translate::rate_times(shutter_, time_codes_per_second(delegate));
+  values.count = std::max(
+      {values.translations.at_frame.size(), values.scales.at_frame.size(), values.rotations.at_frame.size()});
+  values.by_arrays = values.count > 0;
+  if (!values.by_arrays) return;
+  translate::PointInstancerInput& arrays = values.arrays;
+  arrays.path = path;
+  arrays.count = values.count;
+  arrays.positions = array_samples(values.translations);
+  arrays.scales = array_samples(values.scales);
+  arrays.orientations = quaternion_samples(values.rotations);
+  arrays.rates = {array_samples(values.velocities), array_samples(values.accelerations)};
+  arrays.angular_velocities = array_samples(values.angular_velocities);
+  arrays.time_remap = translate::rate_times(shutter, time_codes_per_second(delegate));
 }
 
-PlacedLevel Instancer::own_level(const VtIntArray& indices, Diagnostics& said) const {
-  if (arrays_) {
-    if (matrices_) {
+PlacedLevel Instancer::own_level(const ValuesPointer& values, const VtIntArray& indices,
+                                 Diagnostics& said) const {
+  if (values->by_arrays) {
+    if (values->matrices) {
       said.push_back({Severity::kWarning, GetId().GetString(), "hydra:instanceTransforms",
                       "found matrices beside translations, rotations or scales; placed by the latter alone"});
     }
-    return {nullptr, arrays_, {indices.cbegin(), indices.cend()}};
+    return {nullptr,
+            std::shared_ptr<translate::PointInstancerInput>(values, &values->arrays),
+            {indices.cbegin(), indices.cend()}};
   }
-  if (!matrices_) {  // as many as there are indices, all in one place
+  if (!values->matrices) {  // as many as there are indices, all in one place
     const std::vector<translate::Matrix4d> in_place(indices.size(), matrix_of(GfMatrix4d(1.0)));
     return {
         std::make_shared<translate::SampledMotion>(std::vector{0.0}, in_place, indices.size()), nullptr, {}};
   }
   std::vector<std::uint32_t> selected(indices.cbegin(), indices.cend());
-  return {std::make_shared<translate::SelectedMotion>(matrices_, std::move(selected)), nullptr, {}};
+  return {std::make_shared<translate::SelectedMotion>(values->matrices, std::move(selected)), nullptr, {}};
 }
 
-// What is wrong with the indices of a prototype's instances; empty: nothing.
-std::string Instancer::fault_of(const VtIntArray& indices) const {
-  if (std::any_of(indices.cbegin(), indices.cend(), [](int index) { return index < 0; }))
-    return "found a negative index, expected none";
-  const std::size_t known = arrays_ ? count_ : matrices_ ? matrices_->count() : indices.size();
-  const std::size_t largest = largest_index(indices);
-  if (largest < known || (!arrays_ && !matrices_)) return "";
-  return message("found index ", largest, ", expected less than ", known, ", the number of its instances");
-}
-
-Placed Instancer::place(const SdfPath& prototype, const Shutter& shutter, Diagnostics& said) {
-  pull(shutter, said);
-  VtIntArray indices = GetDelegate()->GetInstanceIndices(GetId(), prototype);
+Placed Instancer::place(const SdfPath& prototype, const ShapeShutters& shutters, Diagnostics& said) {
+  ValuesPointer values = values_over(shutters.camera, said);
   Placed placed;
-  placed.visible = !indices.empty() && (shown_ ? !shown_->empty() : visible_);
-  placed.shown = shown_;
-  const std::string fault = fault_of(indices);
+  placed.shown = values->shown;
+  if (!values->by_arrays && !(shutters.shape == shutters.camera)) values = values_over(shutters.shape, said);
+  VtIntArray indices = GetDelegate()->GetInstanceIndices(GetId(), prototype);
+  placed.visible = !indices.empty() && (placed.shown ? !placed.shown->empty() : visible_);
+  const bool any = values->by_arrays || values->matrices;
+  const std::size_t known = values->by_arrays ? values->count : any ? values->matrices->count() : 0;
+  const std::string fault = fault_of(indices, any ? std::optional(known) : std::nullopt);
   if (!fault.empty()) {
     said.push_back({Severity::kError, GetId().GetString(), "instanceIndices",
                     fault + "; its instances of " + prototype.GetString() + " are left out"});
     placed.visible = false;
   }
   if (!placed.visible) return placed;
-  placed.levels.push_back(own_level(indices, said));
-  placed.levels.push_back({whole_, nullptr, {}});
-  add_colors(indices, placed);
+  placed.levels.push_back(own_level(values, indices, said));
+  placed.levels.push_back({values->whole, nullptr, {}});
+  placed.colors = picked(values->colors.at_frame, indices);
+  if (!placed.colors.empty() && values->colors.varies) {
+    for (const auto& [time01, colors] : values->colors.samples)
+      placed.color_samples.emplace_back(time01, picked(colors, indices));
+  }
   placed.indices.push_back(std::move(indices));
-  add_parents(placed, shutter, said);
+  add_parents(placed, shutters, said);
   return placed;
 }
 
-void Instancer::add_colors(const VtIntArray& indices, Placed& placed) const {
-  const auto picked = [&](const VtVec3fArray& every) {
-    std::vector<Vec3f> colors;
-    for (const int index : indices) {
-      if (std::size_t(index) < every.size()) colors.push_back(span_of(every)[std::size_t(index)]);
-    }
-    if (colors.size() != indices.size()) colors.clear();
-    return colors;
-  };
-  placed.colors = picked(colors_.at_frame);
-  if (placed.colors.empty() || !colors_.varies) return;
-  for (const auto& [time01, colors] : colors_.samples)
-    placed.color_samples.emplace_back(time01, picked(colors));
-}
-
-void Instancer::add_parents(Placed& placed, const Shutter& shutter, Diagnostics& said) {
+void Instancer::add_parents(Placed& placed, const ShapeShutters& shutters, Diagnostics& said) {
   if (GetParentId().IsEmpty()) return;
   auto* parent = static_cast<Instancer*>(GetDelegate()->GetRenderIndex().GetInstancer(GetParentId()));
   if (!parent) return;
-  const Placed outer = parent->place(GetId(), shutter, said);
+  const Placed outer = parent->place(GetId(), shutters, said);
   const std::size_t inner_count = placed.count(), outer_count = outer.count();
   placed.visible = placed.visible && outer.visible;
   if (!placed.visible) return;

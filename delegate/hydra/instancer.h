@@ -12,6 +12,11 @@
 
 namespace msbvh::hydra {
 
+// The camera's, and that of a shape: scaled by its motion:blurScale.
+struct ShapeShutters {
+  Shutter camera, shape;
+};
+
 // How the instances of a prototype stand in the world.
 struct Placed {
   std::vector<translate::PlacedLevel> levels{};  // the innermost first
@@ -33,28 +38,36 @@ class Instancer : public HdInstancer {
   void Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits) override;
 
   // Those of one prototype: the path of a shape, of a light, or of an instancer inside this one. Reads what
-  // is stale. Borrows this instancer's arrays until the next call with another shutter. For one thread at a
-  // time.
-  Placed place(const SdfPath& prototype, const Shutter& shutter, Diagnostics& said);
+  // is stale. Native instances move by the shape's shutter (USD: motion:blurScale inside an instance counts
+  // for the instance's motion too), those of a point instancer by the camera's. For one thread at a time.
+  Placed place(const SdfPath& prototype, const ShapeShutters& shutters, Diagnostics& said);
 
  private:
-  void pull(const Shutter& shutter, Diagnostics& said);
-  void pull_arrays(HdSceneDelegate& delegate, Diagnostics& said);
-  std::string fault_of(const VtIntArray& indices) const;
-  void add_colors(const VtIntArray& indices, Placed& placed) const;
-  translate::PlacedLevel own_level(const VtIntArray& indices, Diagnostics& said) const;
+  // Its values over one shutter.
+  struct Values {
+    Shutter shutter;
+    translate::Visibility shown;
+    translate::MotionPointer whole, matrices;  // of all of it; of its instances, or null
+    TypedValues<VtVec3fArray> translations, scales, velocities, accelerations, angular_velocities, colors;
+    TypedValues<VtQuatfArray> rotations;
+    std::size_t count = 0;
+    bool by_arrays = false;
+    translate::PointInstancerInput arrays;  // where by_arrays; borrows from the above
+  };
+  using ValuesPointer = std::shared_ptr<Values>;
+
+  // Levels keep what they borrow.
+  ValuesPointer values_over(const Shutter& shutter, Diagnostics& said);
+  ValuesPointer pulled(const Shutter& shutter, Diagnostics& said) const;
+  void pull_arrays(Values& values, Diagnostics& said) const;
+  translate::PlacedLevel own_level(const ValuesPointer& values, const VtIntArray& indices,
+                                   Diagnostics& said) const;
   // Into a placement that ends here, the levels of the instancer around this one.
-  void add_parents(Placed& placed, const Shutter& shutter, Diagnostics& said);
+  void add_parents(Placed& placed, const ShapeShutters& shutters, Diagnostics& said);
 
   HdDirtyBits stale_ = 0;
-  bool read_ = false, visible_ = true;
-  translate::Visibility shown_;
-  Shutter shutter_;
-  std::size_t count_ = 0;
-  translate::MotionPointer whole_, matrices_;  // of all of it; of its instances, or null
-  TypedValues<VtVec3fArray> translations_, scales_, velocities_, accelerations_, angular_velocities_, colors_;
-  TypedValues<VtQuatfArray> rotations_;
-  std::shared_ptr<translate::PointInstancerInput> arrays_;  // null: there are none
+  bool visible_ = true;
+  std::vector<ValuesPointer> known_;  // by shutter
 };
 
 }  // namespace msbvh::hydra

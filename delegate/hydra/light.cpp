@@ -165,7 +165,7 @@ MotionPointer Light::motion(const Shutter& shutter, Diagnostics& said) {
   HdInstancer::_SyncInstancerAndParents(index, GetInstancerId());
   auto* instancer = static_cast<Instancer*>(index.GetInstancer(GetInstancerId()));
   if (!instancer) return own;
-  const Placed placed = instancer->place(GetId(), shutter, said);
+  const Placed placed = instancer->place(GetId(), {shutter, shutter}, said);
   if (!placed.visible) return nullptr;
   translate::PrimLog log(said, GetId().GetString());
   MotionPointer all = own;

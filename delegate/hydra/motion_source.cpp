@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <pxr/base/gf/quatd.h>
+#include <pxr/imaging/hd/dataSourceLegacyPrim.h>
 #include <pxr/imaging/hd/instancerTopologySchema.h>
 #include <pxr/imaging/hd/primvarSchema.h>
 #include <pxr/imaging/hd/primvarsSchema.h>
@@ -29,6 +31,76 @@ std::vector<double> times01(const std::vector<float>& offsets, const Shutter& sh
 }
 
 MotionPointer identity() { return SampledMotion::still(matrix_of(GfMatrix4d(1.0))); }
+
+// Whether a prim comes from a scene delegate: its data sources know the frame and some samples, and what they
+// say of other times is a blend of matrices, which turns nothing.
+bool is_delegates(const HdContainerDataSourceHandle& prim) {
+  return prim->Get(HdSceneIndexEmulationTokens->sceneDelegate) != nullptr;
+}
+
+// Between two matrices: what they turn by along the sphere, the rest in lines. As the ops of a stage do, with
+// a turn about the object's own origin.
+GfMatrix4d between(double share, const GfMatrix4d& a, const GfMatrix4d& b) {
+  GfMatrix4d turn_a = a, turn_b = b;
+  for (GfMatrix4d* turn : {&turn_a, &turn_b}) {
+    turn->SetTranslateOnly(GfVec3d(0.0));
+    if (!turn->Orthonormalize(false)) return a * (1.0 - share) + b * share;
+  }
+  if (turn_a.GetDeterminant() * turn_b.GetDeterminant() < 0.0) return a * (1.0 - share) + b * share;
+  const GfMatrix4d turned = turn_a.GetTranspose() * turn_b;  // from the one to the other
+  const GfQuatd quat = GfSlerp(share, GfQuatd(1.0), turned.ExtractRotationQuat());
+  GfMatrix4d linear_a = a, linear_b = b;
+  linear_a.SetTranslateOnly(GfVec3d(0.0));
+  linear_b.SetTranslateOnly(GfVec3d(0.0));
+  const GfMatrix4d stretch =
+      linear_a * turn_a.GetTranspose() * (1.0 - share) + linear_b * turn_b.GetTranspose() * share;
+  GfMatrix4d rotation(1.0);
+  rotation.SetRotate(quat);
+  GfMatrix4d result = stretch * turn_a * rotation;
+  result.SetTranslateOnly(a.ExtractTranslation() * (1.0 - share) + b.ExtractTranslation() * share);
+  return result;
+}
+
+// Of a scene delegate's prim: the samples and the frame, and turns between them.
+MotionPointer interpolated(const HdSampledDataSourceHandle& source, std::size_t count, const Shutter& shutter,
+                           const std::function<std::vector<GfMatrix4d>(const VtValue&)>& matrices) {
+  std::vector<float> offsets = contributing_offsets(*source, shutter);
+  const bool still = offsets.size() < 2;
+  if (still || (offsets.front() < 0.0f && offsets.back() > 0.0f)) offsets.push_back(0.0f);
+  std::sort(offsets.begin(), offsets.end());
+  offsets.erase(std::unique(offsets.begin(), offsets.end()), offsets.end());
+  std::vector<double> times;
+  std::vector<std::vector<GfMatrix4d>> samples;
+  for (const float offset : still ? std::vector{0.0f} : offsets) {
+    times.push_back(still ? 0.0 : shutter.time01(double(offset)));
+    samples.push_back(matrices(source->GetValue(offset)));
+    samples.back().resize(count, GfMatrix4d(1.0));
+  }
+  const auto evaluate = [times, samples, count](double time01) {
+    const auto after = std::upper_bound(times.begin(), times.end(), time01) - times.begin();
+    const std::size_t last = std::min(std::size_t(after), times.size() - 1);
+    const std::size_t first = after == 0 ? 0 : std::size_t(after) - 1;
+    const double way = times[last] - times[first];
+    const double share = way > 0.0 ? (time01 - times[first]) / way : 0.0;
+    std::vector<Matrix4d> result;
+    for (std::size_t i = 0; i < count; ++i)
+      result.push_back(matrix_of(between(share, samples[first][i], samples[last][i])));
+    return result;
+  };
+  return std::make_shared<EvaluatedMotion>(count, still, times, evaluate,
+                                           still ? Turns() : translate::uniform_turns(kAssumedTurns));
+}
+
+std::vector<GfMatrix4d> one_host_matrix(const VtValue& value) {
+  if (!value.IsHolding<GfMatrix4d>()) return {};
+  return {value.UncheckedGet<GfMatrix4d>()};
+}
+
+std::vector<GfMatrix4d> every_host_matrix(const VtValue& value) {
+  if (!value.IsHolding<VtMatrix4dArray>()) return {};
+  const auto& all = value.UncheckedGet<VtMatrix4dArray>();
+  return {all.cbegin(), all.cend()};
+}
 
 // Asks a data source at the times that the sampler wants.
 MotionPointer evaluated(const HdSampledDataSourceHandle& source, std::size_t count, const Shutter& shutter,
@@ -112,6 +184,7 @@ MotionPointer from_samples(const HdTimeSampleArray<GfMatrix4d, kUsualSamples>& s
 // Of a scene index prim; null where that has no transform.
 MotionPointer from_scene_index(const HdContainerDataSourceHandle& prim, const Shutter& shutter) {
   const HdMatrixDataSourceHandle matrix = HdXformSchema::GetFromParent(prim).GetMatrix();
+  if (matrix && is_delegates(prim)) return interpolated(matrix, 1, shutter, one_host_matrix);
   return matrix ? evaluated(matrix, 1, shutter, one_matrix) : nullptr;
 }
 
@@ -153,6 +226,7 @@ MotionPointer instance_matrices(HdSceneDelegate& delegate, const SdfPath& path, 
     const std::size_t count = at_frame.size();
     const HdSceneIndexBaseRefPtr scene = delegate.GetRenderIndex().GetTerminalSceneIndex();
     if (const MotionPointer found = from_locations(scene, prim, at_frame, shutter)) return found;
+    if (count > 0 && is_delegates(prim)) return interpolated(source, count, shutter, every_host_matrix);
     return count > 0 ? evaluated(source, count, shutter, every_matrix) : nullptr;
   }
   const TimedValues samples = timed_primvar(delegate, path, name, shutter, false);

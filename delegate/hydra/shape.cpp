@@ -1,5 +1,6 @@
 #include "delegate/hydra/shape.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <pxr/imaging/hd/primvarsSchema.h>
@@ -33,6 +34,16 @@ translate::HeldPrimvar held_primvar(const TypedValues<Array>& values) {
 }
 
 }  // namespace
+
+Shutter shutter_of_rates(HdSceneDelegate& delegate, const SdfPath& path, const Shutter& shutter) {
+  constexpr double kInstantFrames = 1.0 / 4096.0;
+  if (shutter.moving()) return shutter;
+  static const TfToken rates[] = {HdTokens->velocities, TfToken("angularVelocities")};
+  const bool any = std::any_of(std::begin(rates), std::end(rates), [&](const TfToken& name) {
+    return !timed_primvar(delegate, path, name, shutter, false).at_frame.IsEmpty();
+  });
+  return any ? Shutter{0.0, kInstantFrames} : shutter;
+}
 
 double time_codes_per_second(HdSceneDelegate& delegate) {
   constexpr double kUsual = 24.0;
@@ -92,7 +103,7 @@ void Shape::pull(const Shutter& shutter) {
   const auto stale = [&](HdDirtyBits bits) { return whole || (stale_ & bits) != 0; };
   if (!stale(~HdDirtyBits(0))) return;
   said_.clear();
-  const Shutter own = shutter.scaled(blur_scale(*delegate_, shutter));
+  const Shutter own = shutter_of_rates(*delegate_, path_, shutter.scaled(blur_scale(*delegate_, shutter)));
   const bool same_window = own == shutter_ && !whole;
   shutter_ = own;
   if (stale(HdChangeTracker::DirtyTransform) || !same_window)

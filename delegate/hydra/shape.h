@@ -41,6 +41,8 @@ class Shape {
   const TfToken& render_tag() const { return render_tag_; }
   // Whether any of it can be seen: at the frame, or over the shutter where the host says so. After pull().
   bool visible() const { return shown_ ? !shown_->empty() : visible_; }
+  // The camera's, scaled by motion:blurScale. After pull().
+  const Shutter& own_shutter() const { return shutter_; }
   // In collections of lights: these are not followed yet.
   bool has_categories() const { return has_categories_; }
 
@@ -94,6 +96,9 @@ class Shape {
   double time_codes_per_second_ = 24.0;
   Diagnostics said_;
 };
+
+// A closed shutter, opened for an instant where velocities say where things are between their samples.
+Shutter shutter_of_rates(HdSceneDelegate& delegate, const SdfPath& path, const Shutter& shutter);
 
 // Of the stage, where the host's scene globals know it; else 24, USD's own.
 double time_codes_per_second(HdSceneDelegate& delegate);
