@@ -33,9 +33,17 @@ bool is_one_of(const TfTokenVector& types, const TfToken& type) {
   return std::find(types.begin(), types.end(), type) != types.end();
 }
 
+TfTokenVector supported_types(const Delegate& delegate) {
+  TfTokenVector all = delegate.GetSupportedRprimTypes();
+  const TfTokenVector& lights = Light::types();
+  all.insert(all.end(), lights.begin(), lights.end());
+  return all;
+}
+
 }  // namespace
 
-Delegate::Delegate(const HdRenderSettingsMap& settings) : HdRenderDelegate(settings) {
+Delegate::Delegate(const HdRenderSettingsMap& settings)
+    : HdRenderDelegate(settings), unsupported_(param_, supported_types(*this)) {
   _PopulateDefaultSettings(setting_descriptors());
 }
 
@@ -178,6 +186,11 @@ HdBprim* Delegate::CreateFallbackBprim(const TfToken& type) {
 }
 
 void Delegate::DestroyBprim(HdBprim* prim) { delete prim; }
+
+void Delegate::SetTerminalSceneIndex(const HdSceneIndexBaseRefPtr& scene) {
+  HdRenderDelegate::SetTerminalSceneIndex(scene);
+  if (scene) scene->AddObserver(HdSceneIndexObserverPtr(&unsupported_));
+}
 
 TfToken Delegate::GetMaterialBindingPurpose() const { return HdTokens->full; }
 

@@ -9,6 +9,7 @@
 #include "delegate/hydra/frame_builder.h"
 #include "delegate/hydra/jobs.h"
 #include "delegate/hydra/render_param.h"
+#include "delegate/hydra/unsupported.h"
 
 namespace msbvh::hydra {
 
@@ -52,6 +53,8 @@ class Delegate : public HdRenderDelegate {
   void DestroyBprim(HdBprim* prim) override;
   void CommitResources(HdChangeTracker*) override {}
 
+  void SetTerminalSceneIndex(const HdSceneIndexBaseRefPtr& scene) override;
+
   TfToken GetMaterialBindingPurpose() const override;
   TfTokenVector GetRenderSettingsNamespaces() const override;
   HdAovDescriptor GetDefaultAovDescriptor(const TfToken& name) const override;
@@ -61,6 +64,7 @@ class Delegate : public HdRenderDelegate {
   mutable RenderParam param_{jobs_};
   HdResourceRegistrySharedPtr registry_ = std::make_shared<HdResourceRegistry>();
   FrameBuilder builder_{param_};
+  UnsupportedPrims unsupported_;
   std::atomic<std::uint64_t> scenes_{0};
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <doctest/doctest.h>
 #include <pxr/base/gf/vec3d.h>
+#include <pxr/base/tf/diagnosticMgr.h>
 #include <pxr/usd/sdf/layer.h>
 #include <pxr/usd/usd/attribute.h>
 #include <pxr/usd/usd/prim.h>
@@ -181,4 +182,28 @@ TEST_CASE("bad points end in a warning, not in the host's end") {
     square.GetAttribute(TfToken("faceVertexIndices")).Set(VtIntArray{0, 1, 2, 99});
     rendering.host.converge();
   }
+}
+
+TEST_CASE("a prim of a kind that is not drawn is named, once") {
+  struct Listener : TfDiagnosticMgr::Delegate {
+    void IssueError(const TfError&) override {}
+    void IssueFatalError(const TfCallContext&, const std::string&) override {}
+    void IssueStatus(const TfStatus&) override {}
+    void IssueWarning(const TfWarning& warning) override {
+      told += warning.GetCommentary().find("type volume are not drawn") != std::string::npos;
+    }
+    int told = 0;
+  } listener;
+  TfDiagnosticMgr::GetInstance().AddDelegate(&listener);
+  {
+    const UsdStageRefPtr stage = shot();
+    stage->DefinePrim(SdfPath("/smoke"), TfToken("Volume"));
+    stage->DefinePrim(SdfPath("/fire"), TfToken("Volume"));
+    Host host(stage, Engine::kSceneIndices, SdfPath("/cam"), kSize, kSize);
+    host.set("convergedSamplesPerPixel", VtValue(4));
+    host.set_time(0.0);
+    host.converge();
+  }
+  TfDiagnosticMgr::GetInstance().RemoveDelegate(&listener);
+  CHECK(listener.told == 1);
 }
