@@ -1,14 +1,15 @@
 // A picture by a renderer plugin in one of OpenUSD's own hosts, by a command line of usdrecord's kind:
 //
-//     hydra_draw --engine recorder|delegate|indices [--renderer HdMsbvhRendererPlugin] --camera /cam --frames
-//     1,2
-//                --imageWidth 64 --imageHeight 48 [--set KEY=NUMBER]... [--dump FILE] SCENE OUT.exr
+//     hydra_draw --engine recorder|delegate|indices [--renderer HdMsbvhRendererPlugin] --camera /cam
+//                --frames 1,2 --imageWidth 64 --imageHeight 48 [--set KEY=NUMBER]... [--dump FILE] [--waits]
+//                SCENE OUT.exr
 //
 // `recorder` is UsdAppUtilsFrameRecorder, which usdrecord is a command line of; the height follows from the
 // camera. `delegate` and `indices` are host.h's: OpenUSD's scene delegate, and its scene indices. All frames
 // are drawn by one host; `delegate` and `indices` write the last one alone. With
-// `--dump` they also write what they have handed over (dump.h), over the camera's shutter. Exit code 1, with
-// one line, for whatever cannot be drawn.
+// `--dump` they also write what they have handed over (dump.h), over the camera's shutter; with `--waits` how
+// long each frame took, from the first execution of its pass. Exit code 1, with one line, for whatever cannot
+// be drawn.
 #include <algorithm>
 #include <cstdlib>
 #include <exception>
@@ -37,6 +38,7 @@ namespace {
 
 struct Options {
   std::string engine = "delegate", renderer = "HdMsbvhRendererPlugin", camera, scene, out, dump;
+  bool tell_waits = false;
   std::vector<double> frames{0.0};
   std::uint32_t width = 64, height = 64;
   std::vector<std::pair<std::string, double>> settings;
@@ -56,6 +58,10 @@ Options options_of(const std::vector<std::string>& arguments) {
     const std::string& name = arguments[i];
     if (name.rfind("--", 0) != 0) {
       files.push_back(name);
+      continue;
+    }
+    if (name == "--waits") {
+      options.tell_waits = true;
       continue;
     }
     if (++i == arguments.size()) throw std::runtime_error(name + ": found no value");
@@ -123,7 +129,10 @@ void draw_by_host(const Options& options, const UsdStageRefPtr& stage) {
   for (const auto& [key, value] : options.settings) host.set(key.c_str(), VtValue(value));
   for (const double frame : options.frames) {
     host.set_time(frame);
-    host.converge();
+    const Host::Waits waits = host.converge();
+    if (options.tell_waits)
+      std::cout << "first picture after " << waits.first_picture << " s, converged after " << waits.converged
+                << " s\n";
   }
   if (!options.dump.empty()) {
     const UsdGeomCamera camera(stage->GetPrimAtPath(SdfPath(options.camera)));

@@ -1,5 +1,6 @@
 #include "tests/hydra/host.h"
 
+#include <algorithm>
 #include <chrono>
 #include <pxr/base/gf/rect2i.h>
 #include <pxr/base/gf/vec4f.h>
@@ -20,7 +21,7 @@
 namespace msbvh::testing {
 namespace {
 
-constexpr std::chrono::seconds kPatience{60};
+constexpr double kPatienceSeconds = 60.0;
 constexpr std::chrono::milliseconds kBetweenExecutions{5};
 
 HdRprimCollection everything() {
@@ -131,15 +132,32 @@ void Host::execute() {
 
 bool Host::is_converged() const { return task_->is_converged(); }
 
-void Host::converge() {
+bool Host::shows_something() const {
+  HdRenderBuffer& color = *bindings_[0].renderBuffer;
+  color.Resolve();
+  const auto* rgba = static_cast<const float*>(color.Map());
+  const bool found =
+      rgba && std::any_of(rgba, rgba + 4 * std::size_t(width_) * height_, [](float x) { return x != 0.0f; });
+  color.Unmap();
+  return found;
+}
+
+Host::Waits Host::converge() {
   const auto begin = std::chrono::steady_clock::now();
+  const auto since = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  Waits waits;
   execute();
   while (!is_converged()) {
-    if (std::chrono::steady_clock::now() - begin > kPatience)
-      throw std::runtime_error("found a render pass that does not converge");
+    if (waits.first_picture == 0.0 && shows_something()) waits.first_picture = since();
+    if (since() > kPatienceSeconds) throw std::runtime_error("found a render pass that does not converge");
     std::this_thread::sleep_for(kBetweenExecutions);
     execute();
   }
+  waits.converged = since();
+  if (waits.first_picture == 0.0) waits.first_picture = waits.converged;
+  return waits;
 }
 
 Picture Host::picture() {

@@ -45,8 +45,13 @@ class Host {
   void set(const char* setting, const VtValue& value);
   // Takes over edits of the stage, and has the pass executed once.
   void execute();
-  // Executes until the pass has converged. Throws std::runtime_error after a minute.
-  void converge();
+  // Executes until the pass has converged. Throws std::runtime_error after a minute. Returns when the colour
+  // was not that of the clear value first, and when it had converged, in seconds; the first is looked for at
+  // each execution.
+  struct Waits {
+    double first_picture = 0.0, converged = 0.0;
+  };
+  Waits converge();
   bool is_converged() const;
   // What the buffers show.
   Picture picture();
@@ -59,6 +64,7 @@ class Host {
  private:
   class Task;
 
+  bool shows_something() const;
   HdRenderBuffer* add_buffer(const TfToken& aov, HdFormat format, const VtValue& clear);
 
   Engine engine_mode_;
