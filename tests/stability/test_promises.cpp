@@ -194,7 +194,7 @@ TEST_SUITE("slow") {
   TEST_CASE("soak: every scene class holds the promises at every key count") {
     const std::size_t rays = test::soak_count(4, 40);
     const std::size_t stride =
-        test::soak_count(11, 1);  // shares no factor with three offsets or the builders
+        test::soak_count(23, 1);  // shares no factor with three offsets or the builders
     for (const SceneClass& kind : scene_classes())
       check_class(kind, {500, 2000, rays, 4'000, 25, 128, {0, 1, 2, 4, 8, 16, 32, 64, 128}, stride});
   }
