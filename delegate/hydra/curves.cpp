@@ -4,9 +4,6 @@
 #include <pxr/imaging/hd/basisCurvesSchema.h>
 #include <pxr/imaging/hd/basisCurvesTopologySchema.h>
 
-#include "delegate/hydra/render_param.h"
-#include "delegate/hydra/sync_shape.h"
-
 namespace msbvh::hydra {
 
 void CurvesShape::sync_topology(HdSceneDelegate& delegate) {
@@ -32,24 +29,6 @@ void CurvesShape::describe(translate::FrameShape& shape) const {
   round.topology.indices = span_of(topology_.GetCurveIndices());
   round.topology.hidden = span_of(topology_.GetInvisibleCurves());
   round.widths = primvar_input<float>(widths().values, widths().interpolation);
-}
-
-void Curves::Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits, const TfToken&) {
-  sync_shape(*this, shape_, *delegate, *static_cast<RenderParam*>(param), *bits,
-             [&] { _UpdateInstancer(delegate, bits); });
-}
-
-// Hydra looks tags up outside of Sync, and may sync nothing then.
-void Curves::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) {
-  HdBasisCurves::UpdateRenderTag(delegate, param);
-  shape_.set_render_tag(GetRenderTag(), *static_cast<RenderParam*>(param));
-}
-
-void Curves::Finalize(HdRenderParam* param) { static_cast<RenderParam*>(param)->forget_shape(shape_); }
-
-void Curves::_InitRepr(const TfToken& name, HdDirtyBits*) {
-  if (std::none_of(_reprs.begin(), _reprs.end(), _ReprComparator(name)))
-    _reprs.emplace_back(name, HdReprSharedPtr());
 }
 
 }  // namespace msbvh::hydra

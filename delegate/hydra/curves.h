@@ -4,11 +4,9 @@
 
 #include <pxr/imaging/hd/basisCurves.h>
 
-#include "delegate/hydra/shape.h"
+#include "delegate/hydra/drawn.h"
 
 namespace msbvh::hydra {
-
-class RenderParam;
 
 // The values of curves.
 class CurvesShape : public Shape {
@@ -24,21 +22,6 @@ class CurvesShape : public Shape {
   HdBasisCurvesTopology topology_;
 };
 
-class Curves : public HdBasisCurves {
- public:
-  explicit Curves(const SdfPath& path) : HdBasisCurves(path), shape_(path) {}
-
-  HdDirtyBits GetInitialDirtyBitsMask() const override { return kFirstBits; }
-  void Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits, const TfToken&) override;
-  void UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) override;
-  void Finalize(HdRenderParam* param) override;
-
- protected:
-  HdDirtyBits _PropagateDirtyBits(HdDirtyBits bits) const override { return bits; }
-  void _InitRepr(const TfToken& name, HdDirtyBits* bits) override;
-
- private:
-  CurvesShape shape_;
-};
+using Curves = Drawn<HdBasisCurves, CurvesShape>;
 
 }  // namespace msbvh::hydra

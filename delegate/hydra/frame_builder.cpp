@@ -30,7 +30,7 @@ void tell(const Diagnostics& diagnostics, RenderParam& param) {
     const std::string subject = each.path + dot + each.attribute;
     const std::string what =
         each.message + (each.severity == Severity::kError ? "; the prim is not drawn" : "");
-    // What many prims have in common is told once, with the first of them.
+    // A warning that many prims share is given once, for the first prim.
     if (!param.is_news(each.in_common ? each.attribute + what : subject + what)) continue;
     TF_WARN("%s%s%s", subject.c_str(), subject.empty() ? "" : ": ", what.c_str());
   }

@@ -1,10 +1,9 @@
 #include "delegate/hydra/implicit.h"
 
 #include <algorithm>
+#include <limits>
 #include <pxr/imaging/hd/tokens.h>
 
-#include "delegate/hydra/render_param.h"
-#include "delegate/hydra/sync_shape.h"
 #include "delegate/translate/frame/held_values.h"
 
 namespace msbvh::hydra {
@@ -102,24 +101,6 @@ bool ImplicitValues::pull_topology(HdSceneDelegate& delegate, const Shutter& shu
 const TfTokenVector& Implicit::GetBuiltinPrimvarNames() const {
   static const TfTokenVector none;
   return none;
-}
-
-void Implicit::Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits, const TfToken&) {
-  sync_shape(*this, shape_, *delegate, *static_cast<RenderParam*>(param), *bits,
-             [&] { _UpdateInstancer(delegate, bits); });
-}
-
-// Hydra looks tags up outside of Sync, and may sync nothing then.
-void Implicit::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) {
-  HdRprim::UpdateRenderTag(delegate, param);
-  shape_.set_render_tag(GetRenderTag(), *static_cast<RenderParam*>(param));
-}
-
-void Implicit::Finalize(HdRenderParam* param) { static_cast<RenderParam*>(param)->forget_shape(shape_); }
-
-void Implicit::_InitRepr(const TfToken& name, HdDirtyBits*) {
-  if (std::none_of(_reprs.begin(), _reprs.end(), _ReprComparator(name)))
-    _reprs.emplace_back(name, HdReprSharedPtr());
 }
 
 }  // namespace msbvh::hydra

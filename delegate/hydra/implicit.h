@@ -4,12 +4,10 @@
 #include <optional>
 #include <pxr/imaging/hd/rprim.h>
 
-#include "delegate/hydra/shape.h"
+#include "delegate/hydra/drawn.h"
 #include "delegate/translate/shape/implicit_type.h"
 
 namespace msbvh::hydra {
-
-class RenderParam;
 
 // Hydra's names of their types.
 const TfTokenVector& implicit_types();
@@ -33,22 +31,11 @@ class ImplicitValues : public Shape {
   std::optional<translate::ImplicitFrameInput> input_;
 };
 
-class Implicit : public HdRprim {
+class Implicit : public Drawn<HdRprim, ImplicitValues> {
  public:
-  Implicit(const TfToken& type, const SdfPath& path) : HdRprim(path), shape_(type, path) {}
+  Implicit(const TfToken& type, const SdfPath& path) : Drawn(path, ImplicitValues(type, path)) {}
 
-  HdDirtyBits GetInitialDirtyBitsMask() const override { return kFirstBits; }
   const TfTokenVector& GetBuiltinPrimvarNames() const override;
-  void Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits, const TfToken&) override;
-  void UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) override;
-  void Finalize(HdRenderParam* param) override;
-
- protected:
-  HdDirtyBits _PropagateDirtyBits(HdDirtyBits bits) const override { return bits; }
-  void _InitRepr(const TfToken& name, HdDirtyBits* bits) override;
-
- private:
-  ImplicitValues shape_;
 };
 
 }  // namespace msbvh::hydra

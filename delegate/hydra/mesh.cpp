@@ -6,9 +6,6 @@
 #include <pxr/imaging/hd/meshTopologySchema.h>
 #include <pxr/imaging/pxOsd/tokens.h>
 
-#include "delegate/hydra/render_param.h"
-#include "delegate/hydra/sync_shape.h"
-
 namespace msbvh::hydra {
 namespace {
 
@@ -86,24 +83,6 @@ void MeshShape::describe_subdivision(translate::MeshInput& mesh) const {
   rules.crease_sharpnesses = span_of(tags_.GetCreaseWeights());
   rules.corner_indices = span_of(tags_.GetCornerIndices());
   rules.corner_sharpnesses = span_of(tags_.GetCornerWeights());
-}
-
-void Mesh::Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits, const TfToken&) {
-  sync_shape(*this, shape_, *delegate, *static_cast<RenderParam*>(param), *bits,
-             [&] { _UpdateInstancer(delegate, bits); });
-}
-
-// Hydra looks tags up outside of Sync, and may sync nothing then.
-void Mesh::UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) {
-  HdMesh::UpdateRenderTag(delegate, param);
-  shape_.set_render_tag(GetRenderTag(), *static_cast<RenderParam*>(param));
-}
-
-void Mesh::Finalize(HdRenderParam* param) { static_cast<RenderParam*>(param)->forget_shape(shape_); }
-
-void Mesh::_InitRepr(const TfToken& name, HdDirtyBits*) {
-  if (std::none_of(_reprs.begin(), _reprs.end(), _ReprComparator(name)))
-    _reprs.emplace_back(name, HdReprSharedPtr());
 }
 
 }  // namespace msbvh::hydra

@@ -3,11 +3,9 @@
 
 #include <pxr/imaging/hd/mesh.h>
 
-#include "delegate/hydra/shape.h"
+#include "delegate/hydra/drawn.h"
 
 namespace msbvh::hydra {
-
-class RenderParam;
 
 // The values of a mesh.
 class MeshShape : public Shape {
@@ -31,21 +29,6 @@ class MeshShape : public Shape {
   std::vector<TimedInts> parts_;  // of each subset, its faces over the shutter
 };
 
-class Mesh : public HdMesh {
- public:
-  explicit Mesh(const SdfPath& path) : HdMesh(path), shape_(path) {}
-
-  HdDirtyBits GetInitialDirtyBitsMask() const override { return kFirstBits; }
-  void Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits, const TfToken&) override;
-  void UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) override;
-  void Finalize(HdRenderParam* param) override;
-
- protected:
-  HdDirtyBits _PropagateDirtyBits(HdDirtyBits bits) const override { return bits; }
-  void _InitRepr(const TfToken& name, HdDirtyBits* bits) override;
-
- private:
-  MeshShape shape_;
-};
+using Mesh = Drawn<HdMesh, MeshShape>;
 
 }  // namespace msbvh::hydra

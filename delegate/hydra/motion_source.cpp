@@ -188,6 +188,19 @@ MotionPointer from_scene_index(const HdContainerDataSourceHandle& prim, const Sh
   return matrix ? evaluated(matrix, 1, shutter, one_matrix) : nullptr;
 }
 
+// `sample` asks a host without scene indices.
+template <typename Sample>
+MotionPointer motion_of(HdSceneDelegate& delegate, const SdfPath& path, const Shutter& shutter,
+                        const Sample& sample) {
+  if (const HdContainerDataSourceHandle prim = scene_index_prim(delegate, path)) {
+    const MotionPointer found = from_scene_index(prim, shutter);
+    return found ? found : identity();
+  }
+  HdTimeSampleArray<GfMatrix4d, kUsualSamples> samples;
+  sample(float(shutter.open_frames), float(shutter.close_frames), &samples);
+  return from_samples(samples, shutter);
+}
+
 }  // namespace
 
 Matrix4d matrix_of(const GfMatrix4d& matrix) {
@@ -197,23 +210,15 @@ Matrix4d matrix_of(const GfMatrix4d& matrix) {
 }
 
 MotionPointer transform_motion(HdSceneDelegate& delegate, const SdfPath& path, const Shutter& shutter) {
-  if (const HdContainerDataSourceHandle prim = scene_index_prim(delegate, path)) {
-    const MotionPointer found = from_scene_index(prim, shutter);
-    return found ? found : identity();
-  }
-  HdTimeSampleArray<GfMatrix4d, kUsualSamples> samples;
-  delegate.SampleTransform(path, float(shutter.open_frames), float(shutter.close_frames), &samples);
-  return from_samples(samples, shutter);
+  return motion_of(delegate, path, shutter, [&](float open, float close, auto* samples) {
+    delegate.SampleTransform(path, open, close, samples);
+  });
 }
 
 MotionPointer instancer_motion(HdSceneDelegate& delegate, const SdfPath& path, const Shutter& shutter) {
-  if (const HdContainerDataSourceHandle prim = scene_index_prim(delegate, path)) {
-    const MotionPointer found = from_scene_index(prim, shutter);
-    return found ? found : identity();
-  }
-  HdTimeSampleArray<GfMatrix4d, kUsualSamples> samples;
-  delegate.SampleInstancerTransform(path, float(shutter.open_frames), float(shutter.close_frames), &samples);
-  return from_samples(samples, shutter);
+  return motion_of(delegate, path, shutter, [&](float open, float close, auto* samples) {
+    delegate.SampleInstancerTransform(path, open, close, samples);
+  });
 }
 
 MotionPointer instance_matrices(HdSceneDelegate& delegate, const SdfPath& path, const Shutter& shutter) {

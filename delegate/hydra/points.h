@@ -3,11 +3,9 @@
 
 #include <pxr/imaging/hd/points.h>
 
-#include "delegate/hydra/shape.h"
+#include "delegate/hydra/drawn.h"
 
 namespace msbvh::hydra {
-
-class RenderParam;
 
 // The values of points.
 class PointsShape : public Shape {
@@ -19,21 +17,6 @@ class PointsShape : public Shape {
   void describe(translate::FrameShape& shape) const override;
 };
 
-class Points : public HdPoints {
- public:
-  explicit Points(const SdfPath& path) : HdPoints(path), shape_(path) {}
-
-  HdDirtyBits GetInitialDirtyBitsMask() const override { return kFirstBits; }
-  void Sync(HdSceneDelegate* delegate, HdRenderParam* param, HdDirtyBits* bits, const TfToken&) override;
-  void UpdateRenderTag(HdSceneDelegate* delegate, HdRenderParam* param) override;
-  void Finalize(HdRenderParam* param) override;
-
- protected:
-  HdDirtyBits _PropagateDirtyBits(HdDirtyBits bits) const override { return bits; }
-  void _InitRepr(const TfToken& name, HdDirtyBits* bits) override;
-
- private:
-  PointsShape shape_;
-};
+using Points = Drawn<HdPoints, PointsShape>;
 
 }  // namespace msbvh::hydra

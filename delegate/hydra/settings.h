@@ -20,7 +20,7 @@ struct Settings {
 // For a host's dialogue: names, keys and defaults, which are those of `msbvh record`.
 const HdRenderSettingDescriptorList& setting_descriptors();
 
-// A value that is none of those that are expected is left out, with a warning.
+// An invalid value is ignored, with a warning.
 Settings settings_of(const HdRenderDelegate& delegate, Diagnostics& said);
 
 // One of those that are names, by its key; the name is one that is known (translate/render/own_settings.h).

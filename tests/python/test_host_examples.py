@@ -1,4 +1,4 @@
-"""examples/: what hosts are told of the plugin is what the plugin has."""
+"""The examples for Blender and Houdini name settings, statistics and types that the plugin really has."""
 
 from __future__ import annotations
 
