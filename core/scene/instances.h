@@ -11,6 +11,7 @@
 #include "core/geometry/geometry_id.h"
 #include "core/motion/time_remap.h"
 #include "core/motion/track.h"
+#include "core/scene/material.h"
 
 namespace msbvh {
 
@@ -19,6 +20,11 @@ struct Prototype {
   std::string name;
   std::vector<GeometryId> geometry;  // as in Scene::world, in its order
   TimeRemap time_remap{};            // from the shutter's time to that of the geometry's tracks
+};
+
+struct InstancePrimvar {
+  PrimvarName name = kNoPrimvar;
+  std::vector<Vec3f> values;  // of one to three numbers, the rest 0
 };
 
 // Instances of one prototype whose transforms are tracks of one form under one time remap.
@@ -33,6 +39,8 @@ struct InstanceSet {
   std::uint32_t degree = 1;
   TimeRemap time_remap{};  // of the transforms; hides all of the set where it says so
   std::uint32_t color_segments = 0;
+  // Still, one value an instance: override the meshes' own.
+  std::vector<InstancePrimvar> primvars{};
   std::vector<std::uint32_t> materials{};  // empty, or one an instance: overrides the meshes' own
   // For AOVs: each one's number in its instancer, -1 for what is no instance; empty: its place in the set.
   std::vector<std::int32_t> ids{};

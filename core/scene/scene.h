@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/geometry/geometry_id.h"
@@ -32,6 +33,8 @@ struct Scene {
   std::vector<Prototype> prototypes;
   std::vector<InstanceSet> instances;
   std::vector<Material> materials;
+  std::vector<ImageTexture> textures;
+  std::vector<std::string> primvar_names;  // that a PrimvarName stands for
   std::vector<Light> lights;
   Camera camera;
 

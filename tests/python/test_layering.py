@@ -16,6 +16,7 @@ MODULES = [
     "core/base",
     "core/motion",
     "core/geometry",
+    "core/texture",
     "core/scene",
     "core/plan",
     "core/build",
