@@ -23,6 +23,7 @@ class Maker {
       for (Prototype& prototype : scene_.prototypes)
         prototype.time_remap.pieces = {{0.0f, 0.0f, 0.5f, true}, {0.3f, 0.5f, 1.0f, true}};
     }
+    if (on(Effect::kSpecular) || on(Effect::kTextures)) add_material();
     add_geometry();
     light();
     set_camera();
@@ -53,6 +54,20 @@ class Maker {
       set.world_from_prototype.push_back({{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.05f, 0.02f, 0.0f}});
     }
     scene_.instances = {std::move(set)};
+  }
+
+  // Plastic, or what is diffuse with a primvar of its own for a colour.
+  void add_material() {
+    Material material{
+        .name = "material", .diffuse_color = {0.5f, 0.4f, 0.3f}, .specular = on(Effect::kSpecular)};
+    Mesh& mesh = scene_.meshes[0];
+    mesh.material = 0;
+    if (on(Effect::kTextures)) {
+      scene_.primvar_names = {"tint"};
+      mesh.primvars = {{0, {Interpolation::kConstant, 0, {{0.6f, 0.5f, 0.2f}}}}};
+      material.driven = {{SurfaceInput::kDiffuseColor, DrivenInput::Source::kPrimvar, 0, 0, false}};
+    }
+    scene_.materials = {material};
   }
 
   void add_geometry() {

@@ -61,6 +61,8 @@ EFFECTS = (
     "points",
     "displacement",
     "subdivision",
+    "specular",
+    "textures",
 )
 """As `msbvh plan` names them: core/plan/effect_plan.cpp."""
 STAGE_MARKS = "stage marks"

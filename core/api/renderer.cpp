@@ -58,7 +58,7 @@ std::string names_of(const std::vector<Aov>& aovs) {
 }
 
 Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const RenderSettings& settings,
-               EffectSet effects) {
+               EffectSet effects, const TextureCache* textures) {
   return {SceneIndex(scene),
           LightSampler(scene, bounds_of(world)),
           world,
@@ -69,6 +69,7 @@ Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const
           settings.max_bounces,
           settings.show_domes,
           settings.sampling,
+          textures,
           choose_stages(effects, settings.sampling, world)};
 }
 
@@ -113,6 +114,7 @@ struct Renderer::Data {
   EffectPlan plan;
   RenderStatistics statistics;
   std::optional<SceneTrees> trees;
+  std::optional<TextureCache> textures;  // where the plan has some
   std::optional<Frame> frame;
 
   void build(SceneTrees* previous);
@@ -194,7 +196,9 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   expect_known(data->plan, kKnownEffects);
   data->build(data_ && data_->trees ? &*data_->trees : nullptr);
   const Bvh& world = data->trees->world().bvh();
-  data->frame.emplace(frame_of(*data->scene, world, tracer_of(world, settings), settings, data->plan.set));
+  if (data->plan.set.has(Effect::kTextures)) data->textures.emplace(data->scene->textures, settings.textures);
+  data->frame.emplace(frame_of(*data->scene, world, tracer_of(world, settings), settings, data->plan.set,
+                               data->textures ? &*data->textures : nullptr));
   data_ = std::move(data);
 }
 
@@ -238,13 +242,19 @@ ProbeReport Renderer::probe(const ProbeSettings& settings, const ProbeProgress& 
 RayCosts Renderer::ray_costs(const RayCostSettings& settings, const RayCostProgress& progress) const {
   const Data& data = committed();
   const Bvh& world = data.trees->world().bvh();
-  const Frame logging = frame_of(*data.scene, world, Tracer::logging(world), data.settings,
-                                 data.plan.set.without(Effect::kAovs));
+  const Frame logging =
+      frame_of(*data.scene, world, Tracer::logging(world), data.settings,
+               data.plan.set.without(Effect::kAovs), data.textures ? &*data.textures : nullptr);
   RayCosts costs;
   Arena(data.settings.threads).execute([&] {
     costs = msbvh::ray_costs(logging, data.settings.build, data.settings.spp, settings, progress);
   });
   return costs;
+}
+
+std::vector<TextureFault> Renderer::texture_faults() const {
+  const Data& data = committed();
+  return data.textures ? data.textures->faults() : std::vector<TextureFault>{};
 }
 
 const EffectPlan& Renderer::plan() const { return committed().plan; }

@@ -17,6 +17,7 @@
 #include "core/plan/effect_plan.h"
 #include "core/probe/probe.h"
 #include "core/scene/scene.h"
+#include "core/texture/texture_cache.h"
 #include "core/trace/tracer.h"
 
 namespace msbvh {
@@ -33,6 +34,7 @@ struct RenderSettings {
   // Paths that a thread takes forward at once, at most; a few hundred bytes each. Does not change the
   // picture.
   std::uint32_t batch_paths = 4096;
+  TextureSettings textures{};
   std::vector<Aov> aovs{};  // beside colour and alpha
   // Of the kernels; none: the best that the processor has. Pictures of two sets differ in their last bits.
   std::optional<InstructionSet> instruction_set{};
@@ -83,6 +85,9 @@ class Renderer {
   // own seed, on settings.threads (core/cost/ray_costs.h). Before or after render(), which it does not touch.
   // Throws Cancelled.
   RayCosts ray_costs(const RayCostSettings& settings, const RayCostProgress& progress = {}) const;
+
+  // Textures that could not be read until now, each once; their fallbacks were drawn.
+  std::vector<TextureFault> texture_faults() const;
 
   const EffectPlan& plan() const;
   const RenderStatistics& statistics() const;

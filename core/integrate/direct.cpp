@@ -26,10 +26,16 @@ class DirectLight {
     if (!sample_picked(pick, surface.position, time, random, light)) return;
     const float cosine = dot(light.direction, surface.shading_normal);
     if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) return;
-    float weight = cosine * (1.0f / kPi);
-    if (kArea && light.pdf > 0.0f)
-      weight *= power_heuristic(pick.expected * light.pdf, cosine * (1.0f / kPi));
-    const Vec3f contribution = batch_.throughput[path] * light.irradiance * (weight / pick.expected);
+    Vec3f throughput = batch_.throughput[path];
+    float pdf = cosine * (1.0f / kPi), weight = pdf;  // the cosine over pi is both, of what is diffuse
+    if constexpr (kSpecular) {
+      const Bsdf::Value reflected = batch_.bsdfs[place].at(surface.shading_normal, light.direction);
+      throughput = throughput * reflected.both();
+      pdf = reflected.pdf;
+      weight = 1.0f;
+    }
+    if (kArea && light.pdf > 0.0f) weight *= power_heuristic(pick.expected * light.pdf, pdf);
+    const Vec3f contribution = throughput * light.irradiance * (weight / pick.expected);
     if (!light.casts_shadow) {
       batch_.radiance[path] += contribution;
       return;
@@ -50,11 +56,14 @@ class DirectLight {
     if (!find_picked(pick, batch_.surfaces[place].position, shadow, along)) return;
     const float weight = power_heuristic(pdf, pick.expected * along.pdf) / pick.expected;
     shadow.tfar = along.distance;
-    batch_.shadows.add(shadow, path, batch_.throughput[path] * along.radiance * weight);
+    Vec3f throughput = batch_.throughput[path];
+    if constexpr (kSpecular) throughput = throughput * batch_.scatter_weight[place];
+    batch_.shadows.add(shadow, path, throughput * along.radiance * weight);
   }
 
  private:
-  static constexpr bool kArea = kOn.has(Effect::kAreaLights), kMoving = kOn.has(Effect::kMovingLights);
+  static constexpr bool kArea = kOn.has(Effect::kAreaLights), kMoving = kOn.has(Effect::kMovingLights),
+                        kSpecular = kOn.has(Effect::kSpecular);
 
   LightPick picked(PathIndex path) const {
     const LightSampler& lights = frame_.lights;
@@ -81,17 +90,16 @@ class DirectLight {
 
 template <EffectSet kOn>
 void add_direct_light(const Frame& frame, PathBatch& batch) {
-  constexpr bool kOpacity = kOn.has(Effect::kOpacity);
   for (std::uint32_t which = 0; which < frame.lights.picks(); ++which) {
     batch.mark.enter(Stage::kDirect, batch.depth);
     const DirectLight<kOn> light(frame, batch, which);
     batch.drawn.draw(batch.sampler, batch.shaded_paths, Draw(Dimension::kLight, batch.depth, which));
     for (std::size_t i = 0; i < batch.shaded.size(); ++i) light.sample(batch.shaded[i], batch.drawn[i]);
-    trace_shadows<kOpacity>(frame, batch);
+    trace_shadows<shadow_effects(kOn)>(frame, batch);
     if constexpr (kOn.has(Effect::kAreaLights)) {
       batch.mark.enter(Stage::kAreaLights, batch.depth);
       for (const std::uint32_t place : batch.shaded) light.find(place);
-      trace_shadows<kOpacity>(frame, batch);
+      trace_shadows<shadow_effects(kOn)>(frame, batch);
     }
   }
 }
@@ -99,8 +107,9 @@ void add_direct_light(const Frame& frame, PathBatch& batch) {
 }  // namespace
 
 PathStage choose_direct(EffectSet effects) {
-  return variant_for<Effect::kMovingLights, Effect::kAreaLights, Effect::kOpacity>(
-      effects, []<EffectSet kOn>() -> PathStage { return add_direct_light<kOn>; });
+  return variant_for<Effect::kMovingLights, Effect::kAreaLights, Effect::kOpacity, Effect::kSpecular,
+                     Effect::kTextures>(effects,
+                                        []<EffectSet kOn>() -> PathStage { return add_direct_light<kOn>; });
 }
 
 }  // namespace msbvh

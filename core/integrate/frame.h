@@ -8,6 +8,7 @@
 #include "core/shade/clearance.h"
 #include "core/shade/light/light_sampler.h"
 #include "core/shade/scene_index.h"
+#include "core/texture/texture_cache.h"
 #include "core/trace/tracer.h"
 
 namespace msbvh {
@@ -23,6 +24,7 @@ struct Frame {
   std::uint32_t max_bounces;  // 0: direct light only, as it must be without indirect light
   bool show_domes;            // camera rays that meet nothing see the dome
   Sampling sampling;
+  const TextureCache* textures;  // null where nothing is textured
   Stages stages;
 
   const Scene& scene() const { return index.scene(); }

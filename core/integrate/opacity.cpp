@@ -3,34 +3,50 @@
 #include <cmath>
 #include <limits>
 
+#include "core/integrate/looks.h"
+#include "core/plan/effect_variant.h"
+
 namespace msbvh {
 namespace {
 
-bool sees_through(const Frame& frame, const Sampler& sampler, const Hit& hit, float time, std::uint32_t depth,
-                  std::uint32_t layer) {
-  const float opacity = opacity_at(frame.scene(), frame.index.resolve(hit), hit, time);
+bool sees_through(float opacity, const Sampler& sampler, std::uint32_t depth, std::uint32_t layer) {
   return opacity < 1.0f && sampler.pair(Dimension::kOpacity, depth, layer).x >= opacity;
 }
 
-}  // namespace
-
-void step_past(const Hit& hit, Ray& ray) {
-  ray.tnear = std::nextafter(hit.t, std::numeric_limits<float>::infinity());
+// Of what the rays at those places have hit: batch.opacities, in their order.
+void find_textured(const Frame& frame, std::span<const std::uint32_t> places, PathBatch& batch) {
+  batch.retraced_rays.clear();
+  batch.retraced_hits.clear();
+  batch.retraced_widths.clear();
+  for (const std::uint32_t place : places) {
+    const Hit& hit = batch.hits[place];
+    batch.retraced_rays.push_back(batch.rays[place]);
+    batch.retraced_hits.push_back(hit);
+    batch.retraced_widths.push_back(batch.cones[batch.active[place]].width_at(hit.t));
+  }
+  find_opacities(frame, batch.retraced_rays, batch.retraced_hits, batch.retraced_widths, batch.reads,
+                 batch.by_material, batch.opacities);
 }
 
+template <EffectSet kOn>
 void see_through(const Frame& frame, PathBatch& batch) {
+  constexpr bool kTextured = kOn.has(Effect::kTextures);
   batch.mark.enter(Stage::kOpacity, batch.depth);
   std::vector<std::uint32_t>& places = batch.retraced;
   places.resize(batch.active.size());
   for (std::uint32_t i = 0; i < places.size(); ++i) places[i] = i;
   for (std::uint32_t layer = 0;; ++layer) {
     std::size_t count = 0;
+    if constexpr (kTextured) find_textured(frame, places, batch);
     batch.retraced_rays.clear();
-    for (const std::uint32_t place : places) {
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const std::uint32_t place = places[i];
       const Hit& hit = batch.hits[place];
       Ray& ray = batch.rays[place];
-      const Sampler& sampler = batch.sampler[batch.active[place]];
-      if (!hit.found() || !sees_through(frame, sampler, hit, ray.time, batch.depth, layer)) continue;
+      if (!hit.found()) continue;
+      const float opacity =
+          kTextured ? batch.opacities[i] : opacity_at(frame.scene(), frame.index.resolve(hit), hit, ray.time);
+      if (!sees_through(opacity, batch.sampler[batch.active[place]], batch.depth, layer)) continue;
       step_past(hit, ray);
       batch.retraced_rays.push_back(ray);
       places[count++] = place;
@@ -43,6 +59,19 @@ void see_through(const Frame& frame, PathBatch& batch) {
     batch.mark.trace(false);
     for (std::size_t i = 0; i < count; ++i) batch.hits[places[i]] = batch.retraced_hits[i];
   }
+}
+
+}  // namespace
+
+void step_past(const Hit& hit, Ray& ray) {
+  ray.tnear = std::nextafter(hit.t, std::numeric_limits<float>::infinity());
+}
+
+PathStage choose_see_through(EffectSet effects) {
+  if constexpr (!kKnownEffects.has(Effect::kOpacity)) return no_stage;
+  if (!effects.has(Effect::kOpacity)) return no_stage;
+  return variant_for<Effect::kTextures>(effects,
+                                        []<EffectSet kOn>() -> PathStage { return see_through<kOn>; });
 }
 
 }  // namespace msbvh

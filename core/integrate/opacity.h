@@ -3,11 +3,13 @@
 
 #include "core/integrate/frame.h"
 #include "core/integrate/path_batch.h"
+#include "core/integrate/stages.h"
 
 namespace msbvh {
 
-// Rays that see through what they hit are traced on from there, until all have met what they see, or nothing.
-void see_through(const Frame& frame, PathBatch& batch);
+// The stage's rays that see through what they hit are traced on from there, until all have met what they see,
+// or nothing.
+PathStage choose_see_through(EffectSet effects);
 
 // The same ray cannot find the same triangle at the same distance again.
 void step_past(const Hit& hit, Ray& ray);

@@ -19,8 +19,11 @@
 #include "core/film/aov.h"
 #include "core/film/film_sample.h"
 #include "core/integrate/draw_pairs.h"
+#include "core/integrate/material_reads.h"
 #include "core/integrate/sampler.h"
 #include "core/integrate/stage_mark.h"
+#include "core/shade/bsdf/bsdf.h"
+#include "core/shade/material/texture_place.h"
 #include "core/shade/surface_hit.h"
 #include "core/trace/ray.h"
 #include "core/trace/tracer.h"
@@ -81,6 +84,13 @@ struct PathBatch {
   // steradian; 0 where none does.
   std::vector<Ray> scattered;
   std::vector<float> scatter_pdf;
+  // Likewise, where some surface reflects otherwise than diffusely: how it reflects, and what the scattered
+  // ray carries. Else a surface's albedo is in its path's throughput already.
+  std::vector<Bsdf> bsdfs;
+  std::vector<Vec3f> scatter_weight;
+  // By path, where something is textured.
+  std::vector<RayCone> cones;
+  std::vector<float> widths;  // of the cones where they met a surface
 
   ShadowQueue shadows;
   TraceModes traced;
@@ -90,17 +100,21 @@ struct PathBatch {
   std::vector<std::uint64_t> by_material;  // places in the queue, their materials in the upper half
   std::vector<PathIndex> path_at_slot;
   std::vector<float> times;  // by slot
-  DrawnPairs drawn;          // by the order of `shaded`
+  DrawnPairs drawn, lobes;   // by the order of `shaded`
+  MaterialReads reads;
+  std::vector<float> opacities;  // by the order of the rays at hand
   std::vector<std::uint32_t> retraced;
   std::vector<Ray> retraced_rays;
   std::vector<Hit> retraced_hits;
+  std::vector<float> retraced_widths;  // of their cones, where something is textured
   std::unique_ptr<bool[]> occluded = std::make_unique<bool[]>(kMaxBatchPaths);
 
   // Room for some paths, none of them under way. Memory is kept from batch to batch.
   void reset(std::size_t paths);
 };
 
-// What the arrays above take, AOVs apart. Four rays: at hand, scattered, shadow and retraced; two hits.
+// What the arrays above take, AOVs and looks apart. Four rays: at hand, scattered, shadow and retraced; two
+// hits.
 inline constexpr std::size_t kBytesAPath = sizeof(Sampler) + 4 * sizeof(Ray) + 2 * sizeof(Hit) +
                                            sizeof(SurfaceHit) + 3 * sizeof(Vec3f) + 8 * sizeof(PathIndex) +
                                            sizeof(std::uint64_t) + 5 * sizeof(float) + sizeof(bool);

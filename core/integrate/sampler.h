@@ -39,7 +39,8 @@ enum class Dimension : std::uint32_t {
   kLightPick,  // which of many lights
   kLight,      // point on a light
   kBounce,     // direction of the next ray
-  kLens        // point on the lens
+  kLens,       // point on the lens
+  kLobe        // which of a surface's lobes a ray is scattered by
 };
 
 namespace sobol {

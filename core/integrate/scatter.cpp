@@ -1,5 +1,6 @@
 #include "core/integrate/scatter.h"
 
+#include "core/integrate/looks.h"
 #include "core/integrate/shadow.h"
 #include "core/plan/effect_variant.h"
 #include "core/shade/warp.h"
@@ -8,21 +9,40 @@ namespace msbvh {
 namespace {
 
 // What the last vertex gathers.
-template <bool kOpacity>
+template <EffectSet kOn>
 void add_dome(const Frame& frame, PathBatch& batch) {
   batch.mark.enter(Stage::kDome, batch.depth);
   for (const std::uint32_t place : batch.shaded) {
     if (!(batch.scatter_pdf[place] > 0.0f)) continue;
     const PathIndex path = batch.active[place];
     const Ray& ray = batch.scattered[place];
-    batch.shadows.add(ray, path, batch.throughput[path] * frame.lights.dome_radiance(ray.time));
+    Vec3f throughput = batch.throughput[path];
+    if constexpr (kOn.has(Effect::kSpecular)) throughput = throughput * batch.scatter_weight[place];
+    batch.shadows.add(ray, path, throughput * frame.lights.dome_radiance(ray.time));
   }
-  trace_shadows<kOpacity>(frame, batch);
+  trace_shadows<shadow_effects(kOn)>(frame, batch);
 }
 
+// By the lobes of each surface.
+void scatter_by_lobes(PathBatch& batch) {
+  batch.lobes.draw(batch.sampler, batch.shaded_paths, Draw(Dimension::kLobe, batch.depth));
+  for (std::size_t i = 0; i < batch.shaded.size(); ++i) {
+    const std::uint32_t place = batch.shaded[i];
+    const SurfaceHit& surface = batch.surfaces[place];
+    const BsdfSample sample =
+        batch.bsdfs[place].sample(surface.shading_normal, batch.lobes[i].x, batch.drawn[i]);
+    const bool above = dot(sample.direction, surface.geometric_normal) > 0.0f;
+    batch.scatter_pdf[place] = above ? sample.pdf : 0.0f;
+    batch.scatter_weight[place] = sample.weight;
+    batch.scattered[place] = leave(surface, sample.direction, batch.rays[place].time);
+  }
+}
+
+template <EffectSet kOn>
 void scatter(PathBatch& batch) {
   batch.mark.enter(Stage::kScatter, batch.depth);
   batch.drawn.draw(batch.sampler, batch.shaded_paths, Draw(Dimension::kBounce, batch.depth));
+  if constexpr (kOn.has(Effect::kSpecular)) return scatter_by_lobes(batch);
   for (std::size_t i = 0; i < batch.shaded.size(); ++i) {
     const std::uint32_t place = batch.shaded[i];
     const SurfaceHit& surface = batch.surfaces[place];
@@ -40,18 +60,25 @@ template <EffectSet kOn>
 void scatter_where_read(const Frame& frame, PathBatch& batch) {
   constexpr bool kFindsLight = kOn.has(Effect::kDomeLight) || kOn.has(Effect::kAreaLights);
   if constexpr (kFindsLight) {
-    scatter(batch);
+    scatter<kOn>(batch);
   } else if constexpr (kOn.has(Effect::kIndirectLight)) {
-    if (batch.depth < frame.max_bounces) scatter(batch);
+    if (batch.depth < frame.max_bounces) scatter<kOn>(batch);
   }
 }
 
 // Returns how many go on.
+template <EffectSet kOn>
 std::size_t move_on(PathBatch& batch) {
   std::size_t count = 0;
   for (const std::uint32_t place : batch.shaded) {
     if (!(batch.scatter_pdf[place] > 0.0f)) continue;
-    batch.active[count] = batch.active[place];  // a place that has been read: the queue only moves up
+    const PathIndex path = batch.active[place];
+    if constexpr (kOn.has(Effect::kTextures)) {
+      batch.cones[path] = scattered_cone(batch.cones[path], batch.hits[place].t, batch.scatter_pdf[place]);
+    }
+    if constexpr (kOn.has(Effect::kSpecular))
+      batch.throughput[path] = batch.throughput[path] * batch.scatter_weight[place];
+    batch.active[count] = path;  // a place that has been read: the queue only moves up
     batch.rays[count] = batch.scattered[place];
     ++count;
   }
@@ -63,9 +90,9 @@ template <EffectSet kOn>
 void go_on(const Frame& frame, PathBatch& batch) {
   std::size_t count = 0;
   if (kOn.has(Effect::kIndirectLight) && batch.depth < frame.max_bounces) {
-    count = move_on(batch);
+    count = move_on<kOn>(batch);
   } else if constexpr (kOn.has(Effect::kDomeLight)) {
-    add_dome<kOn.has(Effect::kOpacity)>(frame, batch);
+    add_dome<kOn>(frame, batch);
   }
   batch.active.resize(count);
   batch.rays.resize(count);
@@ -74,14 +101,15 @@ void go_on(const Frame& frame, PathBatch& batch) {
 }  // namespace
 
 PathStage choose_scatter(EffectSet effects) {
-  return variant_for<Effect::kDomeLight, Effect::kAreaLights, Effect::kIndirectLight>(
-      effects,
-      []<EffectSet kOn>() -> PathStage { return kOn == kPlain ? no_stage : scatter_where_read<kOn>; });
+  return variant_for<Effect::kDomeLight, Effect::kAreaLights, Effect::kIndirectLight, Effect::kSpecular>(
+      effects, []<EffectSet kOn>() -> PathStage {
+        return kOn.without(Effect::kSpecular) == kPlain ? no_stage : scatter_where_read<kOn>;
+      });
 }
 
 PathStage choose_go_on(EffectSet effects) {
-  return variant_for<Effect::kDomeLight, Effect::kIndirectLight, Effect::kOpacity>(
-      effects, []<EffectSet kOn>() -> PathStage { return go_on<kOn>; });
+  return variant_for<Effect::kDomeLight, Effect::kIndirectLight, Effect::kOpacity, Effect::kSpecular,
+                     Effect::kTextures>(effects, []<EffectSet kOn>() -> PathStage { return go_on<kOn>; });
 }
 
 }  // namespace msbvh

@@ -1,5 +1,6 @@
 #include "core/integrate/shadow.h"
 
+#include "core/integrate/looks.h"
 #include "core/integrate/opacity.h"
 
 namespace msbvh {
@@ -14,12 +15,20 @@ void trace_opaque(const Frame& frame, PathBatch& batch) {
 }
 
 // The rays that still carry light after a layer go on from there together.
+template <bool kTextured>
 void trace_dimmed(const Frame& frame, PathBatch& batch) {
   ShadowQueue& queue = batch.shadows;
   std::vector<Hit>& hits = batch.retraced_hits;
   while (queue.size() > 0) {
     hits.resize(queue.size());
     frame.tracer.intersect(queue.rays(), hits.data(), batch.traced);
+    if constexpr (kTextured) {
+      batch.retraced_widths.clear();
+      for (std::size_t i = 0; i < hits.size(); ++i)
+        batch.retraced_widths.push_back(batch.widths[queue.path(i)]);
+      find_opacities(frame, queue.rays(), hits, batch.retraced_widths, batch.reads, batch.by_material,
+                     batch.opacities);
+    }
     std::size_t left = 0;
     for (std::size_t i = 0; i < hits.size(); ++i) {
       if (!hits[i].found()) {
@@ -27,9 +36,10 @@ void trace_dimmed(const Frame& frame, PathBatch& batch) {
         continue;
       }
       Ray ray = queue.rays()[i];
-      const HitSource source = frame.index.resolve(hits[i]);
-      const Vec3f light =
-          queue.contribution(i) * (1.0f - opacity_at(frame.scene(), source, hits[i], ray.time));
+      const float opacity = kTextured
+                                ? batch.opacities[i]
+                                : opacity_at(frame.scene(), frame.index.resolve(hits[i]), hits[i], ray.time);
+      const Vec3f light = queue.contribution(i) * (1.0f - opacity);
       if (light == Vec3f{}) continue;
       step_past(hits[i], ray);
       queue.set(left++, ray, queue.path(i), light);
@@ -40,15 +50,22 @@ void trace_dimmed(const Frame& frame, PathBatch& batch) {
 
 }  // namespace
 
-template <bool kOpacity>
+template <EffectSet kOn>
 void trace_shadows(const Frame& frame, PathBatch& batch) {
   batch.mark.trace(true);
-  if (batch.shadows.size() > 0) kOpacity ? trace_dimmed(frame, batch) : trace_opaque(frame, batch);
+  if (batch.shadows.size() > 0) {
+    if constexpr (kOn.has(Effect::kOpacity))
+      trace_dimmed<kOn.has(Effect::kTextures)>(frame, batch);
+    else
+      trace_opaque(frame, batch);
+  }
   batch.shadows.clear();
   batch.mark.trace(false);
 }
 
-template void trace_shadows<false>(const Frame&, PathBatch&);
-template void trace_shadows<true>(const Frame&, PathBatch&);
+template void trace_shadows<kPlain>(const Frame&, PathBatch&);
+template void trace_shadows<kPlain.with(Effect::kOpacity)>(const Frame&, PathBatch&);
+template void trace_shadows<kPlain.with(Effect::kTextures)>(const Frame&, PathBatch&);
+template void trace_shadows<kPlain.with(Effect::kOpacity).with(Effect::kTextures)>(const Frame&, PathBatch&);
 
 }  // namespace msbvh

@@ -3,12 +3,22 @@
 
 #include "core/integrate/frame.h"
 #include "core/integrate/path_batch.h"
+#include "core/plan/effect_variant.h"
 
 namespace msbvh {
 
 // Where all is opaque one question a ray; where not, what a ray passes dims it. No path may wait for two rays
 // at once.
-template <bool kOpacity>
+// kOn: of kOpacity and kTextures.
+template <EffectSet kOn>
 void trace_shadows(const Frame& frame, PathBatch& batch);
+
+// Those of a stage's effects that change how shadow rays are traced.
+constexpr EffectSet shadow_effects(EffectSet on) {
+  EffectSet shadow;
+  if (on.has(Effect::kOpacity)) shadow = shadow.with(Effect::kOpacity);
+  if (on.has(Effect::kTextures)) shadow = shadow.with(Effect::kTextures);
+  return shadow;
+}
 
 }  // namespace msbvh

@@ -14,6 +14,8 @@ const char* stage_name(Stage stage) {
       return "opacity";
     case Stage::kSurface:
       return "surface";
+    case Stage::kLooks:
+      return "looks";
     case Stage::kAovs:
       return "AOVs";
     case Stage::kScatter:

@@ -20,6 +20,7 @@ enum class Stage : std::uint8_t {
   kClosest,
   kOpacity,
   kSurface,
+  kLooks,  // what materials say of surfaces
   kAovs,
   kScatter,
   kDirect,      // light that lights are sampled for
@@ -27,7 +28,7 @@ enum class Stage : std::uint8_t {
   kDome,        // light that the last rays find
   kAccumulate
 };
-inline constexpr std::size_t kStageCount = 11;
+inline constexpr std::size_t kStageCount = 12;
 const char* stage_name(Stage stage);  // "closest", "area lights", ...
 
 // A stage of a thread, and where in it.

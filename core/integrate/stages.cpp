@@ -5,6 +5,7 @@
 #include "core/integrate/aovs.h"
 #include "core/integrate/direct.h"
 #include "core/integrate/generate.h"
+#include "core/integrate/looks.h"
 #include "core/integrate/opacity.h"
 #include "core/integrate/scatter.h"
 #include "core/integrate/surface.h"
@@ -42,7 +43,8 @@ Stages choose_stages(EffectSet effects, Sampling sampling, const Bvh& world) {
   const bool aovs = kKnownEffects.has(Effect::kAovs) && effects.has(Effect::kAovs);
   return {
       .generate = choose_generate(effects, sampling),
-      .see_through = stage_of<Effect::kOpacity>(effects, see_through),
+      .begin_looks = stage_of<Effect::kTextures>(effects, begin_cones),
+      .see_through = choose_see_through(effects),
       .find_surfaces = choose_surfaces(effects, is_plain(effects, world)),
       .record_aovs = stage_of<Effect::kAovs>(effects, record_aovs),
       .scatter = choose_scatter(effects),

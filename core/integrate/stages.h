@@ -22,6 +22,7 @@ using AccumulateAovs = void (*)(PathBatch& batch, std::uint32_t pixels, std::uin
 
 struct Stages {
   Generate generate;          // generate.h
+  PathStage begin_looks;      // looks.h
   PathStage see_through;      // opacity.h
   PathStage find_surfaces;    // surface.h
   PathStage record_aovs;      // aovs.h

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/integrate/looks.h"
 #include "core/plan/effect_variant.h"
 
 namespace msbvh {
@@ -53,6 +54,14 @@ void find_by_material(const Frame& frame, PathBatch& batch) {
     find_surface<kGeometry>(frame, static_cast<std::uint32_t>(entry), batch);
 }
 
+// Likewise, and everything that their materials say of them.
+template <EffectSet kOn>
+void find_looks(const Frame& frame, PathBatch& batch) {
+  find_by_material<kKnownEffects>(frame, batch);
+  choose_looks(frame, batch, batch.by_material, kOn.has(Effect::kSpecular));
+  batch.mark.enter(Stage::kSurface, batch.depth);
+}
+
 // Out of line in every build, whichever variants call it.
 template <EffectSet kGeometry>
 [[gnu::noinline]] void find_all(const Frame& frame, PathBatch& batch) {
@@ -70,10 +79,14 @@ template <EffectSet kGeometry>
   }
 }
 
-template <EffectSet kGeometry, bool kDome>
+template <EffectSet kGeometry, EffectSet kOn>
 void find_surfaces(const Frame& frame, PathBatch& batch) {
+  constexpr bool kDome = kOn.has(Effect::kDomeLight), kSpecular = kOn.has(Effect::kSpecular);
   batch.mark.enter(Stage::kSurface, batch.depth);
-  find_all<kGeometry>(frame, batch);
+  if constexpr (kSpecular || kOn.has(Effect::kTextures))
+    find_looks<kOn>(frame, batch);
+  else
+    find_all<kGeometry>(frame, batch);
   batch.shaded.clear();
   batch.shaded_paths.clear();
   for (std::uint32_t place = 0; place < batch.active.size(); ++place) {
@@ -88,7 +101,11 @@ void find_surfaces(const Frame& frame, PathBatch& batch) {
     SurfaceHit& surface = batch.surfaces[place];
     if (batch.depth == 0) batch.alpha[path] = 1.0f;
     batch.radiance[path] += throughput * surface.emission;
-    throughput = throughput * surface.albedo;
+    if constexpr (kSpecular) {
+      if (surface.albedo == Vec3f{}) continue;
+    } else {
+      throughput = throughput * surface.albedo;
+    }
     if (throughput == Vec3f{} || !clear_origin<kGeometry>(frame.surroundings(), ray, surface.origin))
       continue;
     batch.shaded.push_back(place);
@@ -98,14 +115,18 @@ void find_surfaces(const Frame& frame, PathBatch& batch) {
 
 template <EffectSet kGeometry>
 PathStage choose(EffectSet effects) {
-  return variant_for<Effect::kDomeLight>(effects, []<EffectSet kOn>() -> PathStage {
-    return find_surfaces<kGeometry, kOn.has(Effect::kDomeLight)>;
-  });
+  return variant_for<Effect::kDomeLight>(
+      effects, []<EffectSet kOn>() -> PathStage { return find_surfaces<kGeometry, kOn>; });
 }
 
 }  // namespace
 
 PathStage choose_surfaces(EffectSet effects, bool plain_geometry) {
+  if ((effects.has(Effect::kSpecular) && kKnownEffects.has(Effect::kSpecular)) ||
+      (effects.has(Effect::kTextures) && kKnownEffects.has(Effect::kTextures))) {
+    return variant_for<Effect::kDomeLight, Effect::kSpecular, Effect::kTextures>(
+        effects, []<EffectSet kOn>() -> PathStage { return find_surfaces<kKnownEffects, kOn>; });
+  }
   return plain_geometry ? choose<kPlain>(effects) : choose<kKnownEffects>(effects);
 }
 

@@ -5,6 +5,7 @@
 namespace msbvh {
 
 void meet_surfaces(const Frame& frame, PathBatch& batch) {
+  if (batch.depth == 0) frame.stages.begin_looks(frame, batch);
   find_closest(frame, batch);
   frame.stages.see_through(frame, batch);
   frame.stages.find_surfaces(frame, batch);

@@ -31,6 +31,8 @@ constexpr std::array<std::pair<Effect, const char*>, kEffectCount> kNames{{
     {Effect::kPoints, "points"},
     {Effect::kDisplacement, "displacement"},
     {Effect::kSubdivision, "subdivision"},
+    {Effect::kSpecular, "specular"},
+    {Effect::kTextures, "textures"},
 }};
 
 enum class Collect : std::uint8_t { kFirst, kAll };
@@ -183,6 +185,67 @@ void plan_opacity(const Scene& scene, Planner& planner) {
   }
 }
 
+// A material, and the first thing that shows it.
+struct ShownMaterial {
+  std::string name;
+  std::uint32_t material;
+};
+
+// Each once, unless all reasons are asked for: then each of each thing.
+std::vector<ShownMaterial> shown_materials(const Scene& scene, bool all) {
+  std::vector<ShownMaterial> shown;
+  std::set<std::uint32_t> seen;
+  const auto add = [&](const std::string& name, std::vector<std::uint32_t> materials) {
+    std::ranges::sort(materials);
+    materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
+    for (const std::uint32_t material : materials) {
+      if (material != kNone && (seen.insert(material).second || all)) shown.push_back({name, material});
+    }
+  };
+  for (const Shown& geometry : shown_geometry(scene, true)) {
+    const GeometryId id = geometry.id;
+    const bool parts = id.is(GeometryKind::kTriangleMesh) && !scene.mesh(id).triangle_materials.empty();
+    const bool patches = id.is(GeometryKind::kGridMesh) && !scene.grids[id.index()].grid_materials.empty();
+    add(geometry.name, parts     ? scene.mesh(id).triangle_materials
+                       : patches ? scene.grids[id.index()].grid_materials
+                                 : std::vector{scene.appearance(id)->material});
+  }
+  for (const InstanceSet& set : scene.instances) add(set.name, set.materials);
+  return shown;
+}
+
+const char* input_name(SurfaceInput input) {
+  constexpr const char* kInputs[] = {"diffuseColor", "emissiveColor", "specularColor",      "metallic",
+                                     "roughness",    "clearcoat",     "clearcoatRoughness", "opacity",
+                                     "ior",          "normal"};
+  return kInputs[static_cast<std::size_t>(input)];
+}
+
+std::string driven_phrase(const Scene& scene, const Material& material) {
+  const DrivenInput& first = material.driven.front();
+  const bool texture = first.source == DrivenInput::Source::kTexture;
+  const std::string from = texture ? scene.textures[material.texture_reads[first.index].texture].name
+                                   : "primvars:" + scene.primvar_names[first.index];
+  const std::size_t others = material.driven.size() - 1;
+  return std::string(input_name(first.input)) + " of " + material.name + " from " + from +
+         (others == 0 ? "" : ", and " + std::to_string(others) + (others == 1 ? " other" : " others"));
+}
+
+std::string specular_phrase(const Material& material) {
+  std::string phrase_of = "roughness " + phrase(material.roughness, "") + " of " + material.name;
+  if (material.metallic > 0.0f) phrase_of += ", metallic " + phrase(material.metallic, "");
+  if (material.clearcoat > 0.0f) phrase_of += ", clearcoat " + phrase(material.clearcoat, "");
+  return phrase_of;
+}
+
+void plan_materials(const Scene& scene, Planner& planner) {
+  for (const ShownMaterial& shown : shown_materials(scene, planner.collects_all())) {
+    const Material& material = scene.materials[shown.material];
+    if (material.specular) planner.add(Effect::kSpecular, shown.name, specular_phrase(material));
+    if (!material.driven.empty()) planner.add(Effect::kTextures, shown.name, driven_phrase(scene, material));
+  }
+}
+
 void plan_instances(const Scene& scene, Planner& planner) {
   for (const InstanceSet& set : scene.instances) {
     const std::size_t count = instance_count(set);
@@ -255,6 +318,7 @@ namespace {
 EffectPlan plan_all(const Scene& scene, const PlanSettings& settings, Planner planner) {
   plan_geometry(scene, planner);
   plan_opacity(scene, planner);
+  plan_materials(scene, planner);
   plan_instances(scene, planner);
   plan_camera(scene.camera, planner);
   for (const Light& light : scene.lights) plan_light(light, planner);

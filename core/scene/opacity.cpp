@@ -5,6 +5,12 @@
 
 namespace msbvh {
 
+bool drives_opacity(const Material* material) {
+  return material && std::ranges::any_of(material->driven, [](const DrivenInput& driven) {
+           return driven.input == SurfaceInput::kOpacity;
+         });
+}
+
 bool reads_display_opacity(const Appearance& look, const Material* material) {
   return look.display_opacity.authored() && (!material || material->opacity_from_display_opacity);
 }
@@ -20,6 +26,7 @@ float rendered_opacity(const Material* material, float value) {
 }
 
 float least_opacity(const Appearance& look, const Material* material) {
+  if (drives_opacity(material)) return 0.0f;
   if (!reads_display_opacity(look, material)) return constant_opacity(material);
   const std::vector<float>& values = look.display_opacity.values;
   return rendered_opacity(material, *std::min_element(values.begin(), values.end()));

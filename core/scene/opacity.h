@@ -20,6 +20,8 @@ inline std::uint32_t material_index(const Grids& grids, std::uint32_t triangle) 
                                       : grids.grid_materials[grids.shape.triangle(triangle).grid];
 }
 
+// Whether something else than displayOpacity drives it, which only shading can say.
+bool drives_opacity(const Material* material);
 // Whether displayOpacity decides under a material, which may be null. Otherwise the opacity is the same
 // everywhere: constant_opacity().
 bool reads_display_opacity(const Appearance& look, const Material* material);
@@ -29,7 +31,7 @@ float constant_opacity(const Material* material);
 // opacityThreshold cuts out, as UsdPreviewSurface says.
 float rendered_opacity(const Material* material, float value);
 
-// The least rendered opacity on a geometry under a material, which may be null, over all its values and keys.
+// The least rendered opacity, or what it may be (0) where textures or primvars drive it, on a geometry under a material, which may be null, over all its values and keys.
 float least_opacity(const Appearance& look, const Material* material);
 // Under its own material, or materials.
 float least_opacity(const Scene& scene, const Appearance& look);

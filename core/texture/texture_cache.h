@@ -20,7 +20,7 @@ struct TextureQuery {
   float ds_dx, dt_dx, ds_dy, dt_dy;
 };
 
-using Rgba = std::array<float, 4>;
+using TexelColor = std::array<float, 4>;
 
 struct TextureSettings {
   std::uint64_t memory_limit_bytes = 1ull << 30;     // of texels that are kept
@@ -42,7 +42,7 @@ class TextureCache {
 
   // `result` is as long as `queries`. Grey images give r = g = b; what has no alpha 1. A file that cannot be
   // read, or a texel that is not finite, gives the fallback, and leaves a fault.
-  void read(TextureId texture, std::span<const TextureQuery> queries, std::span<Rgba> result) const;
+  void read(TextureId texture, std::span<const TextureQuery> queries, std::span<TexelColor> result) const;
   // Each fault once.
   std::vector<TextureFault> faults() const;
 

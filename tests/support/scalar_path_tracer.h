@@ -12,10 +12,13 @@
 #include "core/api/renderer.h"
 #include "core/film/sum_tree.h"
 #include "core/integrate/frame.h"
+#include "core/integrate/looks.h"
 #include "core/integrate/mis.h"
 #include "core/integrate/sampler.h"
+#include "core/scene/opacity.h"
 #include "core/shade/camera.h"
 #include "core/shade/light/light.h"
+#include "core/shade/material/surface_values.h"
 #include "core/shade/surface_hit.h"
 #include "core/shade/warp.h"
 
@@ -23,111 +26,190 @@ namespace msbvh {
 
 class ScalarPathTracer {
  public:
-  explicit ScalarPathTracer(const Frame& frame) : frame_(frame) {}
+  explicit ScalarPathTracer(const Frame& frame)
+      : frame_(frame), effects_(plan_effects(frame.scene(), {}).set) {}
 
   FilmSample trace(const Sampler& sampler, Ray ray) const {
     FilmSample result;
     Vec3f throughput{1.0f, 1.0f, 1.0f};
+    RayCone cone = camera_cone(frame_, ray.time);
     for (std::uint32_t depth = 0;; ++depth) {
-      SurfaceHit surface;
-      if (!find_surface(sampler, ray, depth, surface)) {
+      Vertex vertex;
+      if (!find_surface(sampler, ray, depth, cone, vertex)) {
         if (depth > 0 || frame_.show_domes)
           result.radiance += throughput * frame_.lights.dome_radiance(ray.time);
         return result;
       }
+      SurfaceHit& surface = vertex.surface;
       if (depth == 0) result.alpha = 1.0f;
       result.radiance += throughput * surface.emission;
-      throughput = throughput * surface.albedo;
-      if (throughput == Vec3f{} || !clear_origin(frame_.surroundings(), ray, surface.origin)) return result;
-      add_direct_light(sampler, surface, throughput, ray.time, depth, result);
-      float pdf;
-      if (!bounce(sampler, surface, depth, ray, pdf) || !(pdf > 0.0f)) return result;
+      if (!specular()) throughput = throughput * surface.albedo;
+      if (throughput == Vec3f{} || surface.albedo == Vec3f{} ||
+          !clear_origin(frame_.surroundings(), ray, surface.origin))
+        return result;
+      add_direct_light(sampler, vertex, throughput, ray.time, depth, result);
+      Scattered next;
+      if (!bounce(sampler, vertex, depth, ray, next) || !(next.pdf > 0.0f)) return result;
+      if (specular()) throughput = throughput * next.weight;
+      cone = scattered_cone(cone, vertex.distance, next.pdf);
       if (depth == frame_.max_bounces) {
         if (frame_.lights.has_dome())
-          result.radiance += dimmed(ray, throughput * frame_.lights.dome_radiance(ray.time));
+          result.radiance += dimmed(ray, throughput * frame_.lights.dome_radiance(ray.time), vertex.width);
         return result;
       }
     }
   }
 
  private:
+  // A surface on the way.
+  struct Vertex {
+    SurfaceHit surface;
+    Bsdf bsdf;
+    float distance, width;  // of the ray that found it, and of its cone there
+  };
+  struct Scattered {
+    float pdf = 0.0f;
+    Vec3f weight;
+  };
+
+  bool specular() const { return effects_.has(Effect::kSpecular); }
+
   static void step_past(const Hit& hit, Ray& ray) {
     ray.tnear = std::nextafter(hit.t, std::numeric_limits<float>::infinity());
   }
 
-  bool find_surface(const Sampler& sampler, Ray ray, std::uint32_t depth, SurfaceHit& surface) const {
+  float opacity_of(const HitSource& source, const Hit& hit, const Ray& ray, float width) const {
+    const Scene& scene = frame_.scene();
+    const Material* material = material_at(scene, material_index(source, hit));
+    if (!drives_opacity(material)) return opacity_at(scene, source, hit, ray.time);
+    const MaterialHit one{source, &hit, &ray, -normalize(ray.dir), width};
+    MaterialReads reads;
+    if (frame_.textures) reads.read(*frame_.textures, *material, {&one, 1});
+    SurfaceValues values(*material);
+    drive(*material, source, hit, ray.time, texels_of(*material, reads), values);
+    return rendered_opacity(material, values.opacity);
+  }
+
+  static std::span<const TexelColor> texels_of(const Material& material, const MaterialReads& reads) {
+    return material.texture_reads.empty() ? std::span<const TexelColor>{} : reads.texels(0);
+  }
+
+  bool find_surface(const Sampler& sampler, Ray ray, std::uint32_t depth, const RayCone& cone,
+                    Vertex& vertex) const {
     Hit hit;
     for (std::uint32_t layer = 0; frame_.tracer.intersect(ray, hit); ++layer) {
       const HitSource source = frame_.index.resolve(hit);
-      const float opacity = opacity_at(frame_.scene(), source, hit, ray.time);
+      const float width = cone.width_at(hit.t), opacity = opacity_of(source, hit, ray, width);
       if (opacity < 1.0f && sampler.pair(Dimension::kOpacity, depth, layer).x >= opacity) {
         step_past(hit, ray);
         continue;
       }
-      surface = surface_at(frame_.scene(), source, hit, ray);
+      vertex = {surface_at(frame_.scene(), source, hit, ray), {}, hit.t, width};
+      if (specular() || effects_.has(Effect::kTextures)) add_look(source, hit, ray, vertex);
       return true;
     }
     return false;
   }
 
+  void add_look(const HitSource& source, const Hit& hit, const Ray& ray, Vertex& vertex) const {
+    static const Material standard{.name = {}, .diffuse_from_display_color = true};
+    const Material* found = material_at(frame_.scene(), material_index(source, hit));
+    const Material& material = found ? *found : standard;
+    SurfaceHit& surface = vertex.surface;
+    const MaterialHit one{source, &hit, &ray, surface.geometric_normal, vertex.width};
+    MaterialReads reads;
+    if (!material.texture_reads.empty()) reads.read(*frame_.textures, material, {&one, 1});
+    std::optional<TexturePlace> normal_place;
+    for (const DrivenInput& driven : material.driven) {
+      if (driven.input == SurfaceInput::kNormal && driven.source == DrivenInput::Source::kTexture)
+        normal_place = reads.place(0, driven.index);
+    }
+    const SurfaceLook look =
+        apply_material(material, source, hit, ray.time, texels_of(material, reads), normal_place, surface);
+    if (!specular()) return;
+    vertex.bsdf = Bsdf(look, surface.shading_normal, normalize(-ray.dir));
+    surface.albedo = vertex.bsdf.albedo();
+  }
+
   // What is left of `light` after all that the ray passes.
-  Vec3f dimmed(Ray ray, Vec3f light) const {
+  Vec3f dimmed(Ray ray, Vec3f light, float width) const {
     Hit hit;
     while (light != Vec3f{} && frame_.tracer.intersect(ray, hit)) {
-      light = light * (1.0f - opacity_at(frame_.scene(), frame_.index.resolve(hit), hit, ray.time));
+      light = light * (1.0f - opacity_of(frame_.index.resolve(hit), hit, ray, width));
       step_past(hit, ray);
     }
     return light;
   }
 
-  void add_direct_light(const Sampler& sampler, const SurfaceHit& surface, const Vec3f& throughput,
-                        float time, std::uint32_t depth, FilmSample& result) const {
+  void add_direct_light(const Sampler& sampler, const Vertex& vertex, const Vec3f& throughput, float time,
+                        std::uint32_t depth, FilmSample& result) const {
     const float random = sampler.pair(Dimension::kLightPick, depth).x;
     for (std::uint32_t i = 0; i < frame_.lights.picks(); ++i) {
       const LightPick pick = frame_.lights.pick(i, random);
       result.radiance +=
-          sampled_light(sampler.pair(Dimension::kLight, depth, i), surface, throughput, time, pick);
-      if (pick.extended) result.radiance += met_light(sampler, surface, throughput, time, depth, pick);
+          sampled_light(sampler.pair(Dimension::kLight, depth, i), vertex, throughput, time, pick);
+      if (pick.extended) result.radiance += met_light(sampler, vertex, throughput, time, depth, pick);
     }
   }
 
-  Vec3f sampled_light(Point2 random, const SurfaceHit& surface, const Vec3f& throughput, float time,
+  Vec3f sampled_light(Point2 random, const Vertex& vertex, const Vec3f& throughput, float time,
                       const LightPick& pick) const {
+    const SurfaceHit& surface = vertex.surface;
     LightSample light;
     if (!sample_light(*pick.light, frame_.scene().camera, surface.position, time, random, light)) return {};
-    const float cosine = dot(light.direction, surface.shading_normal), pdf = cosine * (1.0f / kPi);
+    const float cosine = dot(light.direction, surface.shading_normal);
     if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) return {};
-    const float share = light.pdf > 0.0f ? power_heuristic(pick.expected * light.pdf, pdf) : 1.0f;
-    const Vec3f reflected = throughput * light.irradiance * (pdf * share / pick.expected);
+    Vec3f carried = throughput;
+    float pdf = cosine * (1.0f / kPi), weight = pdf;
+    if (specular()) {
+      const Bsdf::Value reflected = vertex.bsdf.at(surface.shading_normal, light.direction);
+      carried = throughput * reflected.both();
+      pdf = reflected.pdf;
+      weight = 1.0f;
+    }
+    if (light.pdf > 0.0f) weight *= power_heuristic(pick.expected * light.pdf, pdf);
+    const Vec3f reflected = carried * light.irradiance * (weight / pick.expected);
     Ray shadow = leave(surface, light.direction, time);
     shadow.tfar = light.distance;
-    return light.casts_shadow ? dimmed(shadow, reflected) : reflected;
+    return light.casts_shadow ? dimmed(shadow, reflected, vertex.width) : reflected;
   }
 
-  Vec3f met_light(const Sampler& sampler, const SurfaceHit& surface, const Vec3f& throughput, float time,
+  Vec3f met_light(const Sampler& sampler, const Vertex& vertex, const Vec3f& throughput, float time,
                   std::uint32_t depth, const LightPick& pick) const {
     Ray ray;
     ray.time = time;
-    float pdf;
+    Scattered next;
     LightAlong along;
-    if (!bounce(sampler, surface, depth, ray, pdf) || !(pdf > 0.0f)) return {};
-    if (!find_light(*pick.light, surface.position, ray.dir, time, along)) return {};
+    if (!bounce(sampler, vertex, depth, ray, next) || !(next.pdf > 0.0f)) return {};
+    if (!find_light(*pick.light, vertex.surface.position, ray.dir, time, along)) return {};
     ray.tfar = along.distance;
-    const float share = power_heuristic(pdf, pick.expected * along.pdf) / pick.expected;
-    return dimmed(ray, throughput * along.radiance * share);
+    const float share = power_heuristic(next.pdf, pick.expected * along.pdf) / pick.expected;
+    const Vec3f carried = specular() ? throughput * next.weight : throughput;
+    return dimmed(ray, carried * along.radiance * share, vertex.width);
   }
 
-  static bool bounce(const Sampler& sampler, const SurfaceHit& surface, std::uint32_t depth, Ray& ray,
-                     float& pdf) {
-    const Vec3f local = sample_cosine_hemisphere(sampler.pair(Dimension::kBounce, depth));
-    const Vec3f direction = Basis(surface.shading_normal)(local);
-    pdf = local.z * (1.0f / kPi);
+  bool bounce(const Sampler& sampler, const Vertex& vertex, std::uint32_t depth, Ray& ray,
+              Scattered& next) const {
+    const SurfaceHit& surface = vertex.surface;
+    const Point2 random = sampler.pair(Dimension::kBounce, depth);
+    Vec3f direction;
+    if (specular()) {
+      const BsdfSample sample =
+          vertex.bsdf.sample(surface.shading_normal, sampler.pair(Dimension::kLobe, depth).x, random);
+      direction = sample.direction;
+      next = {sample.pdf, sample.weight};
+    } else {
+      const Vec3f local = sample_cosine_hemisphere(random);
+      direction = Basis(surface.shading_normal)(local);
+      next.pdf = local.z * (1.0f / kPi);
+    }
     if (dot(direction, surface.geometric_normal) <= 0.0f) return false;
     ray = leave(surface, direction, ray.time);
     return true;
   }
 
   const Frame& frame_;
+  const EffectSet effects_;
 };
 
 inline Ray camera_sample_ray(const Frame& frame, const PixelSampler& pixel, std::uint32_t x, std::uint32_t y,

@@ -35,6 +35,8 @@ are not met by chance: both are in "direct"."""
 _PART_OF_STAGES: dict[str, Callable[[_core.StageSamples], bool]] = {
     "lens": lambda row: row["stage"] == "generate",
     "camera motion": lambda row: row["stage"] == "generate",
+    "specular": lambda row: row["stage"] == "looks",
+    "textures": lambda row: row["stage"] == "looks",
 }
 """Effects that are a part of such work."""
 
