@@ -18,7 +18,7 @@ BIN := .venv/bin
 BUILD := build/release
 STAMPS := build/stamps
 SYSTEM_PACKAGES := g++ cmake ninja-build python3 python3-venv python3-dev libtbb-dev libhwy-dev libosd-dev \
-  doctest-dev
+  libfmt-dev doctest-dev
 
 CXX_SOURCES := $(shell find CMakeLists.txt cmake core delegate tests bench examples -name '*.h' -o -name '*.cpp' \
   -o -name CMakeLists.txt -o -name '*.cmake' -o -name '*.cmake.in' -o -name '*.h.in')
@@ -60,7 +60,7 @@ $(STAMPS)/fuzzers: $(STAMPS)/installed .ci/system_packages pyproject.toml
 # What builds the package, once; what it needs to run comes with it.
 $(STAMPS)/venv: $(STAMPS)/system
 	@test -x $(BIN)/pip || $(PYTHON) -m venv .venv
-	@$(BIN)/pip install --quiet 'scikit-build-core>=0.10' 'nanobind>=2.4'
+	@$(BIN)/pip install --quiet 'scikit-build-core>=0.10' 'nanobind>=2.4' 'OpenImageIO==3.2.2.*'
 	@touch $@
 
 # Changes where a Python module comes, goes or moves: an editable installation knows where each one stands.

@@ -45,6 +45,7 @@ LIBRARY_HOMES = {
     "nanobind/": ("delegate/usd/bindings/",),
     "Python.h": ("delegate/usd/bindings/",),
     "pxr/": ("delegate/hydra/",),
+    "OpenImageIO/": ("core/texture/",),
 }
 """Headers of a library, and the only places that may include them."""
 
@@ -238,6 +239,7 @@ def test_imports_run_one_way() -> None:
         ("core/shade/sky.cpp", "<hwy/highway.h>", "only core/trace/ may"),
         ("core/build/topology.cpp", "<tbb/parallel_for.h>", "only core/base/parallel.h"),
         ("core/build/reference.cpp", "<opensubdiv/bfr/surface.h>", "only core/geometry/ may"),
+        ("core/scene/validate.cpp", "<OpenImageIO/texture.h>", "only core/texture/ may"),
         ("core/scene/scene.cpp", "<pxr/usd/usd/stage.h>", "only delegate/hydra/ may"),
         ("delegate/translate/frame/shutter.h", "<pxr/pxr.h>", "only delegate/hydra/ may"),
         ("delegate/translate/translator.cpp", "<nanobind/nanobind.h>", "only delegate/usd/bindings/ may"),

@@ -1,0 +1,41 @@
+// In place of texture_cache.cpp where the library is built without OpenImageIO (MSBVH_TEXTURES): every
+// texture is drawn as its fallback, and is a fault that says so.
+#include <algorithm>
+
+#include "core/texture/texture_cache.h"
+
+namespace msbvh {
+
+struct TextureCache::Data {
+  std::vector<ImageTexture> textures;
+};
+
+TextureCache::TextureCache(const std::vector<ImageTexture>& textures, const TextureSettings&)
+    : data_(std::make_unique<Data>(textures)) {}
+TextureCache::~TextureCache() = default;
+
+bool can_read_textures() { return false; }
+
+void TextureCache::read(TextureId texture, std::span<const TextureQuery>, std::span<TexelColor> result) const {
+  std::fill(result.begin(), result.end(), data_->textures[texture].fallback);
+}
+
+TextureSize TextureCache::size(TextureId) const { return {}; }
+
+bool TextureCache::same_everywhere(TextureId texture, TexelColor& value) const {
+  value = data_->textures[texture].fallback;
+  return true;
+}
+
+TextureStatistics TextureCache::statistics() const { return {}; }
+
+std::vector<TextureFault> TextureCache::faults() const {
+  std::vector<TextureFault> result;
+  for (TextureId texture = 0; texture < data_->textures.size(); ++texture)
+    for (const TextureTile& tile : data_->textures[texture].tiles)
+      result.push_back(
+          {texture, tile.file.path, "this msbvh was built without OpenImageIO (MSBVH_TEXTURES)"});
+  return result;
+}
+
+}  // namespace msbvh
