@@ -16,7 +16,7 @@ using namespace msbvh;
 
 namespace {
 
-constexpr Rgba kFallback{0.1f, 0.2f, 0.3f, 0.4f};
+constexpr TexelColor kFallback{0.1f, 0.2f, 0.3f, 0.4f};
 
 ImageTexture texture(const std::string& path) {
   ImageTexture result;
@@ -26,9 +26,9 @@ ImageTexture texture(const std::string& path) {
   return result;
 }
 
-Rgba read(const TextureCache& cache, float s, float t, float width = 0) {
+TexelColor read(const TextureCache& cache, float s, float t, float width = 0) {
   const TextureQuery query{s, t, width, 0, 0, width};
-  Rgba result;
+  TexelColor result;
   cache.read(0, std::span(&query, 1), std::span(&result, 1));
   return result;
 }
