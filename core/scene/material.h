@@ -26,6 +26,12 @@ enum class SurfaceInput : std::uint8_t {
   kNormal  // in tangent space
 };
 
+// Of three numbers; the others are of one.
+constexpr bool is_color(SurfaceInput input) {
+  return input == SurfaceInput::kDiffuseColor || input == SurfaceInput::kEmissiveColor ||
+         input == SurfaceInput::kSpecularColor || input == SurfaceInput::kNormal;
+}
+
 // A primvar of that name on what is hit: in Scene::primvar_names.
 using PrimvarName = std::uint32_t;
 inline constexpr PrimvarName kNoPrimvar = std::numeric_limits<PrimvarName>::max();
@@ -77,6 +83,7 @@ struct Material {
   float clearcoat_roughness = 0.01f;
   // opacityMode: what is transparent still reflects as glass does; a presence takes all of it away.
   bool transparent_reflects = false;
+  Vec3f normal{0.0f, 0.0f, 1.0f};  // in tangent space; need not be unit length
 
   std::vector<TextureRead> texture_reads{};
   // Each input at most once; a constant above stands where its primvar is missing on what is hit.

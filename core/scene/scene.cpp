@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/scene/check.h"
 
 namespace msbvh {
 namespace {
@@ -11,11 +12,6 @@ namespace {
 // A part of the scene in messages: its name, or its kind and index where it has none.
 std::string label(const std::string& name, const char* kind, std::size_t index) {
   return name.empty() ? std::string(kind) + " " + std::to_string(index) : name;
-}
-
-void expect(bool holds, const std::string& part, const std::string& attribute, const std::string& found,
-            const std::string& expected) {
-  if (!holds) throw Error(part + ": " + attribute + ": found " + found + "; expected " + expected);
 }
 
 using msbvh::is_finite;
@@ -65,12 +61,6 @@ void expect_curve(const std::vector<T>& controls, const TrackForm& form, const s
   expect_all_finite(controls, part, attribute);
 }
 
-void expect_index(std::size_t index, std::size_t size, const std::string& part,
-                  const std::string& attribute) {
-  expect(index < size, part, attribute, "index " + std::to_string(index),
-         "less than " + std::to_string(size));
-}
-
 std::size_t count_of(GeometryKind kind, const Scene& scene) {
   switch (kind) {
     case GeometryKind::kTriangleMesh:
@@ -115,11 +105,38 @@ void check_primvar(const Primvar<T>& primvar, const Shape& shape, const std::str
   expect_all_finite(primvar.values, part, attribute);
 }
 
+void expect_name(PrimvarName name, const Scene& scene, const std::string& part,
+                 const std::string& attribute) {
+  expect_index(name, scene.primvar_names.size(), part, attribute);
+}
+
+template <typename Named>
+void expect_names_once(const std::vector<Named>& primvars, const std::string& part) {
+  std::vector<PrimvarName> names;
+  for (const Named& each : primvars) names.push_back(each.name);
+  std::sort(names.begin(), names.end());
+  const auto twice = std::adjacent_find(names.begin(), names.end());
+  expect(twice == names.end(), part, "primvars", "a name twice", "each once");
+}
+
+template <typename Shape>
+void check_named_primvars(const Appearance& look, const Shape& shape, const Scene& scene,
+                          const std::string& part) {
+  for (const SurfacePrimvar& each : look.primvars) {
+    expect_name(each.name, scene, part, "primvars");
+    const std::string& name = scene.primvar_names[each.name];
+    expect(each.primvar.authored(), part, name, "no values", "at least one");
+    check_primvar(each.primvar, shape, part, name);
+  }
+  expect_names_once(look.primvars, part);
+}
+
 template <typename Shape>
 void check_appearance(const Appearance& look, const Shape& shape, const Scene& scene,
                       const std::string& part) {
   check_primvar(look.display_color, shape, part, "displayColor");
   check_primvar(look.display_opacity, shape, part, "displayOpacity");
+  check_named_primvars(look, shape, scene, part);
   if (look.material != kNone) expect_index(look.material, scene.materials.size(), part, "material");
 }
 
@@ -162,14 +179,6 @@ void check_mesh(const Mesh& mesh, const Scene& scene, const std::string& part) {
          "none or " + std::to_string(mesh.shape.triangles.size()));
 }
 
-void check_material(const Material& material, const std::string& part) {
-  expect(is_finite(material.diffuse_color), part, "diffuseColor", "NaN or infinity", "a finite colour");
-  expect(is_finite(material.emissive_color), part, "emissiveColor", "NaN or infinity", "a finite colour");
-  expect(is_finite(material.opacity), part, "opacity", "NaN or infinity", "a finite number");
-  expect(is_finite(material.opacity_threshold), part, "opacityThreshold", "NaN or infinity",
-         "a finite number");
-}
-
 void check_instances(const InstanceSet& set, const Scene& scene, const std::string& part) {
   expect_index(set.prototype, scene.prototypes.size(), part, "prototype");
   expect_segments(set.segments, part, "worldFromPrototype");
@@ -187,6 +196,17 @@ void check_instances(const InstanceSet& set, const Scene& scene, const std::stri
   expect(set.display_color.empty() || set.display_color.size() == colors, part, "displayColor",
          std::to_string(set.display_color.size()) + " values", "none or " + std::to_string(colors));
   expect_all_finite(set.display_color, part, "displayColor");
+  expect(set.display_opacity.empty() || set.display_opacity.size() == count, part, "displayOpacity",
+         std::to_string(set.display_opacity.size()) + " values", "none or " + std::to_string(count));
+  expect_all_finite(set.display_opacity, part, "displayOpacity");
+  for (const InstancePrimvar& each : set.primvars) {
+    expect_name(each.name, scene, part, "primvars");
+    const std::string& name = scene.primvar_names[each.name];
+    expect(each.values.size() == count, part, name, std::to_string(each.values.size()) + " values",
+           std::to_string(count));
+    expect_all_finite(each.values, part, name);
+  }
+  expect_names_once(set.primvars, part);
   expect(set.ids.empty() || set.ids.size() == count, part, "ids", std::to_string(set.ids.size()) + " values",
          "none or " + std::to_string(count));
   expect(set.materials.empty() || set.materials.size() == count, part, "materials",
@@ -320,7 +340,11 @@ void validate(const Scene& scene) {
     check_instances(scene.instances[i], scene, label(scene.instances[i].name, "instances", i));
   }
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-    check_material(scene.materials[i], label(scene.materials[i].name, "material", i));
+    check_material(scene.materials[i], scene, label(scene.materials[i].name, "material", i));
+  }
+  check_primvar_names(scene);
+  for (std::size_t i = 0; i < scene.textures.size(); ++i) {
+    check_texture(scene.textures[i], label(scene.textures[i].name, "texture", i));
   }
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     check_light(scene.lights[i], label(scene.lights[i].name, "light", i));

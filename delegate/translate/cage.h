@@ -13,8 +13,6 @@
 
 namespace msbvh::translate {
 
-inline std::string full_name(const NamedPrimvar& named) { return "primvars:" + named.name; }
-
 struct InputCage {
   Cage cage;
   // Of face-varying primvars, by attribute: their place in Cage::face_varying.

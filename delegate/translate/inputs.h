@@ -79,6 +79,10 @@ struct PrimvarSample {
   std::span<const T> values;
 };
 
+// How far a value may stray from the samples, where values lie between 0 and 1: a step of 8 bits. Of larger
+// values it is that share of the largest.
+inline constexpr double kPrimvarTolerance = 1.0 / 256.0;
+
 template <typename T>
 struct PrimvarInput {
   std::string interpolation = "constant";  // USD's token: constant, uniform, varying, vertex, faceVarying
@@ -87,13 +91,15 @@ struct PrimvarInput {
   // At increasing times, linear between them; two within kJumpTime01 (value_track.h) make a jump. None:
   // still.
   std::vector<PrimvarSample<T>> samples{};
+  double tolerance = kPrimvarTolerance;
 };
 
-// A primvar that a material reads by its name: one to three numbers, the rest 0.
+// A primvar that materials read by its name: one to three numbers, the rest 0.
 struct NamedPrimvar {
   std::string name;  // without primvars:
   PrimvarInput<Vec3f> primvar;
 };
+inline std::string full_name(const NamedPrimvar& named) { return "primvars:" + named.name; }
 
 enum class Normals : std::uint8_t { kFaceted, kSmooth };  // what to compute where none are authored
 
@@ -151,7 +157,8 @@ struct MeshInput {
   Normals computed_normals = Normals::kFaceted;
   PrimvarInput<Vec3f> display_color;
   PrimvarInput<float> display_opacity;
-  std::vector<NamedPrimvar> named_primvars{};  // that displacement needs
+  // That its materials read, displacement included; others may be among them.
+  std::vector<NamedPrimvar> named_primvars{};
   bool displaced = true;                       // by its materials, where they say so
   std::uint32_t material = kNone;
   // Empty, or one a face in place of `material`; negative: none.
@@ -204,6 +211,9 @@ struct InstancesInput {
   std::vector<InstanceLevel> levels;
   std::optional<std::vector<VisibleInterval>> visible;  // not given: always
   PrimvarInput<Vec3f> display_color;                    // one an instance, without indices, or none
+  std::span<const float> display_opacity{};             // one an instance, or none
+  // One an instance, without samples and indices; of those that no material reads nothing is kept.
+  std::vector<NamedPrimvar> primvars{};
   // Empty, or one an instance in place of the prototype's own; negative: none.
   std::span<const int> materials{};
   // Of the prims that the innermost level's maps place, one each: every prim has a track report of its own.

@@ -189,15 +189,33 @@ std::vector<Saving> savings_of(const std::vector<std::size_t>& members,
   return {savings.begin(), savings.end()};
 }
 
-// `colors` has those of all `count` instances.
+// What an input says of all `count` instances, as far as it fits.
+struct OfInstances {
+  std::size_t count = 0;
+  PrimvarTrack<Vec3f> colors{};
+  std::span<const float> opacities{};
+  std::vector<std::pair<PrimvarName, std::span<const Vec3f>>> primvars{};  // by increasing names
+};
+
+void add_values(const OfInstances& all, const std::vector<std::size_t>& members, InstanceSet& set) {
+  for (const std::size_t member : all.opacities.empty() ? std::vector<std::size_t>{} : members)
+    set.display_opacity.push_back(all.opacities[member]);
+  for (const auto& [name, values] : all.primvars) {
+    InstancePrimvar& primvar = set.primvars.emplace_back(InstancePrimvar{name, {}});
+    for (const std::size_t member : members) primvar.values.push_back(values[member]);
+  }
+}
+
 InstanceSet gather(const InstancesInput& input, const TransformFitter& fitter, std::uint32_t track,
-                   const std::vector<std::size_t>& members, const PrimvarTrack<Vec3f>& colors,
-                   std::size_t count) {
+                   const std::vector<std::size_t>& members, const OfInstances& all) {
+  const PrimvarTrack<Vec3f>& colors = all.colors;
+  const std::size_t count = all.count;
   const TrackForm form = fitter.form(track);
   InstanceSet set{input.path, input.prototype, form.segments, {}, {}, form.degree, fitter.time_remap(track)};
   if (input.visible) set.time_remap = with_visibility(set.time_remap, *input.visible);
   set.world_from_prototype.resize(members.size() * form.controls());
   set.ids = instance_ids(input.ids, members);
+  add_values(all, members, set);
   const bool colored = !colors.values.empty();
   set.color_segments = colors.segments;
   if (colored) set.display_color.resize(members.size() * key_count(colors.segments));
@@ -249,6 +267,32 @@ PrimvarTrack<Vec3f> color_track(const InstancesInput& input, std::size_t count, 
   return {};
 }
 
+// Whether there is one good value for each of `count` instances.
+template <typename T>
+bool check_values(std::span<const T> values, std::size_t count, const std::string& attribute, PrimLog log) {
+  const bool finite = std::ranges::all_of(values, [](const T& value) { return is_color(value); });
+  if (values.size() == count && finite) return true;
+  return log.of_optional_part().reject(
+      attribute, message("found ", values.size(), finite ? "" : " not all finite and of at most 65504",
+                         " values; expected ", count, ", one finite value for each instance"));
+}
+
+OfInstances of_instances(const InstancesInput& input, std::size_t count, const InstanceTarget& target,
+                         PrimLog& log) {
+  OfInstances all{count, color_track(input, count, target.settings.max_segments, log)};
+  const std::span<const float> opacities = input.display_opacity;
+  if (!opacities.empty() && check_values(opacities, count, "primvars:displayOpacity", log))
+    all.opacities = opacities;
+  for (const NamedPrimvar& named : input.primvars) {
+    const PrimvarName name = target.materials ? target.materials->find(named.name) : kNoPrimvar;
+    if (name == kNoPrimvar || named.primvar.values.empty()) continue;
+    if (check_values(named.primvar.values, count, full_name(named), log))
+      all.primvars.emplace_back(name, named.primvar.values);
+  }
+  std::ranges::sort(all.primvars, {}, [](const auto& each) { return each.first; });
+  return all;
+}
+
 // When instances are looked at for how large they are seen: a few of the dense times, spread so that no
 // period meets them all.
 std::vector<double> times_of_size(const InstanceChain& chain) {
@@ -273,7 +317,7 @@ TranslatedInstances translate_instances(const InstancesInput& input, const Insta
       !has_fitting_sizes(input, chain->count(), target.material_count, log)) {
     return {};
   }
-  const PrimvarTrack<Vec3f> colors = color_track(input, chain->count(), target.settings.max_segments, log);
+  const OfInstances all = of_instances(input, chain->count(), target, log);
   const TransformFitter fitter(*chain, {target.prototype_origin, target.world_origin, target.box},
                                target.measure, target.settings);
   const OutsideJudge judge(fitter, target.settings, target.box, target.outside);
@@ -296,7 +340,7 @@ TranslatedInstances translate_instances(const InstancesInput& input, const Insta
   }
   for (std::uint32_t track = 0; track < members.size(); ++track) {
     if (members[track].empty()) continue;
-    result.sets.push_back(gather(input, fitter, track, members[track], colors, chain->count()));
+    result.sets.push_back(gather(input, fitter, track, members[track], all));
     result.savings.push_back(savings_of(members[track], judgements, input.paths.size()));
   }
   return result;

@@ -12,6 +12,7 @@
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/fit.h"
 #include "delegate/translate/inputs.h"
+#include "delegate/translate/material_table.h"
 #include "delegate/translate/outside.h"
 #include "delegate/translate/screen_measure.h"
 #include "delegate/translate/translator.h"
@@ -26,6 +27,7 @@ struct InstanceTarget {
   FitSettings settings;
   std::uint32_t material_count = 0;
   const Outside* outside = nullptr;  // null: one tolerance for all
+  const MaterialTable* materials = nullptr;  // null: none reads a primvar
 };
 
 struct TranslatedInstances {

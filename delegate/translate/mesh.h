@@ -15,6 +15,7 @@
 #include "delegate/translate/displace/face_displacements.h"
 #include "delegate/translate/fit.h"
 #include "delegate/translate/inputs.h"
+#include "delegate/translate/material_table.h"
 #include "delegate/translate/outside.h"
 #include "delegate/translate/screen_measure.h"
 #include "delegate/translate/translator.h"
@@ -41,6 +42,7 @@ struct MeshTarget {
   CurveStyle curves = CurveStyle::kRibbon;
   RefinementCache* refinements = nullptr;  // not null; of all meshes and frames of a front-end
   const Outside* outside = nullptr;        // of the world; null: one tolerance for all
+  const MaterialTable* materials = nullptr;  // not null
 };
 
 // One of `mesh`, `grids`, `curves` and `points` is what it became: the mesh where the others are not.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "delegate/translate/displace/as_grids.h"
+#include "delegate/translate/material_primvars.h"
 #include "delegate/translate/point_motion.h"
 #include "delegate/translate/primvars.h"
 
@@ -127,6 +128,9 @@ void add_shape(const MeshInput& input, Tessellation& topology, const NormalMotio
   mesh.display_color = flattened(input.display_color, topology, "primvars:displayColor", optional, most);
   mesh.display_opacity =
       flattened(input.display_opacity, topology, "primvars:displayOpacity", optional, most);
+  mesh.primvars = material_primvars(input, *target.materials, [&](const NamedPrimvar& named) {
+    return flattened(named.primvar, topology, full_name(named), optional, most);
+  });
   mesh.material = material_of(input, target, optional);
   add_face_materials(input, topology, target.material_count, mesh, optional);
   if (target.keep_faces) mesh.triangle_faces = topology.faces();

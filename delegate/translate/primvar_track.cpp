@@ -148,7 +148,7 @@ PrimvarTrack<T> fit_primvar(const PrimvarInput<T>& input, std::uint32_t max_segm
 
   const Keys keys = keys_of(input);
   const Range<T> range(input);
-  const double tolerance = kPrimvarTolerance * std::max(1.0, range.largest);
+  const double tolerance = input.tolerance * std::max(1.0, range.largest);
   const Fit fit = fewest_segments({tolerance, max_segments}, [&](std::uint32_t segments, double limit) {
     return keys == Keys::kAveraged ? largest_shift(range.spread, times01, segments)
                                    : largest_difference(input, times01, segments, limit);

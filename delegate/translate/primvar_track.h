@@ -11,17 +11,13 @@
 
 namespace msbvh::translate {
 
-// How far a value may stray from the samples, where values lie between 0 and 1: a step of 8 bits. Of larger
-// values it is that share of the largest.
-inline constexpr double kPrimvarTolerance = 1.0 / 256.0;
-
 template <typename T>
 struct PrimvarTrack {
   std::uint32_t segments = 0;
   std::vector<T> values;  // [key_count(segments)][values of a sample], key-major, before indices
 };
 
-// The fewest segments within kPrimvarTolerance; where values jump (two samples within kJumpTime01,
+// The fewest segments within the input's tolerance; where values jump (two samples within kJumpTime01,
 // value_track.h), within that share of the shutter's worth. Samples that do not fit together leave a warning,
 // and `input.values` are held.
 template <typename T>

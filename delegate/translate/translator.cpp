@@ -13,9 +13,9 @@
 #include "delegate/translate/coarser_tally.h"
 #include "delegate/translate/instances.h"
 #include "delegate/translate/light.h"
+#include "delegate/translate/material_table.h"
 #include "delegate/translate/mesh.h"
 #include "delegate/translate/outside.h"
-#include "delegate/translate/primvars.h"
 #include "delegate/translate/screen_measure.h"
 #include "delegate/translate/transform_samples.h"
 
@@ -70,21 +70,6 @@ double placed_stray(const MeshInput& input) {
   return input.stray * stretch;
 }
 
-// A material with a value that is not finite keeps its index but becomes the default one.
-Material checked_material(const Material& material, PrimLog& log) {
-  if (is_color(material.diffuse_color) && is_finite(material.emissive_color) &&
-      std::isfinite(material.opacity) && std::isfinite(material.opacity_threshold)) {
-    return material;
-  }
-  log.warn("inputs",
-           "a colour or opacity is not finite or too large; expected finite numbers, of a diffuseColor at "
-           "most 65504; the "
-           "default material is taken");
-  Material standard;
-  standard.name = material.name;
-  return standard;
-}
-
 }  // namespace
 
 struct Translator::Data {
@@ -114,6 +99,7 @@ struct Translator::Data {
   std::optional<Outside> outside;  // none: one tolerance for all
   std::shared_ptr<RefinementCache> refinements;
   Scene scene;
+  MaterialTable materials;
   std::vector<std::optional<Displacement>> displacements;  // by material
   std::vector<PrototypeState> prototypes;
   std::vector<Diagnostic> diagnostics;
@@ -139,7 +125,8 @@ MeshTarget Translator::Data::target(const ScreenMeasure* in_world) {
                     &triangle_bytes_left,
                     settings.curves,
                     refinements.get(),
-                    nullptr};
+                    nullptr,
+                    &materials};
   if (in_world) {
     result.origin = origin;
     result.outside = outside ? &*outside : nullptr;
@@ -269,7 +256,7 @@ std::uint32_t Translator::begin_prototype(const std::string& path, double pixels
 }
 
 double Translator::pixels_per_unit(const InstancesInput& input, const Box3d& box) const {
-  return translate::pixels_per_unit(input, {data_->measure, data_->origin, {}, box, data_->fit});
+  return translate::pixels_per_unit(input, {data_->measure, data_->origin, {}, box, data_->fit, 0, nullptr, nullptr});
 }
 
 void Translator::add_prototype_mesh(std::uint32_t prototype, const MeshInput& input) {
@@ -304,7 +291,8 @@ void Translator::add_instances(const InstancesInput& input) {
                               state.box,
                               data_->fit,
                               std::uint32_t(data_->scene.materials.size()),
-                              data_->outside ? &*data_->outside : nullptr};
+                              data_->outside ? &*data_->outside : nullptr,
+                              &data_->materials};
   TranslatedInstances result = translate_instances(input, target, log);
   if (result.sets.empty()) return;
   if (data_->settings.measure_shape && state.stray > 0.0) {
@@ -323,12 +311,12 @@ void Translator::add_instances(const InstancesInput& input) {
   data_->tracks.insert(data_->tracks.end(), result.tracks.begin(), result.tracks.end());
 }
 
-std::uint32_t Translator::add_material(const Material& material, std::optional<Displacement> displacement) {
-  PrimLog log(data_->diagnostics, material.name);
+std::uint32_t Translator::add_material(SurfaceLook look, std::optional<Displacement> displacement) {
+  PrimLog log(data_->diagnostics, look.material.name);
   if (data_->settings.displaced == Displaced::kNot) displacement.reset();
+  const std::uint32_t number = data_->materials.add(std::move(look), data_->scene, log);
   data_->displacements.push_back(std::move(displacement));
-  data_->scene.materials.push_back(checked_material(material, log));
-  return std::uint32_t(data_->scene.materials.size() - 1);
+  return number;
 }
 
 void Translator::add_light(const LightInput& input) {

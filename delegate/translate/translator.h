@@ -20,6 +20,7 @@
 #include "delegate/translate/fit.h"
 #include "delegate/translate/inputs.h"
 #include "delegate/translate/look/displacement.h"
+#include "delegate/translate/look/surface_look.h"
 #include "delegate/translate/unreached.h"
 
 namespace msbvh::translate {
@@ -123,7 +124,7 @@ class Translator {
   // After the prototype's meshes, whose extent the tolerance is measured on.
   void add_instances(const InstancesInput& input);
   // Before the meshes that are bound to it.
-  std::uint32_t add_material(const Material& material, std::optional<Displacement> displacement = {});
+  std::uint32_t add_material(SurfaceLook look, std::optional<Displacement> displacement = {});
   void add_light(const LightInput& input);
 
   // Whether the scene has geometry that can be seen.

@@ -9,6 +9,7 @@
 #include "delegate/translate/look/displacement.h"
 #include "delegate/translate/look/preview_surface.h"
 #include "delegate/translate/look/scalar_texture.h"
+#include "delegate/translate/material_table.h"
 #include "tests/fuzz/fuzzed_data.h"
 #include "tests/fuzz/outcome.h"
 
@@ -34,9 +35,9 @@ ScalarImage fuzzed_image(FuzzedData& data) {
 class FuzzedTextures : public TextureSource {
  public:
   explicit FuzzedTextures(FuzzedData& data) : data_(data) {}
-  std::optional<Rgba> mean(const Asset&, std::string_view) const override {
+  std::optional<TextureFile> locate(const std::string& file) const override {
     if (data_.rarely()) return std::nullopt;
-    return Rgba{data_.real(), data_.real(), data_.real(), data_.real()};
+    return TextureFile{file, data_.below(3), data_.below(3)};
   }
   std::optional<ScalarImage> channel(const Asset&, std::string_view, std::size_t) const override {
     if (data_.rarely()) return std::nullopt;
@@ -111,6 +112,9 @@ ShaderInput fuzzed_input(FuzzedData& data, std::uint32_t nodes) {
                           "useSpecularWorkflow",
                           "metallic",
                           "ior",
+                          "roughness",
+                          "clearcoat",
+                          "specularColor",
                           "normal"});
   input.value = fuzzed_shader_value(data);
   for (std::uint32_t n = data.rarely() ? data.below(4) : 0; n > 0; --n)
@@ -181,6 +185,21 @@ void read_texture(FuzzedData& data) {
   }
 }
 
+// A scene takes it as it is, but for numbers that are not finite.
+void check_look(const SurfaceLook& look) {
+  Scene scene;
+  MaterialTable table;
+  std::vector<Diagnostic> said;
+  PrimLog log(said, "/Look");
+  table.add(look, scene, log);
+  table.add(look, scene, log);
+  require(scene.textures.size() <= look.textures.size(), "a texture that is kept twice");
+  require(scene.primvar_names.size() <= look.primvars.size(), "a name that is kept twice");
+  scene.camera.world_from_camera = {Affine3f{}};
+  scene.camera.window = {{-1.0f, 1.0f, -1.0f, 1.0f}};
+  validate(scene);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
@@ -192,9 +211,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const ShaderNetwork network = fuzzed_network(data);
   const FuzzedTextures textures(data);
   std::vector<Diagnostic> said;
-  const auto material = preview_surface(network, textures, said);
+  const auto look = preview_surface(network, textures, said);
   const auto displacement = displacement_of(network, textures, said);
   check_said(said);
+  if (look) check_look(*look);
   if (displacement) check_displacement(*displacement, data);
   return 0;
 }

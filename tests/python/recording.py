@@ -20,7 +20,7 @@ class Recording:
         self.meshes: dict[str, dict] = {}
         self.prototypes: list[tuple[str, dict[str, dict]]] = []
         self.instances: list[dict] = []
-        self.materials: list[dict] = []
+        self.looks: list[_core.SurfaceLook] = []
         self.lights: list[dict] = []
         self._core = _core.Translator(**camera)
         self._scene: Any = None
@@ -49,9 +49,9 @@ class Recording:
         self.instances.append(instances)
         self._core.add_instances(**instances)
 
-    def add_material(self, **material: Any) -> int:
-        self.materials.append(material)
-        return self._core.add_material(**material)
+    def add_material(self, look: _core.SurfaceLook, displacement: _core.Displacement | None = None) -> int:
+        self.looks.append(look)
+        return self._core.add_material(look, displacement)
 
     def add_light(self, **light: Any) -> None:
         self.lights.append(light)
@@ -69,6 +69,27 @@ class Recording:
     def finish(self) -> Recording:
         self._scene = self._core.finish()
         return self
+
+    @property
+    def materials(self) -> list[dict]:
+        """The finished scene's, and so are those that follow."""
+        return self._scene.materials
+
+    @property
+    def textures(self) -> list[dict]:
+        return self._scene.textures
+
+    def primvars(self, path: str) -> dict:
+        """Those of a prim that its materials read: interpolation, segments and values by name."""
+        found = [primvars for prim, primvars in self._scene.primvars if prim == path]
+        assert len(found) == 1, f"{path} is drawn {len(found)} times"
+        return found[0]
+
+    def instance_primvars(self, path: str) -> dict:
+        """One value an instance, by name."""
+        found = [primvars for prim, primvars in self._scene.instance_primvars if prim == path]
+        assert len(found) == 1, f"{path} has {len(found)} sets of instances"
+        return found[0]
 
     @staticmethod
     def _key(mesh: dict, meshes: dict) -> str:

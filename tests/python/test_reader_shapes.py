@@ -185,18 +185,30 @@ def test_constants_of_a_preview_surface_through_the_material_interface():
     for name in ("/A", "/B"):
         bind(shot, shot.mesh(name).GetPrim())
     result = shot.read()
-    assert result.scene.materials == [
-        {
-            "name": "/Material",
-            "diffuse_color": (0.25, 0.5, 0.75),
-            "diffuse_from_display_color": False,
-            "emissive_color": (1, 2, 3),
-            "emissive_from_display_color": False,
-            "opacity": 0.5,
-            "opacity_from_display_opacity": False,
-            "opacity_threshold": 0.25,
-        }
-    ]
+    (material,) = result.scene.materials
+    expected = {
+        "name": "/Material",
+        "diffuse_color": (0.25, 0.5, 0.75),
+        "diffuse_from_display_color": False,
+        "emissive_color": (1, 2, 3),
+        "emissive_from_display_color": False,
+        "opacity": 0.5,
+        "opacity_from_display_opacity": False,
+        "opacity_threshold": 0.25,
+        "specular": True,
+        "specular_workflow": False,
+        "specular_color": (0, 0, 0),
+        "metallic": 0,
+        "roughness": 0.5,
+        "ior": 1.5,
+        "clearcoat": 0,
+        "clearcoat_roughness": pytest.approx(0.01),
+        "transparent_reflects": False,
+        "normal": (0, 0, 1),
+        "texture_reads": [],
+        "driven": {},
+    }
+    assert material == expected
     assert [mesh["material"] for mesh in result.scene.meshes.values()] == [0, 0]
     assert not messages(result, "warning")
 
@@ -220,7 +232,7 @@ def test_a_reader_of_display_color_is_drawn_and_a_texture_falls_back_with_a_warn
     assert material["diffuse_from_display_color"] and material["emissive_color"] == (0.5, 0.25, 0)
     (warning,) = messages(result, "warning")
     assert warning == (
-        "/Material/Surface.inputs:emissiveColor: connected to a UsdUVTexture, which is not evaluated yet; "
+        "/Material/Surface.inputs:emissiveColor: connected to a UsdUVTexture; "
         "it names no file, drawn as its fallback, (0.5, 0.25, 0)"
     )
 
@@ -240,25 +252,32 @@ def test_emission_may_read_display_color():
     assert not messages(result, "warning")
 
 
-def test_what_a_preview_surface_has_beyond_diffuse_is_one_note_for_all_materials():
+def test_every_input_of_a_preview_surface_is_read_and_nothing_is_said():
     shot = Shot()
-    for path in ("/A", "/B"):
-        preview_material(shot, path).CreateInput("metallic", Sdf.ValueTypeNames.Float).Set(1.0)
-        bind(shot, shot.mesh(f"{path}_mesh").GetPrim(), path)
-    result = shot.read()
-    (note,) = [note for note in messages(result, "note") if "UsdPreviewSurface" in note]
-    assert note.startswith("/A/Surface: ") and note.endswith("(and 1 more prims)")
-    assert not messages(result, "warning")
-
-
-def test_normal_maps_are_named():
-    shot = Shot()
+    kinds = Sdf.ValueTypeNames
     shader = preview_material(shot)
-    texture = UsdShade.Shader.Define(shot.stage, "/Material/Texture")
-    normal = shader.CreateInput("normal", Sdf.ValueTypeNames.Normal3f)
-    normal.ConnectToSource(texture.CreateOutput("rgb", Sdf.ValueTypeNames.Float3))
+    for name, kind, value in (
+        ("useSpecularWorkflow", kinds.Int, 1),
+        ("specularColor", kinds.Color3f, (0.5, 0.25, 1)),
+        ("metallic", kinds.Float, 1.0),
+        ("roughness", kinds.Float, 0.25),
+        ("ior", kinds.Float, 1.25),
+        ("clearcoat", kinds.Float, 0.75),
+        ("clearcoatRoughness", kinds.Float, 0.125),
+        ("opacityMode", kinds.Token, "presence"),
+        ("normal", kinds.Normal3f, (0, 0.5, 0.5)),
+        ("occlusion", kinds.Float, 0.5),
+    ):
+        shader.CreateInput(name, kind).Set(value)
     bind(shot, shot.mesh("/Mesh").GetPrim())
-    assert messages(shot.read(), "warning") == ["/Material/Surface.inputs:normal: not supported yet; drawn without it"]
+    result = shot.read()
+    (material,) = result.scene.materials
+    assert material["specular_workflow"] and material["specular_color"] == (0.5, 0.25, 1) and not material["metallic"]
+    assert (material["roughness"], material["ior"]) == (0.25, 1.25)
+    assert (material["clearcoat"], material["clearcoat_roughness"]) == (0.75, 0.125)
+    assert not material["transparent_reflects"] and material["normal"] == (0, 0.5, 0.5)
+    assert messages(result) == []
+
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,6 @@ namespace {
 // A ramp of 4 x 2 texels, each channel brighter than the one before.
 class Ramp : public TextureSource {
  public:
-  std::optional<Rgba> mean(const Asset&, std::string_view) const override { return std::nullopt; }
   std::optional<ScalarImage> channel(const Asset& asset, std::string_view space,
                                      std::size_t channel) const override {
     CHECK(space == "raw");
@@ -223,7 +222,6 @@ TEST_CASE("texels that are no numbers and distances beyond all scenes displace n
 
 TEST_CASE("tiles lie where their numbers say; what is no tile is left out") {
   struct Tiles : TextureSource {
-    std::optional<Rgba> mean(const Asset&, std::string_view) const override { return std::nullopt; }
     std::optional<ScalarImage> channel(const Asset& asset, std::string_view, std::size_t) const override {
       if (asset.files.front().find("1002") != std::string::npos) return ScalarImage{1, 1, {2.0f}};
       return asset.files.front().find("1011") != std::string::npos ? std::optional(ScalarImage{1, 1, {3.0f}})

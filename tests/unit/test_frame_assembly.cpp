@@ -20,7 +20,6 @@ namespace {
 
 class NoTextures : public TextureSource {
  public:
-  std::optional<Rgba> mean(const Asset&, std::string_view) const override { return std::nullopt; }
 };
 
 Matrix4d shifted(double x, double y = 0.0, double z = 0.0) {

@@ -18,7 +18,6 @@ namespace {
 
 class NoTextures : public TextureSource {
  public:
-  std::optional<Rgba> mean(const Asset&, std::string_view) const override { return std::nullopt; }
 };
 
 Matrix4d shifted(double x) { return testing::row_vector_matrix(testing::translation({x, 0, 0})); }

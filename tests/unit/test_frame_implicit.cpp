@@ -17,7 +17,6 @@ namespace {
 
 class NoTextures : public TextureSource {
  public:
-  std::optional<Rgba> mean(const Asset&, std::string_view) const override { return std::nullopt; }
 };
 
 ImplicitFrameInput sphere(double radius) { return {{"/ball", ImplicitKind::kSphere, "Z", {{radius}}}}; }

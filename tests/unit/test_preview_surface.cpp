@@ -10,74 +10,38 @@
 
 #include "delegate/translate/look/displacement.h"
 #include "delegate/translate/look/preview_surface.h"
+#include "tests/unit/shading_network.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;
+using namespace msbvh::testing;
 
-namespace {
-
-class NoTexture : public TextureSource {
- public:
-  std::optional<Rgba> mean(const Asset&, std::string_view) const override { return std::nullopt; }
-};
-class OneTexture : public TextureSource {
- public:
-  std::optional<Rgba> mean(const Asset& asset, std::string_view space) const override {
-    CHECK(asset.path == "wood.png");
-    CHECK(space == "raw");
-    return Rgba{0.1, 0.2, 0.3, 0.4};
-  }
-};
-
-ShaderInput constant(std::string name, ShaderData data, std::string text = "?") {
-  return {std::move(name), ShaderValue{std::move(data), std::move(text), "type"}};
-}
-ShaderInput connected(std::string name, std::string node, std::string output) {
-  ShaderInput input{std::move(name)};
-  input.connections = {{std::move(node), std::move(output)}};
-  return input;
-}
-std::vector<double> numbers(std::initializer_list<double> values) { return values; }
-
-struct Network {
-  ShaderNetwork network{
-      "/Look", {{"/Look/Surface", "UsdPreviewSurface"}}, {{"surface", {"/Look/Surface", "surface"}}}};
-  std::vector<Diagnostic> said;
-
-  ShaderNode& surface() { return network.nodes.front(); }
-  std::optional<Material> read(const TextureSource& textures = NoTexture()) {
-    said.clear();
-    return preview_surface(network, textures, said);
-  }
-  // How many warnings say so.
-  std::size_t warnings(const std::string& text = "") const {
-    return std::size_t(std::ranges::count_if(said, [&](const Diagnostic& d) {
-      return d.severity == Severity::kWarning &&
-             (d.attribute + ": " + d.message).find(text) != std::string::npos;
-    }));
-  }
-};
-
-}  // namespace
-
-TEST_CASE("a surface without inputs has the specification's defaults, and one note") {
+TEST_CASE("a surface without inputs has the specification's defaults, and says nothing") {
   Network look;
-  const Material material = *look.read();
+  const Material material = look.material();
   CHECK(material.name == "/Look");
   CHECK(material.diffuse_color == Vec3f{0.18f, 0.18f, 0.18f});
   CHECK(material.emissive_color == Vec3f{});
   CHECK(material.opacity == 1.0f);
   CHECK(material.opacity_threshold == 0.0f);
-  REQUIRE(look.said.size() == 1);
-  CHECK(look.said.front().severity == Severity::kNote);
-  CHECK(look.said.front().in_common);
+  CHECK(material.specular);
+  CHECK_FALSE(material.specular_workflow);
+  CHECK(material.metallic == 0.0f);
+  CHECK(material.roughness == 0.5f);
+  CHECK(material.ior == 1.5f);
+  CHECK(material.clearcoat == 0.0f);
+  CHECK(material.clearcoat_roughness == 0.01f);
+  CHECK(material.transparent_reflects);
+  CHECK(material.normal == Vec3f{0, 0, 1});
+  CHECK(material.driven.empty());
+  CHECK(look.said.empty());
 }
 
 TEST_CASE("constants are taken as they are; another kind is named and the default stands for it") {
   Network look;
   look.surface().inputs = {constant("diffuseColor", numbers({0.1, 0.2, 0.3})), constant("opacity", 0.5),
                            constant("opacityThreshold", 0.25)};
-  const Material material = *look.read();
+  const Material material = look.material();
   CHECK(material.diffuse_color == Vec3f{0.1f, 0.2f, 0.3f});
   CHECK(material.opacity == 0.5f);
   CHECK(material.opacity_threshold == 0.25f);
@@ -86,7 +50,7 @@ TEST_CASE("constants are taken as they are; another kind is named and the defaul
   look.surface().inputs = {
       constant("diffuseColor", 0.5, "0.5"), constant("opacity", std::string("half"), "'half'"),
       constant("emissiveColor", numbers({1.0, 2.0}), "(1, 2)"), constant("normal", true)};
-  const Material spoiled = *look.read();
+  const Material spoiled = look.material();
   CHECK(spoiled.diffuse_color == Vec3f{0.18f, 0.18f, 0.18f});
   CHECK(spoiled.opacity == 1.0f);
   CHECK(look.warnings(
@@ -105,51 +69,133 @@ TEST_CASE("a value from the material's interface is named where it stands") {
   CHECK(found->path == "/Look");
 }
 
-TEST_CASE("readers of displayColor and displayOpacity drive what they may, others fall back") {
+TEST_CASE("readers of displayColor and displayOpacity drive what they may; of others, named primvars do") {
   Network look;
-  look.network.nodes.push_back(
-      {"/Look/Color",
-       "UsdPrimvarReader_float3",
-       {constant("varname", std::string("displayColor")), constant("fallback", numbers({1, 0, 0}))}});
-  look.network.nodes.push_back(
-      {"/Look/Opacity", "UsdPrimvarReader_float", {constant("varname", std::string("displayOpacity"))}});
+  look.add("Color", "UsdPrimvarReader_float3",
+           {constant("varname", std::string("displayColor")), constant("fallback", numbers({1, 0, 0}))});
+  look.add("Opacity", "UsdPrimvarReader_float", {constant("varname", std::string("displayOpacity"))});
   look.surface().inputs = {connected("diffuseColor", "/Look/Color", "result"),
                            connected("opacity", "/Look/Opacity", "result")};
-  const Material material = *look.read();
-  CHECK(material.diffuse_from_display_color);
-  CHECK(material.diffuse_color == Vec3f{1, 0, 0});
-  CHECK(material.opacity_from_display_opacity);
+  const SurfaceLook found = *look.read();
+  CHECK(found.material.diffuse_from_display_color);
+  CHECK(found.material.diffuse_color == Vec3f{1, 0, 0});
+  CHECK(found.material.opacity_from_display_opacity);
+  CHECK(found.material.driven.empty());
+  CHECK(found.primvars.empty());
   CHECK(look.warnings() == 0);
 
   look.surface().inputs = {connected("opacity", "/Look/Color", "result"),
                            connected("diffuseColor", "/Look/Opacity", "result")};
-  const Material crossed = *look.read();
-  CHECK_FALSE(crossed.opacity_from_display_opacity);
-  CHECK_FALSE(crossed.diffuse_from_display_color);
-  CHECK(look.warnings("inputs:diffuseColor: connected to a UsdPrimvarReader_float of 'displayOpacity'") == 1);
+  const SurfaceLook crossed = *look.read();
+  CHECK_FALSE(crossed.material.opacity_from_display_opacity);
+  CHECK_FALSE(crossed.material.diffuse_from_display_color);
+  CHECK(crossed.primvars == std::vector<NeededPrimvar>{{"displayOpacity", 1}, {"displayColor", 3}});
+  CHECK(driven(crossed.material, SurfaceInput::kDiffuseColor)->grey);
+  CHECK(driven(crossed.material, SurfaceInput::kOpacity)->channel == 0);
+  CHECK(look.warnings("inputs:opacity: connected to a UsdPrimvarReader_float3, expected one number; its first "
+                      "is read") == 1);
 }
 
-TEST_CASE("a texture's mean, scaled, by the output that is connected; its cutout has no threshold") {
-  Network look;
-  look.network.nodes.push_back(
-      {"/Look/Wood",
-       "UsdUVTexture",
-       {constant("file", Asset{"wood.png", {"/wood.png"}}), constant("sourceColorSpace", std::string("raw")),
-        constant("scale", numbers({2, 2, 2, 2})), constant("bias", numbers({0, 0, 0, 0.1}))}});
-  look.surface().inputs = {connected("diffuseColor", "/Look/Wood", "rgb"),
-                           connected("emissiveColor", "/Look/Wood", "g"),
-                           connected("opacity", "/Look/Wood", "a"), constant("opacityThreshold", 0.5)};
-  const Material material = *look.read(OneTexture());
-  CHECK(material.diffuse_color == Vec3f{0.2f, 0.4f, 0.6f});
-  CHECK(material.emissive_color == Vec3f{0.4f, 0.4f, 0.4f});
-  CHECK(material.opacity == 0.9f);
-  CHECK(material.opacity_threshold == 0.0f);
-  CHECK(look.warnings("drawn as the mean of its texture") == 3);
+TEST_CASE("readers of every type of numbers drive inputs; of others the fallback is drawn, with a warning") {
+  for (const auto& [type, width] : {std::pair{"float", 1u},  {"int", 1u},    {"float2", 2u},
+                                    {"float3", 3u},          {"point", 3u},  {"normal", 3u},
+                                    {"vector", 3u},          {"float4", 4u}}) {
+    CAPTURE(type);
+    Network look;
+    look.add("Reader", std::string("UsdPrimvarReader_") + type, {constant("varname", std::string("wet"))});
+    look.surface().inputs = {connected("specularColor", "/Look/Reader", "result"),
+                             connected("roughness", "/Look/Reader", "result"),
+                             constant("useSpecularWorkflow", 1.0)};
+    const SurfaceLook found = *look.read();
+    REQUIRE(found.primvars == std::vector<NeededPrimvar>{{"wet", width}});
+    const DrivenInput color = *driven(found.material, SurfaceInput::kSpecularColor);
+    CHECK(color.source == DrivenInput::Source::kPrimvar);
+    CHECK(color.index == 0);
+    CHECK(color.grey == (width == 1));
+    CHECK(driven(found.material, SurfaceInput::kRoughness)->channel == 0);
+    CHECK(look.warnings() == (width == 1 ? 0 : 1));
+  }
+  for (const char* type : {"string", "matrix", "half7"}) {
+    Network look;
+    look.add("Reader", std::string("UsdPrimvarReader_") + type,
+             {constant("varname", std::string("wet")), constant("fallback", 0.25)});
+    look.surface().inputs = {connected("roughness", "/Look/Reader", "result")};
+    const SurfaceLook found = *look.read();
+    CHECK(found.material.driven.empty());
+    CHECK(found.material.roughness == 0.25f);
+    CHECK(look.warnings(std::string("connected to a UsdPrimvarReader_") + type) == 1);
+  }
+}
 
-  look.network.nodes.back().inputs[2] =
-      constant("scale", numbers({std::numeric_limits<double>::quiet_NaN(), 1, 1, 1}));
-  CHECK(look.read(OneTexture())->diffuse_color ==
-        Vec3f{0.1f, 0.2f, 0.3f});  // a scale that is NaN scales nothing
+TEST_CASE("a reader's fallback is the constant beside it, in the reader's own type") {
+  Network look;
+  look.add("Number", "UsdPrimvarReader_float", {constant("varname", std::string("a")), constant("fallback", 0.25)});
+  look.add("Vector", "UsdPrimvarReader_float4",
+           {constant("varname", std::string("b")), constant("fallback", numbers({0.1, 0.2, 0.3, 0.4}))});
+  look.add("Wrong", "UsdPrimvarReader_float3",
+           {constant("varname", std::string("c")), constant("fallback", std::string("no"), "'no'")});
+  look.surface().inputs = {connected("diffuseColor", "/Look/Number", "result"),
+                           connected("emissiveColor", "/Look/Vector", "result"),
+                           connected("normal", "/Look/Wrong", "result")};
+  const Material material = look.material();
+  CHECK(material.diffuse_color == Vec3f{0.25f, 0.25f, 0.25f});
+  CHECK(material.emissive_color == Vec3f{0.1f, 0.2f, 0.3f});
+  CHECK(material.normal == Vec3f{0, 0, 1});
+  CHECK(material.driven.size() == 3);
+  CHECK(look.warnings("inputs:fallback: found 'no', expected three numbers") == 1);
+}
+
+TEST_CASE("numbers outside of their range are taken to its ends, with a warning") {
+  Network look;
+  look.surface().inputs = {constant("metallic", 1.5), constant("roughness", -0.5), constant("clearcoat", 2.0),
+                           constant("clearcoatRoughness", -1.0), constant("ior", 0.0)};
+  const Material material = look.material();
+  CHECK(material.metallic == 1.0f);
+  CHECK(material.roughness == 0.0f);
+  CHECK(material.clearcoat == 1.0f);
+  CHECK(material.clearcoat_roughness == 0.0f);
+  CHECK(material.ior == 1.5f);
+  CHECK(look.warnings() == 5);
+  CHECK(look.warnings("inputs:metallic: found 1.5, expected 0 to 1; taken as 1") == 1);
+  CHECK(look.warnings("inputs:ior: found 0, expected a number above 0; taken as 1.5") == 1);
+}
+
+TEST_CASE("the specular workflow reads specularColor, the other one metallic") {
+  Network look;
+  look.surface().inputs = {constant("specularColor", numbers({0.5, 0.25, 0})), constant("metallic", 1.0)};
+  CHECK(look.material().metallic == 1.0f);
+  CHECK(look.material().specular_color == Vec3f{});
+  for (const ShaderData& flag : {ShaderData(1.0), ShaderData(true)}) {
+    look.surface().inputs.resize(2);
+    look.surface().inputs.push_back(constant("useSpecularWorkflow", flag));
+    const Material material = look.material();
+    CHECK(material.specular_workflow);
+    CHECK(material.specular_color == Vec3f{0.5f, 0.25f, 0});
+    CHECK(material.metallic == 0.0f);
+    CHECK(look.warnings() == 0);
+  }
+  look.surface().inputs.back() = constant("useSpecularWorkflow", std::string("yes"), "'yes'");
+  CHECK_FALSE(look.material().specular_workflow);
+  CHECK(look.warnings("inputs:useSpecularWorkflow: found 'yes', expected a number") == 1);
+}
+
+TEST_CASE("what is transparent reflects, a presence does not, and a threshold makes one") {
+  Network look;
+  const auto with = [&](std::vector<ShaderInput> inputs) {
+    look.surface().inputs = std::move(inputs);
+    return look.material();
+  };
+  CHECK(with({constant("opacity", 0.0)}).specular);
+  const auto mode = [](const char* name) { return constant("opacityMode", std::string(name), name); };
+  CHECK(with({mode("transparent")}).transparent_reflects);
+  CHECK_FALSE(with({mode("presence")}).transparent_reflects);
+  CHECK_FALSE(with({constant("opacityThreshold", 0.25)}).transparent_reflects);
+  CHECK(with({mode("presence"), constant("opacity", 0.5)}).specular);
+  CHECK_FALSE(with({mode("presence"), constant("opacity", 0.0)}).specular);
+  CHECK_FALSE(with({constant("opacityThreshold", 0.5), constant("opacity", 0.25)}).specular);
+  CHECK(look.warnings() == 0);
+  CHECK(with({mode("glass")}).transparent_reflects);
+  CHECK(look.warnings("inputs:opacityMode: found glass, expected transparent or presence; took the first") == 1);
 }
 
 TEST_CASE("a texture that cannot be read is its fallback, then the input's default") {
@@ -160,12 +206,12 @@ TEST_CASE("a texture that cannot be read is its fallback, then the input's defau
        {constant("file", Asset{"wood.png"}), constant("fallback", numbers({0.5, 0.6, 0.7, 0.8}))}});
   look.surface().inputs = {connected("diffuseColor", "/Look/Wood", "rgb"),
                            connected("opacity", "/Look/Wood", "a")};
-  const Material material = *look.read();
+  const Material material = look.material();
   CHECK(material.diffuse_color == Vec3f{0.5f, 0.6f, 0.7f});
   CHECK(material.opacity == 0.8f);
-  CHECK(look.warnings("@wood.png@ cannot be read, drawn as its fallback, (0.5, 0.6, 0.7)") == 1);
+  CHECK(look.warnings("@wood.png@ cannot be found, drawn as its fallback, (0.5, 0.6, 0.7)") == 1);
   look.network.nodes.back().inputs.clear();
-  CHECK(look.read()->diffuse_color == Vec3f{0.18f, 0.18f, 0.18f});
+  CHECK(look.material().diffuse_color == Vec3f{0.18f, 0.18f, 0.18f});
   CHECK(look.warnings("it names no file, and it has no fallback: drawn as (0.18, 0.18, 0.18)") == 1);
 }
 
@@ -173,32 +219,28 @@ TEST_CASE("cycles, nodes that are not there and surfaces of another kind end in 
   Network look;
   look.surface().inputs = {connected("diffuseColor", "/Look/Surface", "surface"),
                            connected("opacity", "/Nowhere", "out")};
-  const Material material = *look.read();
+  const Material material = look.material();
   CHECK(material.diffuse_color == Vec3f{0.18f, 0.18f, 0.18f});
   CHECK(look.warnings("inputs:diffuseColor: connected to a UsdPreviewSurface") == 1);
   CHECK(look.warnings("inputs:opacity: connected to a node of no known type") == 1);
 
-  look.surface().identifier = "ND_standard_surface_surfaceshader";
+  look.surface().identifier = "PxrSurface";
   CHECK_FALSE(look.read());
-  CHECK(look.warnings("outputs:surface: found a surface shader ND_standard_surface_surfaceshader, expected "
+  CHECK(look.warnings("outputs:surface: found a surface shader PxrSurface, expected "
                       "UsdPreviewSurface") == 1);
   look.network.terminals.clear();
   CHECK_FALSE(look.read());
   CHECK(look.warnings("found no surface shader that can be read") == 1);
 }
 
-TEST_CASE("inputs that a diffuse surface does not show are reported unless they have no effect") {
+TEST_CASE("a constant normal is taken as it is") {
   Network look;
-  look.surface().inputs = {constant("normal", numbers({0, 0, 1}))};
-  look.read();
+  look.surface().inputs = {constant("normal", numbers({0, 0.5, 0.5}))};
+  CHECK(look.material().normal == Vec3f{0, 0.5f, 0.5f});
   CHECK(look.warnings() == 0);
-  look.surface().inputs = {constant("normal", numbers({0, 1, 0}))};
-  look.read();
-  CHECK(look.warnings("inputs:normal: not supported yet") == 1);
-  look.surface().inputs = {constant("normal", numbers({0, 0, 1}))};
-  look.surface().inputs[0].in_shutter = {ShaderValue{numbers({0, 0, 1})}, ShaderValue{numbers({1, 0, 0})}};
-  look.read();
-  CHECK(look.warnings("inputs:normal: not supported yet") == 1);
+  look.surface().inputs = {constant("normal", false, "False")};
+  CHECK(look.material().normal == Vec3f{0, 0, 1});
+  CHECK(look.warnings("inputs:normal: found False, expected three numbers; drawn as (0, 0, 1)") == 1);
 }
 
 TEST_CASE("a value that changes within the shutter is held, which is said where it was authored") {
@@ -211,7 +253,7 @@ TEST_CASE("a value that changes within the shutter is held, which is said where 
   opacity.in_shutter.push_back(std::nullopt);  // blocked from then on
   opacity.origin = {"/Look", "inputs:clear"};
   look.surface().inputs = {opacity};
-  CHECK(look.read()->opacity == 0.5f);
+  CHECK(look.material().opacity == 0.5f);
   REQUIRE(look.warnings() == 1);
   CHECK(look.warnings("inputs:clear: changes within the shutter; held the frame's value, as Hydra does") ==
         1);
@@ -219,29 +261,15 @@ TEST_CASE("a value that changes within the shutter is held, which is said where 
   CHECK(look.said.back().in_common);
 }
 
-TEST_CASE("no value, and what the frame alone has, is no normal map; other kinds than vectors are one") {
-  Network look;
-  const auto warnings_of = [&](const ShaderInput& normal) {
-    look.surface().inputs = {normal};
-    look.read();
-    return look.warnings("inputs:normal: not supported yet; drawn without it");
-  };
-  CHECK(warnings_of({"normal"}) == 0);
-  ShaderInput moving = constant("normal", numbers({1, 0, 0}));
-  moving.in_shutter = {ShaderValue{numbers({0, 0, 1})}, std::nullopt};
-  CHECK(warnings_of(moving) == 0);
-  CHECK(warnings_of(constant("normal", false)) == 1);
-  CHECK(warnings_of(connected("normal", "/Nowhere", "out")) == 1);
-}
 
 TEST_CASE("a primvar's name of another type is ignored, and so the reader falls back") {
   Network look;
   look.network.nodes.push_back({"/Look/Reader", "UsdPrimvarReader_float", {constant("varname", 1.0)}});
   look.surface().inputs = {connected("opacity", "/Look/Reader", "result")};
-  CHECK_FALSE(look.read()->opacity_from_display_opacity);
+  CHECK_FALSE(look.material().opacity_from_display_opacity);
   CHECK(look.warnings("inputs:varname: found type, expected token; ignored") == 1);
   CHECK(look.warnings(
-            "connected to a UsdPrimvarReader_float of '', which is not evaluated yet; drawn as 1") == 1);
+            "connected to a UsdPrimvarReader_float that names no primvar; drawn as 1") == 1);
 }
 
 TEST_CASE("a fallback of another kind is named at the node, and the input's default is drawn") {
@@ -249,7 +277,7 @@ TEST_CASE("a fallback of another kind is named at the node, and the input's defa
   look.network.nodes.push_back(
       {"/Look/Wood", "UsdUVTexture", {constant("fallback", std::string("brown"), "'brown'")}});
   look.surface().inputs = {connected("opacity", "/Look/Wood", "a")};
-  CHECK(look.read()->opacity == 1.0f);
+  CHECK(look.material().opacity == 1.0f);
   REQUIRE(look.warnings("inputs:fallback: found 'brown', expected a number; drawn as 1") == 1);
   CHECK(std::ranges::count(look.said, "/Look/Wood", &Diagnostic::path) == 1);
 }
@@ -262,7 +290,7 @@ TEST_CASE("a texture whose inputs are all connected to itself has no file") {
   }
   look.network.nodes.push_back(wood);
   look.surface().inputs = {connected("opacity", "/Look/Wood", "a")};
-  CHECK(look.read(OneTexture())->opacity == 1.0f);
+  CHECK(look.material().opacity == 1.0f);
   CHECK(look.warnings("it names no file, and it has no fallback: drawn as 1") == 1);
 }
 
@@ -273,21 +301,36 @@ TEST_CASE("the first connection counts, and more than a value does") {
   ShaderInput opacity = constant("opacity", 0.25);
   opacity.connections = {{"/Look/B", "out"}, {"/Look/A", "out"}};
   look.surface().inputs = {opacity};
-  CHECK(look.read()->opacity == 0.75f);
-  CHECK(look.warnings("connected to a Mix, which is not evaluated yet; drawn as 0.75") == 1);
+  CHECK(look.material().opacity == 0.75f);
+  CHECK(look.warnings("connected to a Mix, which is not evaluated; drawn as 0.75") == 1);
 }
 
 namespace {
 
-// Reads raw textures otherwise than others.
 struct SomeTexture : TextureSource {
-  std::optional<Rgba> mean(const Asset&, std::string_view space) const override {
-    return space == "raw" ? Rgba{0.1, 0.2, 0.3, 0.4} : Rgba{0.5, 0.6, 0.7, 0.8};
-  }
   std::optional<ScalarImage> channel(const Asset&, std::string_view, std::size_t) const override {
     return ScalarImage{2, 2, {0.125f, 0.25f, 0.5f, 1.0f}};
   }
 };
+
+// All that differs in the tests below.
+std::string described(const SurfaceLook& look) {
+  const Material& m = look.material;
+  std::string all = message(m.specular, m.specular_workflow, m.transparent_reflects);
+  for (const Vec3f& color : {m.diffuse_color, m.emissive_color, m.specular_color, m.normal})
+    all += message(" ", color.x, " ", color.y, " ", color.z);
+  for (const float number : {m.metallic, m.roughness, m.ior, m.clearcoat, m.clearcoat_roughness, m.opacity,
+                             m.opacity_threshold})
+    all += message(" ", number);
+  for (const ImageTexture& image : look.textures) {
+    all += message("; ", image.name, int(image.wrap_s), int(image.wrap_t), image.color_space, image.fallback[0]);
+  }
+  for (const TextureRead& read : m.texture_reads)
+    all += message("; ", read.scale[0], " ", read.bias[0], " ", read.offset[0], " ", read.fallback_coordinates[0],
+                   " ", read.matrix[0], " ", read.matrix[1]);
+  for (const NeededPrimvar& primvar : look.primvars) all += "; " + primvar.name;
+  return all;
+}
 
 // All that a node makes of a surface and of its displacement, and what is said.
 std::string outcome(const ShaderNode& node) {
@@ -303,11 +346,12 @@ std::string outcome(const ShaderNode& node) {
     look.network.nodes.push_back(
         {"/Look/Image",
          "UsdUVTexture",
-         {constant("file", Asset{"wood.png"}), connected("st", "/Look/Node", "result")}});
+         {constant("file", Asset{"wood.png", {"/wood.png"}}), connected("st", "/Look/Node", "result")}});
   }
   look.network.nodes.push_back(node);
   const SomeTexture textures;
-  const Material material = *look.read(textures);
+  const SurfaceLook surface = *look.read(textures);
+  const Material& material = surface.material;
   const Displacement displaced = displacement_of(look.network, textures, look.said).value_or(Displacement{});
   std::string all = message(material.emissive_color.x, " ", material.diffuse_color.x, " ", displaced.constant,
                             " ", displaced.primvar, " ", displaced.scale, " ", displaced.bias);
@@ -316,15 +360,20 @@ std::string outcome(const ShaderNode& node) {
     all += message(" ", st[0], " ", st[1]);
     if (displaced.texture) all += message(" ", displaced.texture->at(st[0], st[1], 0.0, 0.0));
   }
+  all += described(surface);
   for (const Diagnostic& d : look.said) all += "; " + d.attribute + ": " + d.message;
   return all;
 }
 
 ShaderData unusual_data(const std::string& identifier, const std::string& name) {
-  if (name == "file") return Asset{"wood.png"};
+  if (name == "file") return Asset{"wood.png", {"/wood.png"}};
   if (name == "varname" || name == "sourceColorSpace") return std::string("raw");
   if (name == "wrapS" || name == "wrapT") return std::string("repeat");
+  if (name == "opacityMode") return std::string("presence");
   if (name == "rotation" || name == "displacement") return 0.5;
+  constexpr std::string_view kNumbers[] = {"metallic",  "roughness", "ior",     "clearcoat", "clearcoatRoughness",
+                                           "opacity",   "opacityThreshold", "useSpecularWorkflow"};
+  if (std::ranges::find(kNumbers, name) != std::end(kNumbers)) return 0.75;
   const bool pair = name == "st" || (identifier == "UsdTransform2d" && name != "fallback");
   return pair ? numbers({0.5, 0.75}) : numbers({0.5, 0.5, 0.5, 0.5});
 }
@@ -332,8 +381,9 @@ ShaderData unusual_data(const std::string& identifier, const std::string& name) 
 bool differs(const std::string& identifier, const std::string& name) {
   ShaderNode node{"/Look/Node", identifier};
   if (identifier == "UsdUVTexture" && name != "file" && name != "fallback") {
-    node.inputs = {constant("file", Asset{"wood.png"})};
+    node.inputs = {constant("file", Asset{"wood.png", {"/wood.png"}})};
   }
+  if (name == "specularColor") node.inputs = {constant("useSpecularWorkflow", 1.0)};
   // What is outside in one direction is black, however it wraps in the other.
   if (name == "wrapS") node.inputs.push_back(constant("wrapT", std::string("repeat")));
   if (name == "wrapT") node.inputs.push_back(constant("wrapS", std::string("repeat")));

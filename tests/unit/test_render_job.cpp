@@ -28,7 +28,6 @@ namespace {
 
 class NoTextures : public TextureSource {
  public:
-  std::optional<Rgba> mean(const Asset&, std::string_view) const override { return std::nullopt; }
 };
 
 // A quad that moves to the right, and the camera above it at `x`.

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/lerp.h"
-#include "delegate/translate/displace/surface_primvar.h"
+#include "delegate/translate/displace/face_primvar.h"
 #include "delegate/translate/time_samples.h"
 
 namespace msbvh::translate {
@@ -27,7 +27,7 @@ class DistanceReader {
       if (!named || primvars_.contains(named->name)) continue;
       // Where a texture is read stays as it is at the frame.
       const double time = d->texture ? frame01 : time01;
-      if (auto primvar = SurfacePrimvar::at(*named, time, mesh, log))
+      if (auto primvar = FacePrimvar::at(*named, time, mesh, log))
         primvars_.emplace(named->name, *primvar);
     }
   }
@@ -41,7 +41,7 @@ class DistanceReader {
   double at_corner(std::uint32_t face, const Corner& here, const std::array<Corner, 2>& neighbours) const;
 
  private:
-  const SurfacePrimvar* primvar(const Displacement& d) const {
+  const FacePrimvar* primvar(const Displacement& d) const {
     const auto found = primvars_.find(d.needed_primvar());
     return found == primvars_.end() ? nullptr : &found->second;
   }
@@ -50,7 +50,7 @@ class DistanceReader {
   }
 
   const FaceDisplacements& displacements_;
-  std::map<std::string, SurfacePrimvar> primvars_;
+  std::map<std::string, FacePrimvar> primvars_;
 };
 
 void grow(St& size, const St& from, const St& to) {
@@ -79,7 +79,7 @@ void DistanceReader::at_squares(std::uint32_t cage_face, std::uint32_t face,
     return;
   }
   const Displacement& d = *found;
-  const SurfacePrimvar* read = primvar(d);
+  const FacePrimvar* read = primvar(d);
   if (!read && !d.texture) {
     std::fill_n(out, count, d.constant);
     return;
@@ -108,7 +108,7 @@ double DistanceReader::at_corner(std::uint32_t face, const Corner& here,
   const Displacement* found = displacements_.of_face(face);
   if (!found) return 0.0;
   const Displacement& d = *found;
-  const SurfacePrimvar* read = primvar(d);
+  const FacePrimvar* read = primvar(d);
   if (!d.texture) return read ? read->at_corner(face, here.corner, here.point).x : d.constant;
   const auto st_at = [&](const Corner& corner) {
     if (!read) return d.coordinates.mapped(d.coordinates.fallback[0], d.coordinates.fallback[1]);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "delegate/translate/look/displacement.h"
 #include "delegate/translate/look/preview_surface.h"
@@ -23,7 +24,7 @@ const BoundMaterials::Bound& BoundMaterials::bound(const std::string& path) {
 }
 
 BoundMaterials::Bound BoundMaterials::hand_down(const ShaderNetwork& network) {
-  const std::optional<Material> surface = preview_surface(network, textures_, diagnostics_);
+  std::optional<SurfaceLook> surface = preview_surface(network, textures_, diagnostics_);
   const std::optional<Displacement> displaced = displacement_of(network, textures_, diagnostics_);
   if (!surface) {
     if (displaced) {
@@ -32,14 +33,19 @@ BoundMaterials::Bound BoundMaterials::hand_down(const ShaderNetwork& network) {
     }
     return {};
   }
-  return {translator_.add_material(*surface, displaced), displaced ? displaced->needed_primvar() : ""};
+  Bound found;
+  for (const NeededPrimvar& each : surface->primvars) found.needed_primvars.push_back(each.name);
+  if (displaced && !displaced->needed_primvar().empty())
+    found.needed_primvars.push_back(displaced->needed_primvar());
+  found.number = translator_.add_material(std::move(*surface), displaced);
+  return found;
 }
 
 void BoundMaterials::bind(const FrameShape& shape, MeshInput& mesh, std::vector<int>& face_materials) {
   std::set<std::string> needed;
   const auto number_of = [&](const std::string& path) {
     const Bound& found = path.empty() ? Bound{} : bound(path);
-    if (!found.needed_primvar.empty()) needed.insert(found.needed_primvar);
+    needed.insert(found.needed_primvars.begin(), found.needed_primvars.end());
     return found.number ? int(*found.number) : -1;
   };
   const int own = number_of(shape.material);

@@ -25,8 +25,8 @@ class BoundMaterials {
 
  private:
   struct Bound {
-    std::optional<std::uint32_t> number;  // none: displayColor shows
-    std::string needed_primvar{};         // by its displacement
+    std::optional<std::uint32_t> number{};  // none: displayColor shows
+    std::vector<std::string> needed_primvars{};
   };
 
   const Bound& bound(const std::string& path);

@@ -6,55 +6,18 @@
 #include <utility>
 
 #include "delegate/translate/look/shader_values.h"
+#include "delegate/translate/look/udim.h"
 
 namespace msbvh::translate {
 namespace {
 
 constexpr double kNone = 0.0;
 constexpr Rgba kScale{1.0, 1.0, 1.0, 1.0}, kBias{}, kFallback{0.0, 0.0, 0.0, 1.0};
-// UsdTransform2d nodes one behind the other. A circle of them has no end.
-constexpr int kMostTransforms = 64;
-
 // An output's channel; of all of them the first.
 std::size_t channel_of(std::string_view output) {
   constexpr std::string_view kOutputs[] = {"r", "g", "b", "a"};
   const auto found = std::ranges::find(kOutputs, output);
   return found == std::end(kOutputs) ? 0 : std::size_t(found - std::begin(kOutputs));
-}
-
-// `inner` is applied first.
-void prepend(const std::array<double, 4>& m, const std::array<double, 2>& offset, TextureCoordinates& outer) {
-  const std::array<double, 4> o = outer.matrix;
-  outer.offset = outer.mapped(offset[0], offset[1]);
-  outer.matrix = {o[0] * m[0] + o[1] * m[2], o[0] * m[1] + o[1] * m[3], o[2] * m[0] + o[3] * m[2],
-                  o[2] * m[1] + o[3] * m[3]};
-}
-
-double finite_number_or(double standard, const ShaderNode& node, std::string_view name) {
-  const ShaderValue* value = constant_of(node, name);
-  const std::optional<double> found = value ? as_kind_of(*value, standard) : std::nullopt;
-  return found && std::isfinite(*found) ? *found : standard;
-}
-
-// UDIM: tile 1001 covers the unit square, ten of them make a row.
-constexpr int kFirstTile = 1001, kTilesARow = 10, kLastTile = 1100;
-constexpr std::string_view kTileToken = "<UDIM>";
-
-bool is_tiled(const Asset& asset) { return asset.path.find(kTileToken) != std::string::npos; }
-
-// The number of a tile's file, from the digits that stand for the token: those before what follows it.
-std::optional<int> tile_of(const std::string& path, std::string_view file) {
-  const std::string_view after = std::string_view(path).substr(path.find(kTileToken) + kTileToken.size());
-  while (file.ends_with(']') && !after.ends_with(']')) file.remove_suffix(1);  // in a package
-  constexpr std::size_t kDigits = 4;
-  if (!file.ends_with(after) || file.size() < after.size() + kDigits) return std::nullopt;
-  file.remove_suffix(after.size());
-  int number = 0;
-  for (const char c : file.substr(file.size() - kDigits)) {
-    if (c < '0' || c > '9') return std::nullopt;
-    number = 10 * number + (c - '0');
-  }
-  return number >= kFirstTile && number <= kLastTile ? std::optional(number) : std::nullopt;
 }
 
 bool is_distance(double value) { return std::abs(value) <= kMaxDistance; }
@@ -76,12 +39,8 @@ class DisplacementReader {
   bool check_texels(const ShaderNode& texture, const Asset& asset, const std::vector<ScalarTile>& images);
   std::optional<Displacement> fallback(const ShaderInput& input, const ShaderNode& texture,
                                        const std::string& why);
-  TextureCoordinates coordinates_of(const ShaderNode& texture);
-  // A node that has texture coordinates, after all transforms; adds these.
-  const ShaderNode* behind_transforms(const ShaderNode* node, TextureCoordinates& coordinates) const;
   Wrap wrap_of(const ShaderNode& texture, std::string_view name, const std::string& metadata);
   std::optional<Displacement> checked(Displacement displacement, double largest);
-  const ShaderNode* source_of(const ShaderNode& node, std::string_view name) const;
   PrimLog log_at(const std::string& path) const { return log_.of_prim(path); }
 
   const ShaderNetwork& network_;
@@ -141,7 +100,7 @@ std::optional<Displacement> DisplacementReader::textured(const ShaderInput& inpu
   std::vector<ScalarTile> images = images_of(texture, *asset, channel);
   if (images.empty()) return fallback(input, texture, "@" + asset->path + "@ cannot be read");
   if (!check_texels(texture, *asset, images)) return std::nullopt;
-  Displacement found{.coordinates = coordinates_of(texture)};
+  Displacement found{.coordinates = coordinates_of(texture, network_, log_)};
   found.scale = finite_or(kScale, constant_of(texture, "scale"))[channel];
   found.bias = finite_or(kBias, constant_of(texture, "bias"))[channel];
   if (is_tiled(*asset)) {
@@ -166,11 +125,10 @@ std::vector<ScalarTile> DisplacementReader::images_of(const ShaderNode& texture,
     return images;
   }
   for (const std::string& file : asset.files) {
-    const std::optional<int> number = tile_of(asset.path, file);
-    if (!number) continue;
+    const std::optional<TilePlace> place = tile_place(asset, file);
+    if (!place) continue;
     auto image = textures_.channel({asset.path, {file}}, space, channel);
-    const int index = *number - kFirstTile;
-    if (image) images.push_back({index % kTilesARow, index / kTilesARow, std::move(*image)});
+    if (image) images.push_back({place->s, place->t, std::move(*image)});
   }
   return images;
 }
@@ -206,44 +164,6 @@ std::optional<Displacement> DisplacementReader::checked(Displacement displacemen
   log_.warn(full_name("displacement"),
             "found up to " + text(largest) + expected_distance() + "; drawn without displacement");
   return std::nullopt;
-}
-
-const ShaderNode* DisplacementReader::source_of(const ShaderNode& node, std::string_view name) const {
-  const ShaderInput* input = node.input(name);
-  return input && !input->connections.empty() ? network_.node(input->connections.front().node) : nullptr;
-}
-
-const ShaderNode* DisplacementReader::behind_transforms(const ShaderNode* node,
-                                                        TextureCoordinates& coordinates) const {
-  for (int i = 0; node && node->identifier == kTransform2d && i < kMostTransforms; ++i) {
-    const double radians = finite_number_or(0.0, *node, "rotation") * (std::numbers::pi / 180.0);
-    const double cosine = std::cos(radians), sine = std::sin(radians);
-    const auto scale = finite_or<2>({1.0, 1.0}, constant_of(*node, "scale"));
-    const auto translation = finite_or<2>({}, constant_of(*node, "translation"));
-    prepend({cosine * scale[0], -sine * scale[1], sine * scale[0], cosine * scale[1]}, translation,
-            coordinates);
-    coordinates.fallback = finite_or<2>({}, constant_of(*node, "in"));
-    node = source_of(*node, "in");
-  }
-  return node;
-}
-
-TextureCoordinates DisplacementReader::coordinates_of(const ShaderNode& texture) {
-  TextureCoordinates coordinates;
-  coordinates.fallback = finite_or<2>({}, constant_of(texture, "st"));
-  const ShaderNode* node = behind_transforms(source_of(texture, "st"), coordinates);
-  if (!node) return coordinates;
-  if (node->identifier == std::string(kPrimvarReader) + "_float2") {
-    coordinates.primvar = text_of(*node, "varname");
-    coordinates.fallback = finite_or<2>({}, constant_of(*node, "fallback"));
-    return coordinates;
-  }
-  const std::string what = node->identifier.empty() ? "node of no known type" : node->identifier;
-  log_at(texture.path)
-      .warn("inputs:st", "connected to a " + what + ", which is not evaluated yet; the texture is read at " +
-                             "(0, 0) throughout");
-  coordinates.fallback = {};
-  return coordinates;
 }
 
 // Black, where neither the node nor the file says another.

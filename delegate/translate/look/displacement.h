@@ -12,24 +12,13 @@
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/look/scalar_texture.h"
 #include "delegate/translate/look/shader_network.h"
+#include "delegate/translate/look/texture_coordinates.h"
 #include "delegate/translate/look/texture_source.h"
 
 namespace msbvh::translate {
 
 // Farther than any scene is wide; under any transform that makes sense, coordinates do not overflow.
 inline constexpr double kMaxDistance = 0x1p40;
-
-// Texture coordinates: what a primvar holds, mapped by UsdTransform2d nodes.
-struct TextureCoordinates {
-  std::string primvar{};                             // empty: the same everywhere
-  std::array<double, 2> fallback{};                  // what counts where a mesh has no such primvar
-  std::array<double, 4> matrix{1.0, 0.0, 0.0, 1.0};  // row by row
-  std::array<double, 2> offset{};
-
-  std::array<double, 2> mapped(double s, double t) const {
-    return {matrix[0] * s + matrix[1] * t + offset[0], matrix[2] * s + matrix[3] * t + offset[1]};
-  }
-};
 
 struct Displacement {
   Origin origin{};        // for messages: the input

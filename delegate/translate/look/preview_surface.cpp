@@ -2,46 +2,55 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <string>
 #include <utility>
 
+#include "delegate/translate/look/materialx.h"
 #include "delegate/translate/look/shader_values.h"
+#include "delegate/translate/look/surface_texture.h"
 
 namespace msbvh::translate {
 namespace {
 
 // UsdPreviewSurface's defaults, and UsdUVTexture's.
-constexpr Vec3d kDiffuseColor{0.18, 0.18, 0.18}, kEmissiveColor{}, kNormal{0.0, 0.0, 1.0};
+constexpr Vec3d kDiffuseColor{0.18, 0.18, 0.18}, kBlack{}, kNormal{0.0, 0.0, 1.0};
+constexpr double kMetallic = 0.0, kRoughness = 0.5, kIor = 1.5, kClearcoat = 0.0, kClearcoatRoughness = 0.01;
 constexpr double kOpacity = 1.0, kOpacityThreshold = 0.0;
-constexpr Rgba kScale{1.0, 1.0, 1.0, 1.0}, kBias{};
-
-// What an input of the surface is drawn as. Kind: double for a number, Vec3d for a colour.
-template <typename Kind>
-struct Constant {
-  Kind value;
-  bool from_primvar = false;  // the one that can be drawn; `value` where a mesh has none
-  bool is_mean = false;       // of the texture that it stands for
-};
+constexpr Rgba kFallback{0.0, 0.0, 0.0, 1.0}, kNormalFallback{0.0, 0.0, 1.0, 1.0};
+constexpr std::size_t kAlpha = 3;
 
 const char* expected(double) { return "a number"; }
 const char* expected(const Vec3d&) { return "three numbers"; }
 
-// What an output of a texture gives an input of a kind. Null: all channels, not one.
-const double* one_channel(const Rgba& texture, std::string_view output) {
+// A number's first, a colour's first three, the rest 0; of one number it is grey.
+double kind_of(std::span<const double> values, double) { return values[0]; }
+Vec3d kind_of(std::span<const double> values, const Vec3d&) {
+  if (values.size() == 1) return {values[0], values[0], values[0]};
+  return {values[0], values[1], values.size() > 2 ? values[2] : 0.0};
+}
+
+// Of a texture's outputs; none: all channels.
+std::optional<std::size_t> channel_of(std::string_view output) {
   constexpr std::string_view kOutputs[] = {"r", "g", "b", "a"};
   const auto found = std::ranges::find(kOutputs, output);
-  return found == std::end(kOutputs) ? nullptr : &texture[std::size_t(found - std::begin(kOutputs))];
+  return found == std::end(kOutputs) ? std::nullopt : std::optional(std::size_t(found - std::begin(kOutputs)));
 }
-// Of all channels, the last is an opacity.
-double output_of(const Rgba& texture, std::string_view output, double) {
-  const double* channel = one_channel(texture, output);
-  return channel ? *channel : texture[3];
+
+// How many numbers a UsdPrimvarReader reads; 0: something else.
+std::uint32_t width_of(std::string_view reader) {
+  constexpr std::pair<std::string_view, std::uint32_t> kTypes[] = {
+      {"_float", 1}, {"_int", 1},   {"_float2", 2}, {"_float3", 3},
+      {"_point", 3}, {"_normal", 3}, {"_vector", 3}, {"_float4", 4}};
+  reader.remove_prefix(kPrimvarReader.size());
+  for (const auto& [type, width] : kTypes) {
+    if (reader == type) return width;
+  }
+  return 0;
 }
-// One channel is grey.
-Vec3d output_of(const Rgba& texture, std::string_view output, const Vec3d&) {
-  const double* grey = one_channel(texture, output);
-  return grey ? Vec3d{*grey, *grey, *grey} : Vec3d{texture[0], texture[1], texture[2]};
-}
+
+template <typename Kind>
+constexpr bool kIsColor = std::is_same_v<Kind, Vec3d>;
 
 class SurfaceReader {
  public:
@@ -49,144 +58,297 @@ class SurfaceReader {
                 PrimLog log)
       : network_(network), surface_(surface), textures_(textures), log_(std::move(log)) {}
 
-  Material material();
+  SurfaceLook look();
 
  private:
-  void tell_of_the_rest();
-  // The surface's input of that name. `primvar`: what it may be driven by.
+  void read_specular();
+  void read_opacity();
+  // The surface's input of that name: its constant, or what stands where what drives it says nothing.
   template <typename Kind>
-  Constant<Kind> input(std::string_view name, const Kind& standard, std::string_view primvar = {});
+  Kind input(std::string_view name, SurfaceInput which, const Kind& standard);
   template <typename Kind>
-  Constant<Kind> connected(const ShaderInput& input, const Kind& standard, std::string_view primvar);
+  Kind connected(const ShaderInput& input, SurfaceInput which, const Kind& standard);
   template <typename Kind>
-  Constant<Kind> textured(const ShaderInput& input, const ShaderNode& texture, const Kind& standard);
-  std::optional<Rgba> mean_of(const ShaderNode& texture) const;
-  // What a node says is drawn in its place; none: nothing. `output`: of a texture, whose fallback may have
-  // four channels.
+  Kind textured(const ShaderInput& input, SurfaceInput which, const ShaderNode& texture, const Kind& standard);
   template <typename Kind>
-  std::optional<Kind> fallback_of(const ShaderNode& node, const Kind& standard, const std::string* output);
+  Kind by_primvar(const ShaderInput& input, SurfaceInput which, const ShaderNode& reader,
+                  const Kind& standard);
+  // From 0 to 1.
+  double share(std::string_view name, SurfaceInput which, double standard);
+  double refractive_index();
+  // Of what nothing may drive.
+  double constant(std::string_view name, double standard);
+  std::string option(std::string_view name, std::span<const std::string_view> choices);
+  bool uses_specular_workflow();
+
+  // Whether the appearance's own displayColor or displayOpacity drives it.
+  bool is_by_display(SurfaceInput which, const std::string& primvar, std::uint32_t width);
+  // Its number in the material; none: it has no file.
+  std::optional<std::uint32_t> texture_read(const ShaderNode& texture, SurfaceInput which, NoFile& no_file);
+  PrimvarName primvar(const std::string& name, std::uint32_t width);
+  // What a node says is drawn in its place; none: nothing.
+  template <typename Kind>
+  std::optional<Kind> fallback_of(const ShaderNode& node, const Kind& standard, std::uint32_t width);
   std::string primvar_of(const ShaderNode& reader);
   // `standard`, with a warning, where the value is of another kind.
   template <typename Kind>
   Kind number_or(const Kind& standard, const ShaderValue& value, const Origin& origin);
+  void warn_of_change(const ShaderInput& input);
   PrimLog log_at(const std::string& path) const { return log_.of_prim(path); }
 
   const ShaderNetwork& network_;
   const ShaderNode& surface_;
   const TextureSource& textures_;
   PrimLog log_;  // of the surface
+  SurfaceLook look_;
+  std::map<std::pair<std::string, bool>, std::optional<std::uint32_t>> reads_;  // by texture, and if a normal
+  std::map<std::string, NoFile> no_files_;
 };
 
-Material SurfaceReader::material() {
-  tell_of_the_rest();
-  const Constant<Vec3d> diffuse = input("diffuseColor", kDiffuseColor, "displayColor");
-  const Constant<Vec3d> emissive = input("emissiveColor", kEmissiveColor, "displayColor");
-  const Constant<double> opacity = input("opacity", kOpacity, "displayOpacity");
-  // The mean of a cutout is how much of it is there: a threshold would make it all or nothing.
-  const double threshold =
-      opacity.is_mean ? kOpacityThreshold : input("opacityThreshold", kOpacityThreshold).value;
-  return {.name = network_.path,
-          .diffuse_color = Vec3f(diffuse.value),
-          .diffuse_from_display_color = diffuse.from_primvar,
-          .emissive_color = Vec3f(emissive.value),
-          .emissive_from_display_color = emissive.from_primvar,
-          .opacity = float(opacity.value),
-          .opacity_from_display_opacity = opacity.from_primvar,
-          .opacity_threshold = float(threshold)};
+SurfaceLook SurfaceReader::look() {
+  Material& material = look_.material;
+  material.name = network_.path;
+  material.diffuse_color = Vec3f(input("diffuseColor", SurfaceInput::kDiffuseColor, kDiffuseColor));
+  material.emissive_color = Vec3f(input("emissiveColor", SurfaceInput::kEmissiveColor, kBlack));
+  read_opacity();
+  read_specular();
+  material.normal = Vec3f(input("normal", SurfaceInput::kNormal, kNormal));
+  return std::move(look_);
 }
 
-// Names what a diffuse surface does not show. Every UsdPreviewSurface has a specular part: one note for all
-// of them.
-void SurfaceReader::tell_of_the_rest() {
-  log_.note_in_common(
-      "", "UsdPreviewSurface is drawn as diffuse; specular, metallic and clearcoat are not supported yet");
-  const auto tell_unless_neutral = [&](const char* name, const auto& neutral) {
-    const ShaderInput* found = surface_.input(name);
-    if (found && has_effect(*found, neutral)) {
-      log_.warn_in_common(full_name(name), "not supported yet; drawn without it");
-    }
-  };
-  tell_unless_neutral("normal", kNormal);
-}
-
-template <typename Kind>
-Constant<Kind> SurfaceReader::input(std::string_view name, const Kind& standard, std::string_view primvar) {
-  const ShaderInput* found = surface_.input(name);
-  if (!found) return {standard};
-  if (!found->connections.empty()) return connected(*found, standard, primvar);
-  const Origin origin = origin_of(surface_, *found);
-  if (found->in_shutter.size() > 1) {
-    log_at(origin.path)
-        .warn_in_common(origin.attribute,
-                        "changes within the shutter; held the frame's value, as Hydra does");
-  }
-  return {found->value ? number_or(standard, *found->value, origin) : standard};
-}
-
-template <typename Kind>
-Constant<Kind> SurfaceReader::connected(const ShaderInput& input, const Kind& standard,
-                                        std::string_view primvar) {
-  const ShaderNode* node = network_.node(input.connections.front().node);
-  if (node && node->identifier == kTexture) return textured(input, *node, standard);
-  std::string what = node && !node->identifier.empty() ? node->identifier : "node of no known type";
-  const Kind drawn = node ? fallback_of(*node, standard, nullptr).value_or(standard) : standard;
-  if (what.starts_with(kPrimvarReader)) {
-    const std::string read = primvar_of(*node);
-    if (!primvar.empty() && read == primvar) return {drawn, true};
-    what += " of '" + read + "'";
-  }
-  log_.warn_in_common(full_name(input.name),
-                      "connected to a " + what + ", which is not evaluated yet; drawn as " + text(drawn));
-  return {drawn};
-}
-
-// What stands in for a texture: its mean, else its fallback, else the input's default.
-template <typename Kind>
-Constant<Kind> SurfaceReader::textured(const ShaderInput& input, const ShaderNode& texture,
-                                       const Kind& standard) {
-  const std::string& output = input.connections.front().output;
-  Constant<Kind> found{standard};
-  std::string drawn;
-  if (const std::optional<Rgba> mean = mean_of(texture)) {
-    found = {output_of(*mean, output, standard), false, true};
-    drawn = "drawn as the mean of its texture";
+// Fresnel reflectance tends to 1 at grazing angles by the specification's Schlick, whatever the rest says,
+// black specularColor and an ior of 1 included: the surface reflects unless it is nowhere.
+void SurfaceReader::read_specular() {
+  Material& material = look_.material;
+  material.specular_workflow = uses_specular_workflow();
+  if (material.specular_workflow) {
+    material.specular_color = Vec3f(input("specularColor", SurfaceInput::kSpecularColor, kBlack));
   } else {
-    const std::optional<Kind> fallback = fallback_of(texture, standard, &output);
-    found.value = fallback.value_or(standard);
-    const ShaderValue* file = constant_of(texture, "file");
-    const auto* asset = file ? std::get_if<Asset>(&file->data) : nullptr;
-    const std::string why =
-        asset && !asset->path.empty() ? "@" + asset->path + "@ cannot be read" : "it names no file";
-    drawn = why + (fallback ? ", drawn as its fallback, " : ", and it has no fallback: drawn as ") +
-            text(found.value);
+    material.metallic = float(share("metallic", SurfaceInput::kMetallic, kMetallic));
   }
-  log_.warn_in_common(full_name(input.name),
-                      "connected to a " + std::string(kTexture) + ", which is not evaluated yet; " + drawn);
-  return found;
+  material.roughness = float(share("roughness", SurfaceInput::kRoughness, kRoughness));
+  material.ior = float(refractive_index());
+  material.clearcoat = float(share("clearcoat", SurfaceInput::kClearcoat, kClearcoat));
+  material.clearcoat_roughness =
+      float(share("clearcoatRoughness", SurfaceInput::kClearcoatRoughness, kClearcoatRoughness));
+  const bool by_constant =
+      !material.opacity_from_display_opacity &&
+      std::ranges::find(material.driven, SurfaceInput::kOpacity, &DrivenInput::input) == material.driven.end();
+  const bool nowhere = by_constant && !material.transparent_reflects &&
+                       (material.opacity <= 0.0f || material.opacity < material.opacity_threshold);
+  material.specular = !nowhere;
 }
 
-// With scale and bias.
-std::optional<Rgba> SurfaceReader::mean_of(const ShaderNode& texture) const {
-  const ShaderValue* file = constant_of(texture, "file");
-  const auto* asset = file ? std::get_if<Asset>(&file->data) : nullptr;
-  if (!asset || asset->path.empty()) return std::nullopt;
-  const ShaderValue* space = constant_of(texture, "sourceColorSpace");
-  const auto* named = space ? std::get_if<std::string>(&space->data) : nullptr;
-  std::optional<Rgba> mean = textures_.mean(*asset, named ? std::string_view(*named) : "auto");
-  if (!mean) return std::nullopt;
-  const Rgba scale = finite_or(kScale, constant_of(texture, "scale"));
-  const Rgba bias = finite_or(kBias, constant_of(texture, "bias"));
-  for (std::size_t i = 0; i < mean->size(); ++i) (*mean)[i] = (*mean)[i] * scale[i] + bias[i];
-  return mean;
+// A threshold makes of opacity a presence, whatever the mode says.
+void SurfaceReader::read_opacity() {
+  constexpr std::string_view kModes[] = {"transparent", "presence"};
+  Material& material = look_.material;
+  material.opacity = float(input("opacity", SurfaceInput::kOpacity, kOpacity));
+  material.opacity_threshold = float(constant("opacityThreshold", kOpacityThreshold));
+  const bool presence = option("opacityMode", kModes) == "presence";
+  material.transparent_reflects = !presence && !(material.opacity_threshold > 0.0f);
+}
+
+template <typename Kind>
+Kind SurfaceReader::input(std::string_view name, SurfaceInput which, const Kind& standard) {
+  const ShaderInput* found = surface_.input(name);
+  if (!found) return standard;
+  if (!found->connections.empty()) return connected(*found, which, standard);
+  warn_of_change(*found);
+  return found->value ? number_or(standard, *found->value, origin_of(surface_, *found)) : standard;
+}
+
+void SurfaceReader::warn_of_change(const ShaderInput& input) {
+  if (input.in_shutter.size() <= 1) return;
+  const Origin origin = origin_of(surface_, input);
+  log_at(origin.path)
+      .warn_in_common(origin.attribute,
+                      "changes within the shutter; held the frame's value, as Hydra does");
+}
+
+double SurfaceReader::constant(std::string_view name, double standard) {
+  const ShaderInput* found = surface_.input(name);
+  if (!found) return standard;
+  if (!found->connections.empty()) {
+    log_.warn_in_common(full_name(name),
+                        "connected to another node, which is not evaluated here; taken as " + text(standard));
+    return standard;
+  }
+  warn_of_change(*found);
+  return found->value ? number_or(standard, *found->value, origin_of(surface_, *found)) : standard;
+}
+
+double SurfaceReader::share(std::string_view name, SurfaceInput which, double standard) {
+  const double found = input(name, which, standard);
+  const double share = std::clamp(found, 0.0, 1.0);  // NaN stays
+  if (found < 0.0 || found > 1.0) {
+    const Origin origin = origin_of(surface_, *surface_.input(name));
+    log_at(origin.path)
+        .warn(origin.attribute, "found " + text(found) + ", expected 0 to 1; taken as " + text(share));
+  }
+  return share;
+}
+
+double SurfaceReader::refractive_index() {
+  const double found = input("ior", SurfaceInput::kIor, kIor);
+  if (!(found <= 0.0)) return found;
+  const Origin origin = origin_of(surface_, *surface_.input("ior"));
+  log_at(origin.path)
+      .warn(origin.attribute, "found " + text(found) + ", expected a number above 0; taken as " + text(kIor));
+  return kIor;
+}
+
+// The first choice where none is authored.
+std::string SurfaceReader::option(std::string_view name, std::span<const std::string_view> choices) {
+  const ShaderValue* value = constant_of(surface_, name);
+  const std::string found = text_of(surface_, name);
+  if (!value || std::ranges::find(choices, found) != choices.end())
+    return value ? found : std::string(choices.front());
+  const Origin origin = origin_of(surface_, *surface_.input(name));
+  log_at(origin.path)
+      .warn(origin.attribute, "found " + value->text + ", expected " + std::string(choices.front()) + " or " +
+                                  std::string(choices.back()) + "; took the first");
+  return std::string(choices.front());
+}
+
+bool SurfaceReader::uses_specular_workflow() {
+  const ShaderValue* value = constant_of(surface_, "useSpecularWorkflow");
+  if (!value) return false;
+  if (const auto* flag = std::get_if<bool>(&value->data)) return *flag;
+  return constant("useSpecularWorkflow", 0.0) != 0.0;
+}
+
+template <typename Kind>
+Kind SurfaceReader::connected(const ShaderInput& input, SurfaceInput which, const Kind& standard) {
+  const ShaderNode* node = network_.node(input.connections.front().node);
+  if (node && node->identifier == kTexture) return textured(input, which, *node, standard);
+  if (node && node->identifier.starts_with(kPrimvarReader) && width_of(node->identifier) != 0)
+    return by_primvar(input, which, *node, standard);
+  const std::string what = node && !node->identifier.empty() ? node->identifier : "node of no known type";
+  const Kind drawn =
+      node ? fallback_of(*node, standard, kIsColor<Kind> ? 3 : 1).value_or(standard) : standard;
+  log_.warn_in_common(full_name(input.name),
+                      "connected to a " + what + ", which is not evaluated; drawn as " + text(drawn));
+  return drawn;
+}
+
+// Of a texture without a file: its fallback, else the input's default.
+template <typename Kind>
+Kind SurfaceReader::textured(const ShaderInput& input, SurfaceInput which, const ShaderNode& texture,
+                             const Kind& standard) {
+  const std::string& output = input.connections.front().output;
+  const std::optional<std::size_t> channel = channel_of(output);
+  // Of all channels, the last is an opacity.
+  const std::size_t one = channel.value_or(which == SurfaceInput::kOpacity ? kAlpha : 0);
+  if (!channel && !kIsColor<Kind> && which != SurfaceInput::kOpacity) {
+    log_.warn_in_common(full_name(input.name),
+                        "connected to all channels of a texture, expected one; its red one is read");
+  }
+  NoFile no_file;
+  if (const std::optional<std::uint32_t> read = texture_read(texture, which, no_file)) {
+    const bool grey = kIsColor<Kind> && channel.has_value();
+    const bool all = kIsColor<Kind> && !grey;
+    look_.material.driven.push_back(
+        {which, DrivenInput::Source::kTexture, *read, std::uint8_t(all ? 0 : one), grey});
+    return standard;
+  }
+  const ShaderValue* value = constant_of(texture, "fallback");
+  std::vector<double> fallback = value ? numbers_of(*value) : std::vector<double>{};
+  Kind drawn = standard;
+  if (value && fallback.size() == 4) {
+    const std::span<const double> all(fallback);
+    drawn = kind_of(kIsColor<Kind> && !channel ? all.first(3) : all.subspan(one, 1), standard);
+  } else if (value) {
+    drawn = number_or(standard, *value, {texture.path, full_name("fallback")});
+  }
+  log_.warn_in_common(full_name(input.name),
+                      "connected to a " + std::string(kTexture) + "; " + no_file.why +
+                          (value ? ", drawn as its fallback, " : ", and it has no fallback: drawn as ") +
+                          text(drawn));
+  return drawn;
+}
+
+std::optional<std::uint32_t> SurfaceReader::texture_read(const ShaderNode& node, SurfaceInput which,
+                                                         NoFile& no_file) {
+  const bool normal = which == SurfaceInput::kNormal;
+  const std::pair key{node.path, normal};
+  const auto known = reads_.find(key);
+  if (known != reads_.end()) {
+    no_file = no_files_[node.path];
+    return known->second;
+  }
+  const std::optional<SurfaceTexture> found =
+      surface_texture(node, network_, textures_, normal ? kNormalFallback : kFallback, log_, no_file);
+  no_files_[node.path] = no_file;
+  if (!found) return reads_[key] = std::nullopt;
+  const auto texture = std::ranges::find(look_.textures, found->image);
+  TextureRead read;
+  read.texture = TextureId(texture - look_.textures.begin());
+  if (texture == look_.textures.end()) look_.textures.push_back(found->image);
+  const TextureCoordinates& st = found->coordinates;
+  if (!st.primvar.empty()) read.coordinates = primvar(st.primvar, 2);
+  std::ranges::transform(st.fallback, read.fallback_coordinates.begin(), [](double x) { return float(x); });
+  std::ranges::transform(st.matrix, read.matrix.begin(), [](double x) { return float(x); });
+  std::ranges::transform(st.offset, read.offset.begin(), [](double x) { return float(x); });
+  std::ranges::transform(found->scale, read.scale.begin(), [](double x) { return float(x); });
+  std::ranges::transform(found->bias, read.bias.begin(), [](double x) { return float(x); });
+  std::vector<TextureRead>& all = look_.material.texture_reads;
+  const auto same = std::ranges::find(all, read);
+  const auto number = std::uint32_t(same - all.begin());
+  if (same == all.end()) all.push_back(read);
+  return reads_[key] = number;
+}
+
+PrimvarName SurfaceReader::primvar(const std::string& name, std::uint32_t width) {
+  const auto found = std::ranges::find(look_.primvars, name, &NeededPrimvar::name);
+  const auto number = PrimvarName(found - look_.primvars.begin());
+  if (found == look_.primvars.end()) {
+    look_.primvars.push_back({name, width});
+  } else {
+    found->width = std::max(found->width, width);
+  }
+  return number;
+}
+
+bool SurfaceReader::is_by_display(SurfaceInput which, const std::string& primvar, std::uint32_t width) {
+  Material& material = look_.material;
+  if (primvar == "displayColor" && width >= 3) {
+    if (which == SurfaceInput::kDiffuseColor) return material.diffuse_from_display_color = true;
+    if (which == SurfaceInput::kEmissiveColor) return material.emissive_from_display_color = true;
+  }
+  if (primvar == "displayOpacity" && width == 1 && which == SurfaceInput::kOpacity)
+    return material.opacity_from_display_opacity = true;
+  return false;
+}
+
+template <typename Kind>
+Kind SurfaceReader::by_primvar(const ShaderInput& input, SurfaceInput which, const ShaderNode& reader,
+                               const Kind& standard) {
+  const std::uint32_t width = width_of(reader.identifier);
+  const Kind fallback = fallback_of(reader, standard, width).value_or(standard);
+  const std::string name = primvar_of(reader);
+  if (name.empty()) {
+    log_.warn_in_common(full_name(input.name), "connected to a " + reader.identifier +
+                                                   " that names no primvar; drawn as " + text(fallback));
+    return fallback;
+  }
+  if (!kIsColor<Kind> && width > 1) {
+    log_.warn_in_common(full_name(input.name),
+                        "connected to a " + reader.identifier + ", expected one number; its first is read");
+  }
+  if (is_by_display(which, name, width)) return fallback;
+  look_.material.driven.push_back({which, DrivenInput::Source::kPrimvar, primvar(name, width), 0,
+                                   kIsColor<Kind> && width == 1});
+  return fallback;
 }
 
 template <typename Kind>
 std::optional<Kind> SurfaceReader::fallback_of(const ShaderNode& node, const Kind& standard,
-                                               const std::string* output) {
+                                               std::uint32_t width) {
   const ShaderValue* value = constant_of(node, "fallback");
   if (!value) return std::nullopt;
-  const std::optional<Rgba> channels = output ? numbers<4>(*value) : std::nullopt;
-  if (channels) return output_of(*channels, *output, standard);
+  const std::vector<double> found = numbers_of(*value);
+  if (found.size() == width) return kind_of(found, standard);
   return number_or(standard, *value, {node.path, full_name("fallback")});
 }
 
@@ -212,7 +374,9 @@ Kind SurfaceReader::number_or(const Kind& standard, const ShaderValue& value, co
 
 std::span<const std::string_view> evaluated_inputs(std::string_view identifier) {
   static constexpr std::string_view kOfSurface[] = {
-      "diffuseColor", "emissiveColor", "opacity", "opacityThreshold", "normal", "displacement", "fallback"};
+      "diffuseColor", "emissiveColor", "useSpecularWorkflow", "specularColor",    "metallic",
+      "roughness",    "clearcoat",     "clearcoatRoughness",  "opacity",          "opacityMode",
+      "ior",          "normal",        "opacityThreshold",    "displacement",     "fallback"};
   static constexpr std::string_view kOfTexture[] = {
       "file", "sourceColorSpace", "st", "wrapS", "wrapT", "scale", "bias", "fallback"};
   static constexpr std::string_view kOfTransform[] = {"in", "rotation", "scale", "translation", "fallback"};
@@ -221,17 +385,27 @@ std::span<const std::string_view> evaluated_inputs(std::string_view identifier) 
   if (identifier == kPreviewSurface) return kOfSurface;
   if (identifier == kTexture) return kOfTexture;
   if (identifier == kTransform2d) return kOfTransform;
-  return identifier.starts_with(kPrimvarReader) ? std::span<const std::string_view>(kOfReader) : kOfOthers;
+  if (identifier.starts_with(kPrimvarReader)) return kOfReader;
+  if (identifier == "ND_UsdPreviewSurface_surfaceshader") return kOfSurface;
+  const std::span<const std::string_view> of_materialx = materialx_inputs(identifier);
+  return of_materialx.empty() ? std::span<const std::string_view>(kOfOthers) : of_materialx;
 }
 
-std::optional<Material> preview_surface(const ShaderNetwork& network, const TextureSource& textures,
-                                        std::vector<Diagnostic>& diagnostics) {
+int surface_rank(std::string_view identifier) {
+  if (identifier == kPreviewSurface) return 0;
+  return is_materialx_surface(identifier) ? 1 : 2;
+}
+
+std::optional<SurfaceLook> preview_surface(const ShaderNetwork& network, const TextureSource& textures,
+                                           std::vector<Diagnostic>& diagnostics) {
   const auto terminal = network.terminals.find("surface");
   const ShaderNode* surface =
       terminal == network.terminals.end() ? nullptr : network.node(terminal->second.node);
   if (surface && surface->identifier == kPreviewSurface) {
-    return SurfaceReader(network, *surface, textures, PrimLog(diagnostics, surface->path)).material();
+    return SurfaceReader(network, *surface, textures, PrimLog(diagnostics, surface->path)).look();
   }
+  if (surface && is_materialx_surface(surface->identifier))
+    return preview_surface(as_preview_network(network, diagnostics), textures, diagnostics);
   std::string found = "no surface shader that can be read";
   if (surface) {
     found = "a surface shader " + (surface->identifier.empty() ? "of no known type" : surface->identifier);

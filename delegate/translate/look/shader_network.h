@@ -16,6 +16,9 @@ namespace msbvh::translate {
 struct Asset {
   std::string path;                  // as authored
   std::vector<std::string> files{};  // resolved: one, a UDIM texture's tiles in order, or none
+  // What the stage says that the file holds, for all who read it (an attribute's colorSpace, ColorSpaceAPI);
+  // empty: nothing.
+  std::string color_space{};
 };
 
 // A vector has two to four numbers of any precision; tokens are strings. std::monostate: of another type,

@@ -23,6 +23,38 @@ std::optional<Vec3d> as_kind_of(const ShaderValue& value, const Vec3d&) {
   return found ? std::optional(Vec3d{(*found)[0], (*found)[1], (*found)[2]}) : std::nullopt;
 }
 
+std::vector<double> numbers_of(const ShaderValue& value) {
+  if (const auto* number = std::get_if<double>(&value.data)) return {*number};
+  const auto* vector = std::get_if<std::vector<double>>(&value.data);
+  return vector ? *vector : std::vector<double>{};
+}
+
+std::string text(std::span<const double> values) {
+  if (values.size() == 1) return text(values[0]);
+  std::string result;
+  for (const double value : values) result += (result.empty() ? "(" : ", ") + text(value);
+  return result + ")";
+}
+
+void warn_of_number(const ShaderValue& found, const ShaderNode& node, std::string_view name,
+                    std::size_t expected_count, std::span<const double> instead, const PrimLog& log) {
+  constexpr const char* kCounts[] = {"no", "a finite number", "two finite numbers", "three finite numbers",
+                                     "four finite numbers"};
+  const Origin origin = origin_of(node, *node.input(name));
+  log.of_prim(origin.path)
+      .warn(origin.attribute,
+            "found " + found.text + ", expected " + kCounts[expected_count] + "; taken as " + text(instead));
+}
+
+double checked_number(double standard, const ShaderNode& node, std::string_view name, const PrimLog& log) {
+  const ShaderValue* value = constant_of(node, name);
+  if (!value) return standard;
+  const std::optional<double> found = as_kind_of(*value, standard);
+  if (found && std::isfinite(*found)) return *found;
+  warn_of_number(*value, node, name, 1, {&standard, 1}, log);
+  return standard;
+}
+
 const ShaderValue* constant_of(const ShaderNode& node, std::string_view name) {
   const ShaderInput* input = node.input(name);
   return input && input->connections.empty() && input->value ? &*input->value : nullptr;

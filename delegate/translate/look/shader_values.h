@@ -6,10 +6,13 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/vec.h"
+#include "delegate/translate/diagnostics.h"
 #include "delegate/translate/look/shader_network.h"
 
 namespace msbvh::translate {
@@ -49,6 +52,29 @@ std::array<double, kSize> finite_or(const std::array<double, kSize>& standard, c
   const bool finite =
       found && std::ranges::all_of(*found, [](double number) { return std::isfinite(number); });
   return finite ? *found : standard;
+}
+
+void warn_of_number(const ShaderValue& found, const ShaderNode& node, std::string_view name,
+                    std::size_t expected_count, std::span<const double> instead, const PrimLog& log);
+
+// All numbers of a value: one, or a vector's. Empty: it has none.
+std::vector<double> numbers_of(const ShaderValue& value);
+
+std::string text(std::span<const double> values);  // "(0, 1)", of one "0"
+
+// An authored number; the standard where there is none or, with a warning, where it is no finite one.
+double checked_number(double standard, const ShaderNode& node, std::string_view name, const PrimLog& log);
+
+// Likewise of so many.
+template <std::size_t kSize>
+std::array<double, kSize> checked_numbers(const std::array<double, kSize>& standard, const ShaderNode& node,
+                                          std::string_view name, const PrimLog& log) {
+  const ShaderValue* value = constant_of(node, name);
+  if (!value) return standard;
+  const auto found = numbers<kSize>(*value);
+  if (found && std::ranges::all_of(*found, [](double number) { return std::isfinite(number); })) return *found;
+  warn_of_number(*value, node, name, kSize, standard, log);
+  return standard;
 }
 
 // Whether the input is connected or, at any time of the shutter, not neutral.

@@ -4,24 +4,27 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 
+#include "core/texture/image_texture.h"
 #include "delegate/translate/look/scalar_texture.h"
 #include "delegate/translate/look/shader_network.h"
 
 namespace msbvh::translate {
 
-using Rgba = std::array<double, 4>;  // linear red, green and blue, and alpha
+using Rgba = std::array<double, 4>;  // red, green, blue and alpha
 
 class TextureSource {
  public:
   virtual ~TextureSource() = default;
 
-  // Every texel counts alike. None where the texture cannot be read. `colour_space` is UsdUVTexture's
-  // sourceColorSpace: raw, sRGB, or auto, as which anything else counts.
-  virtual std::optional<Rgba> mean(const Asset& texture, std::string_view colour_space) const = 0;
-  // All texels of one of red, green, blue and alpha (0 to 3), likewise; of a source that knows no texels
-  // none.
+  // Where the bytes of a resolved file are: of one in a package, their place in it. None: nowhere as they
+  // stand, such as in a package within a package.
+  virtual std::optional<TextureFile> locate(const std::string& file) const { return TextureFile{file}; }
+  // For displacement: all texels of one of red, green, blue and alpha (0 to 3); of a source that knows no
+  // texels none. `colour_space` is UsdUVTexture's sourceColorSpace: raw, sRGB, or auto, as which anything else
+  // counts.
   virtual std::optional<ScalarImage> channel(const Asset&, std::string_view, std::size_t) const {
     return std::nullopt;
   }

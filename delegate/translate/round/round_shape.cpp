@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "delegate/translate/material_primvars.h"
 #include "delegate/translate/primvar_track.h"
 #include "delegate/translate/primvars.h"
 
@@ -259,8 +260,22 @@ std::vector<RoundVertex> RoundShape::vertices(const MovingArray& points, const C
   return out;
 }
 
+void RoundShape::add_primvars(const MeshInput& input, const MaterialTable& materials,
+                              std::uint32_t max_segments, Appearance& look, PrimLog& optional) const {
+  const auto shown = [&]<typename T>(const PrimvarInput<T>& primvar, const std::string& attribute) {
+    if (!check_colors(primvar, attribute, optional)) return Primvar<T>{};
+    return expanded(primvar, attribute, max_segments, optional);
+  };
+  look.display_color = shown(input.display_color, "primvars:displayColor");
+  look.display_opacity = shown(input.display_opacity, "primvars:displayOpacity");
+  look.primvars = material_primvars(input, materials, [&](const NamedPrimvar& named) {
+    return shown(named.primvar, full_name(named));
+  });
+}
+
 Curves RoundShape::curves(const MeshInput& input, const MovingArray& points, const Candidate& track,
-                          std::uint32_t max_segments, PrimLog& optional) const {
+                          const MaterialTable& materials, std::uint32_t max_segments,
+                          PrimLog& optional) const {
   Curves out;
   out.shape.name = input.path;
   out.shape.segments = track.form().segments;
@@ -275,25 +290,20 @@ Curves RoundShape::curves(const MeshInput& input, const MovingArray& points, con
   out.shape.spans = curves_->spans;
   out.shape.loops = curves_->loops;
   out.span_curves = curves_->span_curves;
-  if (check_colors(input.display_color, "primvars:displayColor", optional))
-    out.display_color = expanded(input.display_color, "primvars:displayColor", max_segments, optional);
-  if (check_colors(input.display_opacity, "primvars:displayOpacity", optional))
-    out.display_opacity = expanded(input.display_opacity, "primvars:displayOpacity", max_segments, optional);
+  add_primvars(input, materials, max_segments, out, optional);
   return out;
 }
 
 Points RoundShape::points(const MeshInput& input, const MovingArray& points, const Candidate& track,
-                          std::uint32_t max_segments, PrimLog& optional) const {
+                          const MaterialTable& materials, std::uint32_t max_segments,
+                          PrimLog& optional) const {
   Points out;
   out.shape.name = input.path;
   out.shape.segments = track.form().segments;
   out.shape.degree = track.form().degree;
   out.shape.point_count = std::uint32_t(point_count_);
   out.shape.vertices = vertices(points, track);
-  if (check_colors(input.display_color, "primvars:displayColor", optional))
-    out.display_color = expanded(input.display_color, "primvars:displayColor", max_segments, optional);
-  if (check_colors(input.display_opacity, "primvars:displayOpacity", optional))
-    out.display_opacity = expanded(input.display_opacity, "primvars:displayOpacity", max_segments, optional);
+  add_primvars(input, materials, max_segments, out, optional);
   return out;
 }
 

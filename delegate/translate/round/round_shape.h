@@ -9,6 +9,7 @@
 #include "core/scene/points.h"
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/inputs.h"
+#include "delegate/translate/material_table.h"
 #include "delegate/translate/moving_array.h"
 #include "delegate/translate/round/curve_basis.h"
 #include "delegate/translate/round/curve_normals.h"
@@ -36,9 +37,9 @@ class RoundShape {
 
   // On a track of the points; a radius is scaled as its place's transform scales the mean of the axes.
   Curves curves(const MeshInput& input, const MovingArray& points, const Candidate& track,
-                std::uint32_t max_segments, PrimLog& optional) const;
+                const MaterialTable& materials, std::uint32_t max_segments, PrimLog& optional) const;
   Points points(const MeshInput& input, const MovingArray& points, const Candidate& track,
-                std::uint32_t max_segments, PrimLog& optional) const;
+                const MaterialTable& materials, std::uint32_t max_segments, PrimLog& optional) const;
 
  private:
   explicit RoundShape(std::size_t points) : point_count_(points) {}
@@ -50,6 +51,8 @@ class RoundShape {
                       PrimLog& log) const;
   template <typename T>
   void expand(const std::string& interpolation, const std::vector<T>& authored, std::vector<T>& out) const;
+  void add_primvars(const MeshInput& input, const MaterialTable& materials, std::uint32_t max_segments,
+                    Appearance& look, PrimLog& optional) const;
   std::uint32_t scale_segments(const TransformTrack& transform, const ScreenMeasure& measure,
                                const Box3d& box, const FitSettings& settings) const;
   bool read_widths(const MeshInput& input, std::uint32_t max_segments, PrimLog& log);

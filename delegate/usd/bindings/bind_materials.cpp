@@ -1,6 +1,5 @@
 // Shading networks, attribute by attribute, and what they mean (delegate/translate/look).
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
@@ -26,18 +25,21 @@ namespace {
 
 using namespace msbvh::translate;
 
-// A function of the files and the colour space that gives (r, g, b, a) or None.
-class PythonTextures : public TextureSource {
+// A function of a resolved file that gives (path, offset, bytes) or None.
+class PythonFiles : public TextureSource {
  public:
-  explicit PythonTextures(nb::handle mean) : mean_(mean) {}
+  explicit PythonFiles(nb::handle locate) : locate_(locate) {}
 
-  std::optional<Rgba> mean(const Asset& texture, std::string_view colour_space) const override {
-    const nb::object found = mean_(texture.files, std::string(colour_space));
-    return value_from<std::optional<Rgba>>(found, "mean()", "four floats or None");
+  std::optional<TextureFile> locate(const std::string& file) const override {
+    const nb::object found = locate_(file);
+    if (found.is_none()) return std::nullopt;
+    using Place = std::tuple<std::string, std::uint64_t, std::uint64_t>;
+    const auto [path, offset, bytes] = value_from<Place>(found, "locate()", "(str, int, int) or None");
+    return TextureFile{path, offset, bytes};
   }
 
  private:
-  nb::handle mean_;
+  nb::handle locate_;
 };
 
 // A function of the files, the colour space and the channel that gives (float32[H, W], wrap modes of the file
@@ -46,7 +48,6 @@ class PythonTexels : public TextureSource {
  public:
   explicit PythonTexels(nb::handle channel) : channel_(channel) {}
 
-  std::optional<Rgba> mean(const Asset&, std::string_view) const override { return std::nullopt; }
   std::optional<ScalarImage> channel(const Asset& texture, std::string_view colour_space,
                                      std::size_t channel) const override {
     const nb::object found = channel_(texture.files, std::string(colour_space), channel);
@@ -81,25 +82,23 @@ void bind_displacement(nb::module_& m) {
   m.def("displacement", &displacement_of_network, "network"_a, "channel"_a);
 }
 
-// The keywords of Translator.add_material.
-nb::dict keywords_of(const Material& material) {
-  const auto tuple_of = [](const Vec3f& rgb) { return nb::make_tuple(rgb.x, rgb.y, rgb.z); };
-  nb::dict keywords;
-  keywords["name"] = material.name;
-  keywords["diffuse_color"] = tuple_of(material.diffuse_color);
-  keywords["diffuse_from_display_color"] = material.diffuse_from_display_color;
-  keywords["emissive_color"] = tuple_of(material.emissive_color);
-  keywords["emissive_from_display_color"] = material.emissive_from_display_color;
-  keywords["opacity"] = material.opacity;
-  keywords["opacity_from_display_opacity"] = material.opacity_from_display_opacity;
-  keywords["opacity_threshold"] = material.opacity_threshold;
-  return keywords;
+nb::tuple preview_surface_of(const ShaderNetwork& network, nb::handle locate) {
+  std::vector<Diagnostic> diagnostics;
+  std::optional<SurfaceLook> look = preview_surface(network, PythonFiles(locate), diagnostics);
+  return nb::make_tuple(look ? nb::cast(std::move(*look)) : nb::none(), diagnostics);
 }
 
-nb::tuple preview_surface_of(const ShaderNetwork& network, nb::handle mean) {
-  std::vector<Diagnostic> diagnostics;
-  const std::optional<Material> material = preview_surface(network, PythonTextures(mean), diagnostics);
-  return nb::make_tuple(material ? nb::object(keywords_of(*material)) : nb::none(), diagnostics);
+nb::list primvars_of(const SurfaceLook& look) {
+  nb::list result;
+  for (const NeededPrimvar& each : look.primvars) result.append(nb::make_tuple(each.name, each.width));
+  return result;
+}
+
+void bind_surface(nb::module_& m) {
+  nb::class_<SurfaceLook>(m, "SurfaceLook")
+      .def_prop_ro("name", [](const SurfaceLook& look) { return look.material.name; })
+      .def_prop_ro("primvars", &primvars_of);
+  m.def("preview_surface", &preview_surface_of, "network"_a, "locate"_a);
 }
 
 std::vector<std::string> input_names(const std::string& identifier) {
@@ -109,7 +108,9 @@ std::vector<std::string> input_names(const std::string& identifier) {
 
 void bind_values(nb::module_& m) {
   nb::class_<Asset>(m, "Asset")
-      .def(nb::init<std::string, std::vector<std::string>>(), "path"_a, "files"_a)
+      .def(nb::init<std::string, std::vector<std::string>, std::string>(), "path"_a, "files"_a,
+           "color_space"_a = "")
+      .def_ro("color_space", &Asset::color_space)
       .def_ro("path", &Asset::path)
       .def_ro("files", &Asset::files);
   nb::class_<ShaderValue>(m, "ShaderValue")
@@ -132,6 +133,7 @@ void bind_values(nb::module_& m) {
 void bind_materials(nb::module_& m) {
   bind_values(m);
   bind_displacement(m);
+  bind_surface(m);
   nb::class_<ShaderInput>(m, "ShaderInput")
       .def(nb::init<std::string, std::optional<ShaderValue>, std::vector<std::optional<ShaderValue>>,
                     std::vector<ShaderConnection>, std::optional<Origin>>(),
@@ -155,8 +157,9 @@ void bind_materials(nb::module_& m) {
       .def_ro("path", &ShaderNetwork::path)
       .def_ro("nodes", &ShaderNetwork::nodes)
       .def_ro("terminals", &ShaderNetwork::terminals);
+  m.def("surface_rank", [](const std::string& identifier) { return surface_rank(identifier); },
+        "identifier"_a);
   m.def("evaluated_inputs", &input_names, "identifier"_a);
-  m.def("preview_surface", &preview_surface_of, "network"_a, "mean"_a);
 }
 
 }  // namespace msbvh::python

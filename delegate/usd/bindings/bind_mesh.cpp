@@ -108,19 +108,18 @@ RoundInput round_from(const MeshObject& mesh, Borrowed& borrowed) {
   return result;
 }
 
-// A dictionary from a primvar's name to what display_color is.
-std::vector<NamedPrimvar> named_from(const nb::object& given, Borrowed& borrowed) {
+}  // namespace
+
+std::vector<NamedPrimvar> named_from(const nb::object& given, const char* name_of_all, Borrowed& borrowed) {
   std::vector<NamedPrimvar> result;
   if (given.is_none()) return result;
-  const auto primvars = value_from<nb::dict>(given, "named_primvars", "a dict");
+  const auto primvars = value_from<nb::dict>(given, name_of_all, "a dict");
   for (const auto& [key, value] : primvars) {
-    const auto name = value_from<std::string>(key, "named_primvars", "names as str");
+    const auto name = value_from<std::string>(key, name_of_all, "names as str");
     result.push_back({name, borrowed.primvar<Vec3f>(value, name)});
   }
   return result;
 }
-
-}  // namespace
 
 MeshObject::MeshObject() { set_to_none(*this, kAttributes); }
 
@@ -160,7 +159,7 @@ MeshInput MeshObject::input(Borrowed& borrowed) const {
   mesh.computed_normals = computed_normals_from(computed);
   mesh.display_color = borrowed.primvar<Vec3f>(display_color, "display_color");
   mesh.display_opacity = borrowed.primvar<float>(display_opacity, "display_opacity");
-  mesh.named_primvars = named_from(named_primvars, borrowed);
+  mesh.named_primvars = named_from(named_primvars, "named_primvars", borrowed);
   take(mesh.displaced, displaced, "displaced", "a bool");
   take(mesh.material, material, "material", "an int or None");
   mesh.face_materials = borrowed.ints(face_materials, "face_materials");

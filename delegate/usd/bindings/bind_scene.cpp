@@ -168,11 +168,12 @@ std::vector<std::string> mesh_names(const SceneHandle& handle) {
 }  // namespace
 
 void bind_scene(nb::module_& m) {
-  nb::class_<SceneHandle>(m, "Scene")
-      .def("statistics", &statistics)
+  nb::class_<SceneHandle> scene(m, "Scene");
+  scene.def("statistics", &statistics)
       .def_prop_ro("mesh_names", &mesh_names)
       .def("poses", &poses, nb::arg("time01"))
       .def("camera", &camera_at, nb::arg("time01"));
+  bind_scene_look(scene);
 }
 
 }  // namespace msbvh::python

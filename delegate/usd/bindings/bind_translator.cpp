@@ -202,6 +202,9 @@ void add_instances(Translator& translator, const nb::kwargs& keywords) {
   } else if (!colors.is_none()) {
     input.display_color.values = arguments.borrowed().vectors(colors, "display_color");
   }
+  const nb::object opacities = arguments.optional("display_opacity");
+  if (!opacities.is_none()) input.display_opacity = arguments.borrowed().scalars(opacities, "display_opacity");
+  input.primvars = named_from(arguments.optional("primvars"), "primvars", arguments.borrowed());
   input.materials = arguments.ints("materials");
   input.paths = arguments.value_or("paths", std::vector<std::string>{}, "a list of str");
   input.report_whole = arguments.value_or("report_whole", false, "a bool");
@@ -221,28 +224,6 @@ double pixels_per_unit(const Translator& translator, const nb::kwargs& keywords)
   const Box3d bounds{ends[0], ends[1]};
   nb::gil_scoped_release release;
   return translator.pixels_per_unit(input, bounds);
-}
-
-std::uint32_t add_material(Translator& translator, const nb::kwargs& keywords) {
-  using Rgb = std::tuple<float, float, float>;
-  Arguments arguments(keywords, "add_material");
-  Material material;
-  material.name = arguments.value<std::string>("name", "a str");
-  material.diffuse_color = color_from(arguments.value<Rgb>("diffuse_color", "(r, g, b)"));
-  material.diffuse_from_display_color = arguments.value<bool>("diffuse_from_display_color", "a bool");
-  material.emissive_color = color_from(arguments.value<Rgb>("emissive_color", "(r, g, b)"));
-  material.emissive_from_display_color = arguments.value<bool>("emissive_from_display_color", "a bool");
-  material.opacity = arguments.value<float>("opacity", "a float");
-  material.opacity_from_display_opacity = arguments.value<bool>("opacity_from_display_opacity", "a bool");
-  material.opacity_threshold = arguments.value<float>("opacity_threshold", "a float");
-  std::optional<Displacement> displacement;
-  const nb::object given = arguments.optional("displacement");
-  if (!given.is_none()) {
-    if (!nb::isinstance<Displacement>(given)) arguments.fail("displacement", given, "a Displacement");
-    displacement = *nb::inst_ptr<Displacement>(given);
-  }
-  arguments.expect_no_more();
-  return translator.add_material(material, std::move(displacement));
 }
 
 // Radiance and sizes (angle in degrees, radius, width, height) at times; none: still.
@@ -362,7 +343,7 @@ void bind_translator(nb::module_& m) {
       .def("pixels_per_unit", &pixels_per_unit)
       .def("add_prototype_mesh", &add_prototype_mesh, nb::arg("prototype"), nb::arg("mesh"))
       .def("add_instances", &add_instances)
-      .def("add_material", &add_material)
+      .def("add_material", &Translator::add_material, nb::arg("look"), nb::arg("displacement").none() = nb::none())
       .def("add_light", &add_light)
       .def_prop_ro("empty", &Translator::empty)
       .def_prop_ro("empty_meshes", &Translator::empty_meshes)

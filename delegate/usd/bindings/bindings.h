@@ -15,6 +15,7 @@ struct SceneHandle {
 };
 
 void bind_scene(nanobind::module_& m);
+void bind_scene_look(nanobind::class_<SceneHandle>& scene);
 void bind_sample(nanobind::module_& m);
 void bind_mesh(nanobind::module_& m);
 void bind_level(nanobind::module_& m);

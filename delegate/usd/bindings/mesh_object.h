@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nanobind/nanobind.h>
+#include <vector>
 
 #include "delegate/translate/inputs.h"
 #include "delegate/usd/bindings/arguments.h"
@@ -28,5 +29,9 @@ struct MeshObject {
   // not fit.
   translate::MeshInput input(Borrowed& borrowed) const;
 };
+
+// A dictionary from a primvar's name to what display_color is; None: none.
+std::vector<translate::NamedPrimvar> named_from(const nanobind::object& given, const char* name_of_all,
+                                                Borrowed& borrowed);
 
 }  // namespace msbvh::python

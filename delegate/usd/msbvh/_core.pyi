@@ -9,7 +9,7 @@ Times are ``time01``: 0 is the shutter's opening, 1 its closing. Matrices follow
 """
 
 from collections.abc import Callable, Sequence
-from typing import Literal, Required, TypeAlias, TypedDict, Unpack
+from typing import Any, Literal, Required, TypeAlias, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,6 @@ from ._core_look import placed_light as placed_light
 from ._core_look import switch_times01 as switch_times01
 from ._core_materials import Asset as Asset
 from ._core_materials import Displacement as Displacement
-from ._core_materials import Material as Material
 from ._core_materials import Origin as Origin
 from ._core_materials import ShaderConnection as ShaderConnection
 from ._core_materials import ShaderData as ShaderData
@@ -50,9 +49,11 @@ from ._core_materials import ShaderInput as ShaderInput
 from ._core_materials import ShaderNetwork as ShaderNetwork
 from ._core_materials import ShaderNode as ShaderNode
 from ._core_materials import ShaderValue as ShaderValue
+from ._core_materials import SurfaceLook as SurfaceLook
 from ._core_materials import displacement as displacement
 from ._core_materials import evaluated_inputs as evaluated_inputs
 from ._core_materials import preview_surface as preview_surface
+from ._core_materials import surface_rank as surface_rank
 from ._core_render_spec import NamedSetting as NamedSetting
 from ._core_render_spec import OwnSettings as OwnSettings
 from ._core_render_spec import ProductSpec as ProductSpec
@@ -214,6 +215,19 @@ class Scene:
     @property
     def mesh_names(self) -> list[str]:
         """Of the prims that primId counts, in its order."""
+    @property
+    def materials(self) -> list[dict[str, Any]]:
+        """By number: every constant by its name, ``texture_reads``, and ``driven``, by input."""
+    @property
+    def textures(self) -> list[dict[str, Any]]:
+        """That ``texture`` of a material's texture_reads counts."""
+    @property
+    def primvars(self) -> list[tuple[str, dict[str, tuple[str, int, F32]]]]:
+        """Of each mesh, grids, curves and points: its prim's path, and by the names that materials read: interpolation
+        (constant, triangle, vertex, faceVarying), segments, float32[keys * values, 3]."""
+    @property
+    def instance_primvars(self) -> list[tuple[str, dict[str, Any]]]:
+        """Of each set of instances, likewise: one value an instance, displayOpacity among them."""
     def camera(self, time01: float) -> tuple[list[list[float]], tuple[float, float, float, float], tuple[float, float]]:
         """The camera at a time, from its tracks: world_from_camera [4, 4] in stage space, the window, and the lens's
         radius and focus distance."""
@@ -307,17 +321,20 @@ class Translator:
         levels: Sequence[InstanceLevel],
         visible: F64 | None = None,
         display_color: F32 | None = None,
+        display_opacity: F32 | None = None,
+        primvars: dict[str, tuple[str, F32, None]] | None = None,
         materials: I32 | None = None,
         paths: Sequence[str] = (),
         report_whole: bool = False,
         ids: I32 | None = None,
     ) -> None:
         """As many instances as the product of the levels' counts, the outermost (last) level varying slowest;
-        ``display_color`` [N, 3], ``materials`` [N] (negative: none) override the prototype's own. ``paths``: of
+        ``display_color`` [N, 3], ``display_opacity`` [N], ``primvars`` (their values [N, 3]) and ``materials`` [N]
+        (negative: none) override the prototype's own. ``paths``: of
         the prims that the innermost level places, for a track report each; ``report_whole``: and one of all.
         ``ids`` [N]: their numbers in the AOV instanceId; None: counted. After the prototype's meshes."""
-    def add_material(self, *, displacement: Displacement | None = None, **material: Unpack[Material]) -> int:
-        """Before the meshes that are bound to it."""
+    def add_material(self, look: SurfaceLook, displacement: Displacement | None = None) -> int:
+        """Before the meshes that are bound to it. Returns its number."""
     def add_light(
         self,
         *,

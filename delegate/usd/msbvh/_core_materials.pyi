@@ -1,7 +1,6 @@
 """The part of _core that says what shading networks mean (delegate/translate/look)."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TypedDict
 
 from ._core import Diagnostic
 from ._core_inputs import F32
@@ -9,8 +8,11 @@ from ._core_inputs import F32
 class Asset:
     """A file that an input names."""
 
-    def __init__(self, path: str, files: Sequence[str]) -> None:
-        """``path`` as authored; ``files`` resolved: one, a UDIM texture's tiles in order, or none."""
+    def __init__(self, path: str, files: Sequence[str], color_space: str = "") -> None:
+        """``path`` as authored; ``files`` resolved: one, a UDIM texture's tiles in order, or none; ``color_space``: what
+        the stage says that they hold, empty for nothing."""
+    @property
+    def color_space(self) -> str: ...
     @property
     def path(self) -> str: ...
     @property
@@ -91,27 +93,29 @@ class ShaderNetwork:
     @property
     def terminals(self) -> dict[str, ShaderConnection]: ...
 
-class Material(TypedDict):
-    """The keywords of Translator.add_material."""
-
-    name: str
-    diffuse_color: tuple[float, float, float]
-    diffuse_from_display_color: bool
-    emissive_color: tuple[float, float, float]
-    emissive_from_display_color: bool
-    opacity: float
-    opacity_from_display_opacity: bool
-    opacity_threshold: float
-
 def evaluated_inputs(identifier: str) -> list[str]:
     """The inputs of a node of that identifier that are evaluated: others need not be read."""
 
+def surface_rank(identifier: str) -> int:
+    """Among the surfaces of a material's render contexts: 0 what is read as it is, 1 what is mapped to a
+    UsdPreviewSurface, 2 what is not drawn."""
+
+class SurfaceLook:
+    """What a material's surface is made of, for Translator.add_material()."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def primvars(self) -> list[tuple[str, int]]:
+        """The names of those that a prim must bring along, without primvars:, and how many numbers make up a value at
+        least, 1 to 4."""
+
 def preview_surface(
-    network: ShaderNetwork, mean: Callable[[list[str], str], tuple[float, float, float, float] | None]
-) -> tuple[Material | None, list[Diagnostic]]:
-    """What the network means, None where its surface is no UsdPreviewSurface, and what is to be said about it.
-    ``mean``: linear red, green, blue, and alpha of the texture in some files, by UsdUVTexture's sourceColorSpace;
-    None where it cannot be read."""
+    network: ShaderNetwork, locate: Callable[[str], tuple[str, int, int] | None]
+) -> tuple[SurfaceLook | None, list[Diagnostic]]:
+    """What the network means, None where its surface is none that is drawn, and what is to be said about it. ``locate``:
+    of a resolved file the path, and the offset and the number of its bytes there (0: all); None where they do not lie
+    anywhere as they stand."""
 
 class Displacement:
     """How a material displaces what is bound to it."""

@@ -6,12 +6,12 @@ from typing import Any
 
 from pxr import Tf, Usd, UsdShade
 
-from .._core import Displacement, displacement, preview_surface
+from .._core import Displacement, SurfaceLook, displacement, preview_surface
 from ..motion.context import FrameContext
 from ..stage.opening import tf_reason
 from .networks import surface_network
 from .texture_channel import texture_channel
-from .texture_mean import texture_mean
+from .texture_files import locate
 
 
 class Materials:
@@ -22,6 +22,7 @@ class Materials:
         self._context = context
         self._ids: dict[str, int | None] = {}
         self._displacements: dict[int, Displacement] = {}
+        self._reads: dict[int, list[tuple[str, int]]] = {}
 
     def bound_to(self, prim: Usd.Prim) -> int | None:
         """The translator's id of the material that a prim or subset is bound to; None: displayColor shows."""
@@ -46,6 +47,15 @@ class Materials:
         """Whether one of them does."""
         return bool(self._displacements)
 
+    @property
+    def read_primvars(self) -> list[str]:
+        """The names of all that those that have been handed down read to be shaded."""
+        return sorted({name for reads in self._reads.values() for name, _ in reads})
+
+    def reads(self, material: int | None) -> list[tuple[str, int]]:
+        """The names of the primvars that a material reads to be shaded, and of how many numbers at least."""
+        return [] if material is None else self._reads.get(material, [])
+
     def displacement(self, material: int | None) -> Displacement | None:
         """How a material displaces what is bound to it; None: not at all."""
         return None if material is None else self._displacements.get(material)
@@ -60,7 +70,7 @@ class Materials:
 
     def _read(self, material: UsdShade.Material) -> int | None:
         network = surface_network(material, self._context)
-        surface, found = preview_surface(network, texture_mean)
+        surface, found = preview_surface(network, locate)
         displaced, found_too = displacement(network, texture_channel)
         self._context.diagnostics.take([*found, *found_too])
         if surface is None:
@@ -68,8 +78,12 @@ class Materials:
                 message = "not drawn, since the material's surface is not"
                 self._context.diagnostics.warning(network.path, "outputs:displacement", message)
             return None
-        if displaced is None:
-            return self._translator.add_material(**surface)
-        number = self._translator.add_material(**surface, displacement=displaced)
-        self._displacements[number] = displaced
+        return self._hand_down(surface, displaced)
+
+    def _hand_down(self, surface: SurfaceLook, displaced: Displacement | None) -> int:
+        number: int = self._translator.add_material(surface, displaced)
+        if displaced is not None:
+            self._displacements[number] = displaced
+        if surface.primvars:
+            self._reads[number] = surface.primvars
         return number

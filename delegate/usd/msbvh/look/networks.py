@@ -13,7 +13,7 @@ from ..motion.context import FrameContext
 from ..motion.held_values import values_within
 from ..stage.value_types import TOKEN
 from ..stage.values import raw, type_name, value
-from .texture_mean import texture_files
+from .texture_files import color_space, texture_files
 
 NUMBERS = (int, float, Gf.TimeCode, Gf.Duration)
 
@@ -21,11 +21,11 @@ NUMBERS = (int, float, Gf.TimeCode, Gf.Duration)
 def surface_network(material: UsdShade.Material, context: FrameContext) -> _core.ShaderNetwork:
     """What a material's surface and its displacement read at the frame, through node graphs and material interfaces."""
     pending, terminals = [], {}
-    sources = (("surface", material.ComputeSurfaceSource()), ("displacement", material.ComputeDisplacementSource()))
-    for name, (shader, output, _) in sources:
-        if shader:
+    for name, source in (("surface", _surface(material)), ("displacement", _source(material, "displacement"))):
+        if source is not None:
+            shader, output = source
             pending.append(shader.GetPrim())
-            terminals[name] = _core.ShaderConnection(str(shader.GetPath()), str(output))
+            terminals[name] = _core.ShaderConnection(str(shader.GetPath()), output)
     nodes: dict[str, _core.ShaderNode] = {}
     while pending:
         prim = pending.pop()
@@ -34,6 +34,37 @@ def surface_network(material: UsdShade.Material, context: FrameContext) -> _core
             nodes[path], read = _node(prim, context)
             pending += read
     return _core.ShaderNetwork(str(material.GetPath()), list(nodes.values()), terminals)
+
+
+def primvar_names(material: UsdShade.Material, context: FrameContext) -> frozenset[str]:
+    """The names of the primvars that the network may read."""
+    names = set()
+    for node in surface_network(material, context).nodes:
+        if node.identifier.startswith("ND_"):
+            names.add("st")  # Which images read that say nothing else.
+        found = (each.value for each in node.inputs if each.name in ("varname", "geomprop"))
+        names.update(value.data for value in found if value is not None and isinstance(value.data, str))
+    return frozenset(names)
+
+
+Source = tuple[UsdShade.Shader, str]
+"""A shader, and the name of its output."""
+
+
+def _surface(material: UsdShade.Material) -> Source | None:
+    """The universal surface where there is one; else the one of a render context that can be drawn, and best."""
+    universal = _source(material, "surface")
+    if universal is not None:
+        return universal
+    contexts = [output.GetBaseName().rpartition(":")[0] for output in material.GetSurfaceOutputs()]
+    found = [source for context in contexts if context and (source := _source(material, "surface", context))]
+    return min(found, key=lambda source: _core.surface_rank(_identifier(source[0])), default=None)
+
+
+def _source(material: UsdShade.Material, terminal: str, context: str = "") -> Source | None:
+    compute = material.ComputeSurfaceSource if terminal == "surface" else material.ComputeDisplacementSource
+    shader, output, _ = compute(context)
+    return (shader, str(output)) if shader else None
 
 
 def _node(prim: Usd.Prim, context: FrameContext) -> tuple[_core.ShaderNode, list[Usd.Prim]]:
@@ -96,7 +127,7 @@ def _data(found: Any, source: Usd.Attribute) -> _core.ShaderData:
     if isinstance(found, (bool, str)):
         return found
     if isinstance(found, Sdf.AssetPath):
-        return _core.Asset(found.path, texture_files(found, source))
+        return _core.Asset(found.path, texture_files(found, source), color_space(source))
     if isinstance(found, NUMBERS):
         return float(found)
     return _vector(found)

@@ -1,4 +1,4 @@
-"""The mean of a texture: what stands in for it as long as textures are not evaluated."""
+"""The mean of a texture: what stands in for it on cards (scene/cards.py)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import OpenImageIO as oiio
-from pxr import Ar, Sdf, Usd, UsdShade
+from pxr import Ar
 
 PIXELS_AT_ONCE = 2**22
 ENOUGH_PIXELS = 2**20
@@ -36,17 +36,6 @@ def texture_mean(files: list[str], colour_space: str) -> Rgba | None:
         return None
     red, green, blue, alpha = np.mean(means, axis=0).tolist()
     return red, green, blue, alpha
-
-
-def texture_files(file: Sdf.AssetPath, attribute: Usd.Attribute) -> list[str]:
-    """The resolved paths of what an attribute names: one, a UDIM texture's tiles, or none."""
-    if not UsdShade.UdimUtils.IsUdimIdentifier(file.path):
-        return [file.resolvedPath] if file.resolvedPath else []
-    specs = attribute.GetPropertyStack(Usd.TimeCode.EarliestTime())
-    if not specs:
-        return []
-    tiles = UsdShade.UdimUtils.ResolveUdimTilePaths(file.path, specs[0].layer)
-    return [path for path, _ in tiles]
 
 
 @cache

@@ -25,8 +25,10 @@ from .instance_count import InstanceGraph
 from .part import Part
 from .point_instancers import (
     Colours,
+    Values,
     each,
     moving_attributes,
+    no_values,
     own_transform,
     prototypes,
     read_point_instancer,
@@ -68,6 +70,8 @@ class Placement:
     """float64[K, 2]: the parts of the shutter in which the whole chain is visible; None: always."""
     display_color: Colours | None
     """Of `count` instances; None: the group's own colours."""
+    values: Values
+    """Primvars of `count` instances that come before the group's own."""
     place: Callable[[], Motion]
     """The levels multiplied out by USD itself, which is for lights: there are few of them."""
 
@@ -81,8 +85,16 @@ class Placement:
         """See `place`."""
         return self.place()
 
+    def values_inside(self, outer: Placement, name: str) -> np.ndarray | None:
+        """See `values`, of this under each of `outer`."""
+        own = self.values(name)
+        if own is not None:
+            return np.tile(own, (outer.count, 1))
+        theirs = outer.values(name)
+        return None if theirs is None else np.repeat(theirs, self.count, axis=0)
+
     def inside(self, outer: Placement) -> Placement:
-        """This under each of `outer`. The innermost that has colours decides."""
+        """This under each of `outer`. The innermost that has colours, or other values, decides."""
         colour = None
         if self.display_color is not None:
             colour = each(self.display_color, lambda own: np.tile(own, (outer.count, 1)))
@@ -94,6 +106,7 @@ class Placement:
             self.levels + outer.levels,
             common_intervals(self.visible, outer.visible),
             colour,
+            partial(self.values_inside, outer),
             lambda: self.motion.inside(outer.motion),
         )
 
@@ -114,7 +127,7 @@ class Placer:
     def placements(self) -> Iterator[Placement]:
         """Every group wherever it stands; the world first, once, at the identity."""
         identity = Motion(self._caches.shutter, 1, True, lambda _: np.eye(4)[None])
-        yield from self._below(Placement("/", WORLD, (), None, None, lambda: identity))
+        yield from self._below(Placement("/", WORLD, (), None, None, no_values, lambda: identity))
 
     def _below(self, outer: Placement) -> Iterator[Placement]:
         yield outer
@@ -142,7 +155,7 @@ class Placer:
                     self._context.found.instances(prims, same[0].blinking, group.root, shutter)
                 visible = self._visible(same[0])
                 path = str(same[0].prim.GetPath())
-                yield Placement(path, key, (Level(motion),), visible, None, partial(_itself, motion))
+                yield Placement(path, key, (Level(motion),), visible, None, no_values, partial(_itself, motion))
         for part in group.instancers:
             with leaving_out(part.prim, self._context.code):
                 yield from self._points(part, group)
@@ -179,9 +192,10 @@ class Placer:
             outer = (arrays, Level(group_from_instancer))
             root = self._groups[Traversal.prototype_key(points.prototype)]
             whole = own.inside(placed)
-            yield Placement(path, root.key, (Level(own), *outer), visible, colour, partial(_itself, whole))
+            values = points.values
+            yield Placement(path, root.key, (Level(own), *outer), visible, colour, values, partial(_itself, whole))
             if root.reset is not None:
-                yield Placement(path, root.reset, outer, visible, colour, partial(_itself, placed))
+                yield Placement(path, root.reset, outer, visible, colour, values, partial(_itself, placed))
 
     def _root_shutter(self, prototype: Usd.Prim) -> Shutter:
         """Of a point instancer's prototype: its own motion:blurScale scales it."""

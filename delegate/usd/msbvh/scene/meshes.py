@@ -16,7 +16,7 @@ from .implicit import IMPLICIT_TYPES, ImplicitShape, read_implicit
 from .normals import add_normals
 from .nurbs_patch import NurbsShape, read_nurbs_patch
 from .part import Part
-from .primvars import MovingPrimvar, find_primvar, held_by, sample_primvar
+from .primvars import constant_primvar, find_primvar, held_by, sample_primvar
 from .round import read_round
 from .stand_ins import StandIn, read_stand_in
 from .subdivision import add_subdivision
@@ -59,7 +59,7 @@ def read_shape(part: Part, context: FrameContext) -> tuple[MeshInput, Form] | No
             found = find_primvar(prim, name, columns, part.authored)
             primvar = sample_primvar(found, context) if found else None
             own = part.is_mesh or part.is_round
-            setattr(mesh, keyword, primvar if own else _constant(primvar, name, path, context))
+            setattr(mesh, keyword, primvar if own else constant_primvar(primvar, name, path, context))
     return mesh, shape
 
 
@@ -194,27 +194,13 @@ def held_at(part: Part, whole: MeshInput, stretch: Stretch, context: FrameContex
             found = find_primvar(prim, name, columns, part.authored)
             primvar = sample_primvar(found, context, stretch) if found else None
             own = part.is_mesh or part.is_round
-            setattr(mesh, keyword, primvar if own else _constant(primvar, name, whole.path, context))
+            setattr(mesh, keyword, primvar if own else constant_primvar(primvar, name, whole.path, context))
     if prim.IsA(UsdGeom.Mesh):
         mesh.hole_indices = _holes(UsdGeom.Mesh(prim), stretch.code)
     if whole.normals_indices is not None:
         indices = value(UsdGeom.PrimvarsAPI(prim).GetPrimvar("normals").GetIndicesAttr(), stretch.code, INTS)
         mesh.normals_indices = array(indices, np.int32)
     return mesh
-
-
-def _constant(primvar: MovingPrimvar | None, name: str, path: str, context: FrameContext) -> MovingPrimvar | None:
-    """An implicit shape has no vertices of its own that a primvar could vary over."""
-    if primvar is None or primvar[0] == "constant":
-        return primvar
-    interpolation, values, indices = primvar
-    samples = values if isinstance(values, list) else [(0.0, values)]
-    count = len(samples[0][1])
-    if count > 1:
-        message = f"found {count} {interpolation} values on an implicit shape; drew the first"
-        context.diagnostics.warning(path, f"primvars:{name}", message)
-    first = [(time01, v[:1] if indices is None else v[indices[:1]]) for time01, v in samples]
-    return "constant", first if isinstance(values, list) else first[0][1], None
 
 
 def _binds_faces(subset: UsdGeom.Subset) -> bool:

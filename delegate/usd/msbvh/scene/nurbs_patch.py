@@ -88,6 +88,11 @@ class RefinedPatch:
         mesh.display_color = self._refined(mesh.display_color, "primvars:displayColor")
         mesh.display_opacity = self._refined(mesh.display_opacity, "primvars:displayOpacity")
 
+    def set_named_primvars(self, mesh: MeshInput) -> None:
+        """Likewise of those that materials read."""
+        refined = {name: self._refined(each, f"primvars:{name}") for name, each in (mesh.named_primvars or {}).items()}
+        mesh.named_primvars = {name: each for name, each in refined.items() if each is not None}
+
     def _refined(self, primvar: MovingPrimvar | None, attribute: str) -> MovingPrimvar | None:
         if primvar is None:
             return None

@@ -23,12 +23,22 @@ from ..stage.typed_twin import Twin, typed_twin
 from ..stage.value_types import FLOAT3S, QUATERNIONS
 from ..stage.values import might_vary, required, targets, value
 from .instance_choice import choose_prototypes, instances_of
+from .material_primvars import find_named, padded
 from .primvars import find_primvar, held_by, read_primvar, sample_primvar
 
 _COLOUR = "displayColor"
 
 Colours = np.ndarray | list[tuple[float, np.ndarray]]
 """float32[N, 3], one an instance; where they change inside the shutter, (time01, colours) as MovingPrimvar has it."""
+
+
+Values = Callable[[str], np.ndarray | None]
+"""From a primvar's name to float32[N, 3], one value an instance, the numbers that it has not 0; None: they have none of
+their own."""
+
+
+def no_values(_: str) -> None:
+    """Of what is no point instancer's."""
 
 
 def taken(indices: np.ndarray, every: np.ndarray) -> np.ndarray:
@@ -58,6 +68,8 @@ class PointInstances:
     """Of the M instances, where the instancer says."""
     visible: np.ndarray | None
     """float64[K, 2]: the parts of the shutter in which they are those of this prototype; None: always."""
+    values: Values
+    """Of the M instances."""
 
 
 def prototypes(instancer: UsdGeom.PointInstancer) -> list[Usd.Prim]:
@@ -94,11 +106,11 @@ def read_point_instancer(
     if not chosen or not _is_sound(instancer, len(chosen[0].indices), context):
         return
     count = len(chosen[0].indices)
-    _warn_of_opacity(instancer, context)
     arrays = _arrays(instancer, count, context, velocity_scale)
     every = _every_instance(instancer, count, caches, context)
     primvar = find_primvar(instancer.GetPrim(), _COLOUR, 3)
     held = held_by(primvar, context) if primvar else []
+    every_value = cache(partial(_values, instancer, count, context))
     for stretch in stretches(held, context.shutter, context.diagnostics):
         colours = _display_color(instancer, count, context, stretch)
         for index, prim in enumerate(prims):
@@ -107,7 +119,8 @@ def read_point_instancer(
                 if visible is None or len(visible):
                     colour = None if colours is None else each(colours, partial(taken, selected))
                     motion = _selected(every, selected, context)
-                    yield PointInstances(prim, selected, arrays, motion, colour, visible)
+                    values = partial(_some_values, every_value, selected)
+                    yield PointInstances(prim, selected, arrays, motion, colour, visible, values)
 
 
 def _arrays(
@@ -253,12 +266,31 @@ def _display_color(
     return each(values, lambda one: one[indices])
 
 
-def _warn_of_opacity(instancer: UsdGeom.PointInstancer, context: FrameContext) -> None:
-    found = find_primvar(instancer.GetPrim(), "displayOpacity", None)
-    primvar = read_primvar(found, context.code) if found else None
-    if found is None or primvar is None or primvar[0] == "constant":
-        return
-    values = [value for value in values_within(found.attribute, context.shutter) if value is not None]
-    if any((np.asarray(value, float) != 1.0).any() for value in values):
-        message = "an opacity for each instance is not supported yet; the prototypes' own is drawn"
-        context.diagnostics.group(str(instancer.GetPath()), "primvars:displayOpacity", message)
+def _some_values(every: Values, selected: np.ndarray, name: str) -> np.ndarray | None:
+    found = every(name)
+    return None if found is None else taken(selected, found)
+
+
+def _values(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext, name: str) -> np.ndarray | None:
+    """Those of a primvar at the frame for each of `count` instances. One of another interpolation than constant, which
+    is inherited instead, must have as many."""
+    prim, attribute = instancer.GetPrim(), f"primvars:{name}"
+    found = find_named(prim, name) if prim.HasAttribute(attribute) else None
+    if found is None or not found.columns and found.columns is not None:
+        return None
+    primvar = read_primvar(found, context.code)
+    if primvar is None or primvar[0] == "constant":
+        return None
+    _, values, indices = primvar
+    indices = np.arange(len(values)) if indices is None else indices
+    path = str(prim.GetPath())
+    if len(indices) != count or indices.min() < 0 or indices.max() >= len(values):
+        message = f"found {len(indices)} indices into {len(values)} values, expected one valid index an instance; ignored"
+        context.diagnostics.warning(path, attribute, message)
+        return None
+    if context.shutter.moving and (might_vary(found.attribute) or held_by(found, context)):
+        first, *others = values_within(found.attribute, context.shutter)
+        if held_by(found, context) or any(other != first for other in others):
+            message = "changes within the shutter; each instance has the frame's value"
+            context.diagnostics.group(path, attribute, message)
+    return padded(values)[indices]

@@ -1,4 +1,4 @@
-"""Primvars that the renderer shades with: displayColor and displayOpacity, indexed and inherited ones too."""
+"""Primvars that the renderer shades with: indexed, inherited and moving ones."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .._core import knots_within
 from ..motion.context import FrameContext, array
 from ..motion.held_values import Stretch, changes_within, values_within
 from ..motion.times import sample_times
-from ..stage.value_types import COLOR_PRIMVAR, COORDINATE_PRIMVAR, FLOAT_PRIMVAR, INTS, Kind
+from ..stage.value_types import COLOR_PRIMVAR, COORDINATE_PRIMVAR, FLOAT_PRIMVAR, INTS, VECTOR4_PRIMVAR, Kind
 from ..stage.values import Unreadable, ignore, might_vary, required, value
 
 PrimvarInput = tuple[str, np.ndarray, np.ndarray | None]
@@ -30,14 +30,14 @@ class FoundPrimvar:
     """Which has it or inherits it."""
     primvar: UsdGeom.Primvar
     columns: int | None
-    """3 for colours, 2 for texture coordinates, None for scalars."""
+    """3 for colours, 2 for texture coordinates, 4 for other vectors, None for scalars."""
     attribute: Usd.Attribute
     indexed: bool
 
     @property
     def kind(self) -> Kind:
         """Of the values."""
-        return {None: FLOAT_PRIMVAR, 2: COORDINATE_PRIMVAR}.get(self.columns, COLOR_PRIMVAR)
+        return {None: FLOAT_PRIMVAR, 2: COORDINATE_PRIMVAR, 4: VECTOR4_PRIMVAR}.get(self.columns, COLOR_PRIMVAR)
 
 
 def find_primvar(
@@ -139,3 +139,19 @@ def primvar_source(prim: Usd.Prim, name: str) -> str:
     """The path of the attribute that a primvar comes from; empty where none is authored."""
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
     return str(primvar.GetAttr().GetPath()) if primvar else ""
+
+
+def constant_primvar(
+    primvar: MovingPrimvar | None, name: str, path: str, context: FrameContext
+) -> MovingPrimvar | None:
+    """An implicit shape has no vertices of its own that a primvar could vary over."""
+    if primvar is None or primvar[0] == "constant":
+        return primvar
+    interpolation, values, indices = primvar
+    samples = values if isinstance(values, list) else [(0.0, values)]
+    count = len(samples[0][1])
+    if count > 1:
+        message = f"found {count} {interpolation} values on an implicit shape; drew the first"
+        context.diagnostics.warning(path, f"primvars:{name}", message)
+    first = [(time01, v[:1] if indices is None else v[indices[:1]]) for time01, v in samples]
+    return "constant", first if isinstance(values, list) else first[0][1], None

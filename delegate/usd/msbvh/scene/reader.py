@@ -35,6 +35,7 @@ from .instance_count import InstanceGraph
 from .instances import Placement, Placer, coarse_level, sampled_levels
 from .part import Part
 from .point_instancers import each, taken
+from .primvars import PrimvarInput
 from .read_settings import DEFAULTS
 from .read_settings import MAX_INSTANCES as MAX_INSTANCES
 from .read_settings import ReadSettings as ReadSettings
@@ -156,7 +157,7 @@ class _FrameReader:
             self._caches = XformCaches(shutter)
         self._pixel = self._camera.pixel_size()
         self._translator = make_translator(**self._translator_settings())
-        materials = Materials(self._translator, self._context)
+        self._materials = materials = Materials(self._translator, self._context)
         silhouette = SILHOUETTES[settings.complexity]
         tolerance, edge = settings.motion_tolerance, self._edge_length
         self._shapes = Shapes(self._context, self._caches, materials, tolerance, silhouette, edge)
@@ -324,6 +325,7 @@ class _FrameReader:
             colour = placement.display_color
             if colour is not None:
                 colour = each(colour, partial(taken, indices))
+            opacity = placement.values("displayOpacity")
             if self._context.found is not None:
                 self._context.found.evaluated_instances(placement.path, levels)
             self._translator.add_instances(
@@ -332,8 +334,15 @@ class _FrameReader:
                 levels=levels,
                 visible=placement.visible,
                 display_color=colour,
+                display_opacity=None if opacity is None else taken(indices, opacity[:, 0]),
+                primvars=self._instance_primvars(placement, indices),
                 ids=indices.astype(np.int32),
             )
+
+    def _instance_primvars(self, placement: Placement, indices: np.ndarray) -> dict[str, PrimvarInput] | None:
+        """What materials read, where the instances have values of their own."""
+        found = {name: placement.values(name) for name in self._materials.read_primvars}
+        return {name: ("vertex", taken(indices, each), None) for name, each in found.items() if each is not None} or None
 
     def _add_lights(self, placements: list[Placement]) -> None:
         for placement in placements:

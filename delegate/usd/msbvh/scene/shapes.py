@@ -24,8 +24,8 @@ from ..motion.visibility import visible_intervals
 from ..skel.bindings import SkelBinding, read_binding
 from ..skel.skinning import Poser
 from ..stage.usd_faults import FAULTS, report_left_out
-from .displaced import add_displacement
 from .implicit import ImplicitShape
+from .material_primvars import add_material_primvars
 from .meshes import Form, faces_by_subset, held_at, held_attributes, read_shape
 from .nurbs_patch import NurbsShape, RefinedPatch
 from .part import Part
@@ -243,7 +243,10 @@ class Shapes:
         instead = "" if part.is_mesh else "curves and points" if part.is_round else "an implicit shape"
         if shape.patch is not None:
             instead = "a NURBS patch"
-        add_displacement(mesh, part.prim, instead, self._materials, context)
+        if mesh.material is not None or mesh.face_materials is not None:
+            add_material_primvars(mesh, part, instead, self._materials, context)
+            if shape.patch is not None:
+                shape.patch.set_named_primvars(mesh)
         add(mesh)
 
     def _face_materials(self, prim: UsdGeom.Imageable, mesh: MeshInput, context: FrameContext) -> np.ndarray | None:

@@ -28,12 +28,13 @@ from ..motion.times import Shutter
 from ..motion.transform_faults import report_unusable
 from ..motion.transforms import Motion, XformCaches
 from ..motion.visibility import common_intervals, visible_intervals
-from .displaced import leave_undisplaced
 from .implicit import IMPLICIT_TYPES, SIDE_COUNTS, stray
 from .instances import Level, Placement, matrix_level
+from .material_primvars import leave_undisplaced
 from .part import Part
+from .point_instancers import no_values
 from .shape_sizes import sides_in_pixels
-from .simple_shapes import Alike, Simple, SimpleShapes
+from .simple_shapes import COLOUR, OPACITY, Alike, Simple, SimpleShapes
 
 
 @dataclass(frozen=True)
@@ -105,11 +106,19 @@ class SharedShapes:
             if simple is not None:
                 alike.setdefault(simple.alike, []).append(simple)
         crowds: list[Crowd] = []
-        for members in alike.values():
+        for each in alike.values():
+            members = [simple for simple in each if not self._reads_its_own(simple)] if len(each) >= SHARED_FROM else []
             if len(members) >= SHARED_FROM:
                 crowds.extend(self._crowds(members, root))
         shared = {id(part) for crowd in crowds for part in crowd.parts}
         return crowds, [part for part in parts if id(part) not in shared]
+
+    def _reads_its_own(self, simple: Simple) -> bool:
+        """Whether its material reads primvars that it has, so that it cannot share a mesh."""
+        part = simple.part
+        if not simple.binds or not any(_is_named(name) for name in part.authored | part.inherited):
+            return False
+        return any(part.authors(f"primvars:{name}") for name, _ in self._materials.reads(self._materials.bound_to(part.prim)))
 
     def _crowds(self, members: list[Simple], root: Usd.Prim | None) -> Iterator[Crowd]:
         by_course: dict[Hashable, list[Simple]] = {}
@@ -185,7 +194,7 @@ class SharedShapes:
                 box, level = self._unit_box(sized.alike), Level(self._motion(sized, root))
                 for outer in placed:
                     visible = common_intervals(own, outer.visible)
-                    chain = Placement(outer.path, outer.key, (level, *outer.levels), visible, None, outer.place)
+                    chain = Placement(outer.path, outer.key, (level, *outer.levels), visible, None, no_values, outer.place)
                     for levels, indices in measure(chain, box):
                         inner = indices[: levels[0].matrices.shape[1]] % level.count
                         everywhere = _repeated(sized, inner, indices, outer)
@@ -267,6 +276,11 @@ class SharedShapes:
             paths=paths,
             report_whole=whole,
         )
+
+
+def _is_named(name: str) -> bool:
+    """Whether a property is a primvar that only materials which ask for it read."""
+    return name.startswith("primvars:") and name not in (COLOUR, OPACITY)
 
 
 def _repeated(crowd: Crowd, inner: np.ndarray, indices: np.ndarray, outer: Placement) -> Crowd:

@@ -26,6 +26,7 @@ from ..stage.usd_faults import FAULTS, report_left_out
 from ..stage.value_types import TOKEN
 from ..stage.values import value
 from .meshes import has_own_points, is_shape
+from .instance_primvars import InstancePrimvars
 from .part import Part
 from .point_instancers import prototypes
 from .primvars import primvar_source
@@ -376,6 +377,7 @@ class Traversal:
             str(material.GetPath()) if material else "",
             primvar_source(prim, "displayColor"),
             primvar_source(prim, "displayOpacity"),
+            self._context.cache(InstancePrimvars).sources(prim, state.inherited, self._context),
             self._context.cache(Skeletons).inherited_binding(prim),
             draw_mode(prim),
             state.scales,

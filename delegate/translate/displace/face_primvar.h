@@ -13,10 +13,10 @@
 
 namespace msbvh::translate {
 
-class SurfacePrimvar {
+class FacePrimvar {
  public:
   // As it is at a time. One that does not fit the mesh is left out, with a warning.
-  static std::optional<SurfacePrimvar> at(const NamedPrimvar& named, double time01, const Tessellation& mesh,
+  static std::optional<FacePrimvar> at(const NamedPrimvar& named, double time01, const Tessellation& mesh,
                                           PrimLog& log);
 
   // One value for each point of a face's squares, one square after the other. `cage_face` of the refinement,
@@ -27,7 +27,7 @@ class SurfacePrimvar {
   Vec3d at_corner(std::uint32_t face, std::uint32_t corner, std::uint32_t point) const;
 
  private:
-  SurfacePrimvar(const Tessellation& mesh, Interpolation interpolation)
+  FacePrimvar(const Tessellation& mesh, Interpolation interpolation)
       : mesh_(&mesh), interpolation_(interpolation) {}
 
   const Tessellation* mesh_;

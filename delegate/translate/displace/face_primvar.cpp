@@ -1,4 +1,4 @@
-#include "delegate/translate/displace/surface_primvar.h"
+#include "delegate/translate/displace/face_primvar.h"
 
 #include <algorithm>
 
@@ -36,7 +36,7 @@ std::vector<Vec3f> gathered(const std::vector<Vec3f>& values, std::span<const in
 
 }  // namespace
 
-std::optional<SurfacePrimvar> SurfacePrimvar::at(const NamedPrimvar& named, double time01,
+std::optional<FacePrimvar> FacePrimvar::at(const NamedPrimvar& named, double time01,
                                                  const Tessellation& mesh, PrimLog& log) {
   const PrimvarInput<Vec3f>& primvar = named.primvar;
   PrimLog optional = log.of_optional_part();
@@ -44,7 +44,7 @@ std::optional<SurfacePrimvar> SurfacePrimvar::at(const NamedPrimvar& named, doub
       map_primvar(primvar.interpolation, primvar.values.size(), primvar.indices, mesh.polygons(),
                   full_name(named), optional);
   if (!map) return std::nullopt;
-  SurfacePrimvar result(mesh, map->interpolation);
+  FacePrimvar result(mesh, map->interpolation);
   result.values_ = values_at(primvar, time01);
   const Refinement* refinement = mesh.refinement();
   if (refinement && map->interpolation == Interpolation::kFaceVarying) {
@@ -56,7 +56,7 @@ std::optional<SurfacePrimvar> SurfacePrimvar::at(const NamedPrimvar& named, doub
   return result;
 }
 
-void SurfacePrimvar::at_squares(std::uint32_t cage_face, std::uint32_t face,
+void FacePrimvar::at_squares(std::uint32_t cage_face, std::uint32_t face,
                                 std::span<const SquareLattice> squares, Vec3d* out) const {
   const bool varies =
       interpolation_ == Interpolation::kVertex || interpolation_ == Interpolation::kFaceVarying;
@@ -72,7 +72,7 @@ void SurfacePrimvar::at_squares(std::uint32_t cage_face, std::uint32_t face,
   }
 }
 
-Vec3d SurfacePrimvar::at_corner(std::uint32_t face, std::uint32_t corner, std::uint32_t point) const {
+Vec3d FacePrimvar::at_corner(std::uint32_t face, std::uint32_t corner, std::uint32_t point) const {
   switch (interpolation_) {
     case Interpolation::kConstant:
       return Vec3d(values_[0]);
