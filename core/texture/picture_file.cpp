@@ -80,13 +80,20 @@ void PictureFile::open(const TextureFile& file) {
 }
 
 void PictureFile::open_part(const TextureFile& file, const OIIO::ImageSpec& wanted) {
-  part_ = std::make_unique<FilePart>(file.path, file.offset, file.bytes);
-  if (!part_->opened()) throw Error("the file cannot be opened");
-  const std::string format = part_->format();
+  auto part = std::make_unique<FilePart>(file.path, file.offset, file.bytes);
+  if (!part->opened()) throw Error("the file cannot be opened");
+  const std::string format = part->format();
   if (format.empty())
     throw Error("the part of the package is in no format that packages hold: png, jpeg, exr, avif");
   input_ = OIIO::ImageInput::create(format);
   if (input_ == nullptr) throw Error(cannot_read(OIIO::geterror()));
+  if (format == "jpeg") {  // its reader takes files and memory alone
+    jpeg_.resize(std::min<std::uint64_t>(file.bytes, std::filesystem::file_size(file.path)));
+    jpeg_.resize(part->pread(jpeg_.data(), jpeg_.size(), 0));
+    part_ = std::make_unique<OIIO::Filesystem::IOMemReader>(jpeg_.data(), jpeg_.size());
+  } else {
+    part_ = std::move(part);
+  }
   OIIO::ImageSpec found;
   if (!input_->set_ioproxy(part_.get()))
     throw Error("OpenImageIO reads no " + format + " from within a package");

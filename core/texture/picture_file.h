@@ -64,7 +64,8 @@ class PictureFile {
   std::size_t row_bytes() const;
 
   TexelMemory& memory_;
-  std::unique_ptr<FilePart> part_;  // outlives what reads from it
+  std::vector<std::byte> jpeg_;                      // of a package
+  std::unique_ptr<OIIO::Filesystem::IOProxy> part_;  // outlives what reads from it
   std::unique_ptr<OIIO::ImageInput> input_;
   OIIO::ImageSpec spec_;  // of the finest level
   ColorConversion conversion_{"", ""};
