@@ -21,7 +21,9 @@ FMT_HEADERS = ("format", "ostream", "printf")
 def download(version: str, folder: Path) -> Path:
     """The archive. pip checks its sum; its metadata is made by scikit-build-core, which builds nothing for that."""
     if version not in ARCHIVE_SHA256:
-        raise SystemExit(f"OpenImageIO {version}: found no sum of its archive; expected one of {', '.join(ARCHIVE_SHA256)}")
+        raise SystemExit(
+            f"OpenImageIO {version}: found no sum of its archive; expected one of {', '.join(ARCHIVE_SHA256)}"
+        )
     wanted = folder / "requirements.txt"
     wanted.write_text(f"OpenImageIO=={version} --hash=sha256:{ARCHIVE_SHA256[version]}\n", encoding="utf-8")
     options = ["--quiet", "--no-deps", "--no-build-isolation", "--no-binary", "OpenImageIO", "--require-hashes"]

@@ -44,6 +44,15 @@ float linear_of_srgb(float value) {
   return std::copysign(std::pow((std::abs(value) + 0.055f) / 1.055f, 2.4f), value);
 }
 
+float linear_of_eight_bits(float value) {
+  static const std::array<float, 256> table = [] {
+    std::array<float, 256> result{};
+    for (int i = 0; i < 256; ++i) result[i] = linear_of_srgb(static_cast<float>(i) / 255.0f);
+    return result;
+  }();
+  return table[static_cast<std::size_t>(std::lround(value * 255.0f))];
+}
+
 }  // namespace
 
 ColorConversion::ColorConversion(const std::string& from, const std::string& to) {
@@ -53,21 +62,23 @@ ColorConversion::ColorConversion(const std::string& from, const std::string& to)
   processor_ = make_processor(srgb_ ? kLinearOfSrgb : from, to);
 }
 
-void ColorConversion::apply(std::span<float> pixels, int channels) const {
+void ColorConversion::apply(std::span<float> pixels, int channels, bool eight_bits) const {
   const std::size_t count = pixels.size() / static_cast<std::size_t>(channels);
-  if (channels >= 3) return apply_to_rgb(pixels.data(), channels, count);
+  if (channels >= 3) return apply_to_rgb(pixels.data(), channels, count, eight_bits);
   std::vector<float> rgb(3 * count);
   for (std::size_t i = 0; i < rgb.size(); ++i) rgb[i] = pixels[i / 3 * channels];
-  apply_to_rgb(rgb.data(), 3, count);
+  apply_to_rgb(rgb.data(), 3, count, eight_bits);
   for (std::size_t i = 0; i < count; ++i) pixels[i * channels] = rgb[3 * i];
 }
 
-void ColorConversion::apply_to_rgb(float* rgb, int stride, std::size_t count) const {
+void ColorConversion::apply_to_rgb(float* rgb, int stride, std::size_t count, bool eight_bits) const {
   std::vector<std::size_t> not_finite;
   for (std::size_t i = 0; i < count; ++i) {
     float* pixel = rgb + i * stride;
-    if (!std::isfinite(pixel[0] + pixel[1] + pixel[2])) not_finite.push_back(i);
-    if (srgb_) std::transform(pixel, pixel + 3, pixel, linear_of_srgb);
+    if (!std::isfinite(pixel[0] + pixel[1] + pixel[2]))
+      not_finite.push_back(i);
+    else if (srgb_)
+      std::transform(pixel, pixel + 3, pixel, eight_bits ? linear_of_eight_bits : linear_of_srgb);
   }
   if (processor_ == nullptr) return;
   const auto bytes = static_cast<OIIO::stride_t>(stride * sizeof(float));

@@ -13,6 +13,8 @@ namespace {
 constexpr int kTileSide = 64;
 // Of a file's own tiles: smaller ones cost a read each, larger ones are decoded for a corner of theirs.
 constexpr int kSmallestTile = 16, kLargestTile = 256;
+// A tile of a coarser level covers three rows of tiles at most.
+constexpr std::size_t kStrips = 4;
 constexpr int kLargestSide = 1 << 20;
 
 // UsdUVTexture's "auto": sRGB for 8 bits of three or four channels. What the file says decides only against
@@ -80,13 +82,20 @@ void PictureFile::open(const TextureFile& file) {
 }
 
 void PictureFile::open_part(const TextureFile& file, const OIIO::ImageSpec& wanted) {
-  part_ = std::make_unique<FilePart>(file.path, file.offset, file.bytes);
-  if (!part_->opened()) throw Error("the file cannot be opened");
-  const std::string format = part_->format();
+  auto part = std::make_unique<FilePart>(file.path, file.offset, file.bytes);
+  if (!part->opened()) throw Error("the file cannot be opened");
+  const std::string format = part->format();
   if (format.empty())
     throw Error("the part of the package is in no format that packages hold: png, jpeg, exr, avif");
   input_ = OIIO::ImageInput::create(format);
   if (input_ == nullptr) throw Error(cannot_read(OIIO::geterror()));
+  if (format == "jpeg") {  // its reader takes files and memory alone
+    jpeg_.resize(std::min<std::uint64_t>(file.bytes, std::filesystem::file_size(file.path)));
+    jpeg_.resize(part->pread(jpeg_.data(), jpeg_.size(), 0));
+    part_ = std::make_unique<OIIO::Filesystem::IOMemReader>(jpeg_.data(), jpeg_.size());
+  } else {
+    part_ = std::move(part);
+  }
   OIIO::ImageSpec found;
   if (!input_->set_ioproxy(part_.get()))
     throw Error("OpenImageIO reads no " + format + " from within a package");
@@ -132,7 +141,7 @@ void PictureFile::read(int level, const TexelRegion& region, std::span<float> re
     const std::lock_guard lock(mutex_);
     if (fault_.empty()) fault_ = "a texel is not finite";
   }
-  if (conversion_.changes()) conversion_.apply(result, channels_);
+  if (conversion_.changes()) conversion_.apply(result, channels_, spec_.format == OIIO::TypeUInt8);
 }
 
 void PictureFile::read_tiles(int level, const TexelRegion& region, std::span<float> result) {
@@ -151,41 +160,51 @@ void PictureFile::read_tiles(int level, const TexelRegion& region, std::span<flo
 
 void PictureFile::read_rows(const TexelRegion& region, std::span<float> result) {
   const std::lock_guard lock(mutex_);
-  if (region.y0 < first_row_ || region.y1 > end_row_) {
-    const int step = std::max(spec_.tile_height, 1);
-    access_ == PictureAccess::kWhole
-        ? load_rows(0, spec_.height)
-        : load_rows(region.y0 / step * step, std::min((region.y1 + step - 1) / step * step, spec_.height));
-  }
+  const Strip& strip = strip_with(region.y0, region.y1);
   const std::size_t texel = spec_.nchannels * spec_.format.size(), row = row_bytes();
   std::vector<float> all(static_cast<std::size_t>(region.width()) * spec_.nchannels);
   float* out = result.data();
   for (int y = region.y0; y < region.y1; ++y) {
-    const std::byte* from = rows_.data() + (y - first_row_) * row + region.x0 * texel;
+    const std::byte* from = strip.rows.data() + (y - strip.first) * row + region.x0 * texel;
     OIIO::convert_pixel_values(spec_.format, from, OIIO::TypeFloat, all.data(), static_cast<int>(all.size()));
-    const float lost = unreadable_[y - first_row_] ? std::nanf("") : 0.0f;
+    const float lost = strip.unreadable[y - strip.first] ? std::nanf("") : 0.0f;
     for (int x = 0; x < region.width(); ++x)
       for (int channel = 0; channel < channels_; ++channel)
         *out++ = all[static_cast<std::size_t>(x) * spec_.nchannels + channel] + lost;
   }
 }
 
+const PictureFile::Strip& PictureFile::strip_with(int y0, int y1) {
+  const auto found = std::find_if(strips_.begin(), strips_.end(),
+                                  [&](const Strip& strip) { return strip.first <= y0 && y1 <= strip.end; });
+  if (found != strips_.end()) {
+    std::rotate(strips_.begin(), found, found + 1);
+    return strips_.front();
+  }
+  if (access_ == PictureAccess::kWhole) {
+    strips_.push_front(load(0, spec_.height));
+  } else {
+    if (strips_.size() == kStrips) strips_.pop_back();
+    const int step = std::max(spec_.tile_height, 1);
+    strips_.push_front(load(y0 / step * step, std::min((y1 + step - 1) / step * step, spec_.height)));
+  }
+  return strips_.front();
+}
+
 // In steps, so that what is unreadable is known to a few rows.
-void PictureFile::load_rows(int y0, int y1) {
-  rows_.assign(row_bytes() * (y1 - y0), std::byte{0});
-  unreadable_.assign(y1 - y0, false);
-  first_row_ = y0;
-  end_row_ = y1;
+PictureFile::Strip PictureFile::load(int y0, int y1) {
+  Strip strip{y0, y1, std::vector<std::byte>(row_bytes() * (y1 - y0)), std::vector<bool>(y1 - y0)};
   const int step = std::max(kTileSide, spec_.tile_height);
   for (int y = y0; y < y1; y += step) {
     const int end = std::min(y + step, y1);
-    if (decode(y, end, rows_.data() + (y - y0) * row_bytes())) {
+    if (decode(y, end, strip.rows.data() + (y - y0) * row_bytes())) {
       memory_.count_read((end - y) * row_bytes());
     } else {
       set_fault(input_->geterror());
-      std::fill(unreadable_.begin() + (y - y0), unreadable_.begin() + (end - y0), true);
+      std::fill(strip.unreadable.begin() + (y - y0), strip.unreadable.begin() + (end - y0), true);
     }
   }
+  return strip;
 }
 
 bool PictureFile::decode(int y0, int y1, std::byte* rows) {

@@ -3,6 +3,7 @@
 
 #include <OpenImageIO/imageio.h>
 #include <cstddef>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -21,7 +22,7 @@ namespace msbvh {
 enum class PictureAccess {
   kTiles,  // each where it is asked for
   kWhole,  // decoded once, and held
-  kStrips  // too large to hold: as many rows as one tile is high are held; going back decodes from the top
+  kStrips  // too large to hold: the last few rows of tiles are; going back decodes from the top
 };
 
 class PictureFile {
@@ -52,19 +53,28 @@ class PictureFile {
   std::string fault() const;
 
  private:
+  // Rows [first, end) as the file stores them.
+  struct Strip {
+    int first, end;
+    std::vector<std::byte> rows;
+    std::vector<bool> unreadable;
+  };
+
   void open(const TextureFile& file);
   void open_part(const TextureFile& file, const OIIO::ImageSpec& wanted);
   void check(const OIIO::ImageSpec& spec) const;
   void choose_access(const OIIO::ImageSpec& spec);
   void read_tiles(int level, const TexelRegion& region, std::span<float> result);
   void read_rows(const TexelRegion& region, std::span<float> result);
-  void load_rows(int y0, int y1);
+  const Strip& strip_with(int y0, int y1);
+  Strip load(int y0, int y1);
   bool decode(int y0, int y1, std::byte* rows);
   void set_fault(const std::string& reason);
   std::size_t row_bytes() const;
 
   TexelMemory& memory_;
-  std::unique_ptr<FilePart> part_;  // outlives what reads from it
+  std::vector<std::byte> jpeg_;                      // of a package
+  std::unique_ptr<OIIO::Filesystem::IOProxy> part_;  // outlives what reads from it
   std::unique_ptr<OIIO::ImageInput> input_;
   OIIO::ImageSpec spec_;  // of the finest level
   ColorConversion conversion_{"", ""};
@@ -77,9 +87,7 @@ class PictureFile {
 
   mutable std::mutex mutex_;  // guards what follows
   std::string fault_;
-  std::vector<std::byte> rows_;  // [first_row_, end_row_) as the file stores them
-  std::vector<bool> unreadable_;
-  int first_row_ = 0, end_row_ = 0;
+  std::deque<Strip> strips_;  // the one read last comes first
 };
 
 }  // namespace msbvh

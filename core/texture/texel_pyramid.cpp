@@ -16,6 +16,20 @@ constexpr float kLargestHalf = 65504.0f;
 // Of files that are open; beyond them the one that was not read for longest is closed, and what it holds
 // freed.
 constexpr int kOpenFiles = 500;
+TextureWrap wrap_of(OIIO::Tex::Wrap wrap) {
+  switch (wrap) {
+    case OIIO::Tex::Wrap::Clamp:
+      return TextureWrap::kClamp;
+    case OIIO::Tex::Wrap::Periodic:
+    case OIIO::Tex::Wrap::PeriodicPow2:
+      return TextureWrap::kRepeat;
+    case OIIO::Tex::Wrap::Mirror:
+      return TextureWrap::kMirror;
+    default:
+      return TextureWrap::kBlack;
+  }
+}
+
 // For a thread that frees tiles to come to the end of it.
 constexpr int kYields = 64;
 
@@ -191,6 +205,10 @@ bool TexelSource::open() const {
       return;
     }
     spec_ = *store_.cache->imagespec(OIIO::ustring(name_));
+    OIIO::Tex::Wrap s = OIIO::Tex::Wrap::Default, t = OIIO::Tex::Wrap::Default;
+    OIIO::Tex::parse_wrapmodes(std::string(spec_.get_string_attribute("wrapmodes")).c_str(), s, t);
+    wrap_s_ = wrap_of(s);
+    wrap_t_ = wrap_of(t);
     handle_ = store_.system->get_texture_handle(OIIO::ustring(name_));
     // What a picture that is held takes is not for tiles.
     const std::uint64_t left = store_.memory.limit_bytes() - store_.memory.held_bytes();

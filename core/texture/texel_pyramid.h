@@ -49,6 +49,9 @@ class TexelSource {
   OIIO::TextureSystem::TextureHandle* handle() const { return handle_; }
   int channels() const { return spec_.nchannels; }
   const OIIO::ImageSpec& spec() const { return spec_; }
+  // What the file says; black where it says nothing.
+  TextureWrap wrap_s() const { return wrap_s_; }
+  TextureWrap wrap_t() const { return wrap_t_; }
 
  private:
   friend class TexelPyramid;
@@ -60,6 +63,7 @@ class TexelSource {
   mutable std::once_flag once_;
   mutable OIIO::TextureSystem::TextureHandle* handle_ = nullptr;
   mutable OIIO::ImageSpec spec_;
+  mutable TextureWrap wrap_s_ = TextureWrap::kBlack, wrap_t_ = TextureWrap::kBlack;
   mutable std::mutex mutex_;  // guards the two below
   mutable std::vector<std::string> faults_;
   mutable std::vector<OIIO::ImageCache::Perthread*> idle_threads_;

@@ -35,21 +35,8 @@ Wrap wrap_of(TextureWrap wrap) {
   return Wrap::Default;
 }
 
-// What the file says of an axis, for TextureWrap::kMetadata.
-TextureWrap said_by(const OIIO::ImageSpec& spec, bool t_axis) {
-  Wrap s = Wrap::Default, t = Wrap::Default;
-  OIIO::Tex::parse_wrapmodes(std::string(spec.get_string_attribute("wrapmodes")).c_str(), s, t);
-  switch (t_axis ? t : s) {
-    case Wrap::Clamp:
-      return TextureWrap::kClamp;
-    case Wrap::Periodic:
-    case Wrap::PeriodicPow2:
-      return TextureWrap::kRepeat;
-    case Wrap::Mirror:
-      return TextureWrap::kMirror;
-    default:
-      return TextureWrap::kBlack;
-  }
+TextureWrap either(TextureWrap wanted, TextureWrap said_by_file) {
+  return wanted == TextureWrap::kMetadata ? said_by_file : wanted;
 }
 
 bool finite(const TexelColor& color) {
@@ -145,11 +132,8 @@ TexelColor TextureCache::Data::look_up(TextureId id, const TextureQuery& asked,
   const TexelSource* source = source_of(tile_of(id, query));
   if (source == nullptr) return texture.fallback;
 
-  const auto wrap = [&](TextureWrap wanted, bool t_axis) {
-    if (texture.udim) return TextureWrap::kClamp;
-    return wanted == TextureWrap::kMetadata ? said_by(source->spec(), t_axis) : wanted;
-  };
-  const TextureWrap wrap_s = wrap(texture.wrap_s, false), wrap_t = wrap(texture.wrap_t, true);
+  const TextureWrap wrap_s = texture.udim ? TextureWrap::kClamp : either(texture.wrap_s, source->wrap_s());
+  const TextureWrap wrap_t = texture.udim ? TextureWrap::kClamp : either(texture.wrap_t, source->wrap_t());
   OIIO::TextureOpt options;
   options.swrap = wrap_of(wrap_s);
   options.twrap = wrap_of(wrap_t);
@@ -213,11 +197,9 @@ bool TextureCache::same_everywhere(TextureId id, TexelColor& value) const {
   }
   if (texture.udim) return false;
   const TexelSource& source = *tiles.front().source;
-  const auto black = [&](TextureWrap wrap, bool t_axis) {
-    return (wrap == TextureWrap::kMetadata ? said_by(source.spec(), t_axis) : wrap) == TextureWrap::kBlack;
-  };
   if (!data_->all_equal(source, value)) return false;
-  const bool outside_is_black = black(texture.wrap_s, false) || black(texture.wrap_t, true);
+  const bool outside_is_black = either(texture.wrap_s, source.wrap_s()) == TextureWrap::kBlack ||
+                                either(texture.wrap_t, source.wrap_t()) == TextureWrap::kBlack;
   return !outside_is_black || value == TexelColor{0.0f, 0.0f, 0.0f, source.channels() % 2 == 0 ? 0.0f : 1.0f};
 }
 

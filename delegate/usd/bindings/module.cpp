@@ -5,6 +5,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "core/base/error.h"
+#include "core/texture/texture_cache.h"
 #include "core/trace/tracer.h"
 #include "delegate/usd/bindings/bindings.h"
 
@@ -42,4 +43,5 @@ NB_MODULE(_core, m) {
         return names;
       },
       "Those that the kernels are compiled for and this machine has; worst first.");
+  m.def("can_read_textures", &msbvh::can_read_textures, "Whether this was built with OpenImageIO.");
 }

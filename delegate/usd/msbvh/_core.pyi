@@ -479,6 +479,9 @@ def skin_points(
 def supported_instruction_sets() -> list[str]:
     """Those that the kernels are compiled for and this machine has; worst first."""
 
+def can_read_textures() -> bool:
+    """Whether this was built with OpenImageIO."""
+
 def builders() -> list[str]:
     """Names that Renderer and the benchmark take; the default first."""
 
