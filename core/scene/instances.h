@@ -42,7 +42,7 @@ struct InstanceSet {
   // Still, one value an instance, or none: override the meshes' own.
   std::vector<float> display_opacity{};
   std::vector<InstancePrimvar> primvars{};  // each name once
-  std::vector<std::uint32_t> materials{};  // empty, or one an instance: overrides the meshes' own
+  std::vector<std::uint32_t> materials{};   // empty, or one an instance: overrides the meshes' own
   // For AOVs: each one's number in its instancer, -1 for what is no instance; empty: its place in the set.
   std::vector<std::int32_t> ids{};
 

@@ -29,8 +29,23 @@
 #define MSBVH_DECLARES_MOTION (HD_API_VERSION >= 90)
 #define MSBVH_HAS_CREATE_ARGS (HD_API_VERSION >= 101)
 
+// The reader of usdz packages has moved.
+#if __has_include(<pxr/usd/sdf/zipFile.h>)
+#include <pxr/usd/sdf/zipFile.h>
+#define MSBVH_ZIP_IN_SDF 1
+#else
+#include <pxr/usd/usd/zipFile.h>
+#define MSBVH_ZIP_IN_SDF 0
+#endif
+
 namespace msbvh::hydra {
 
 PXR_NAMESPACE_USING_DIRECTIVE
+
+#if MSBVH_ZIP_IN_SDF
+using ZipFile = SdfZipFile;
+#else
+using ZipFile = UsdZipFile;
+#endif
 
 }  // namespace msbvh::hydra

@@ -5,6 +5,7 @@
 #include <pxr/base/gf/vec4f.h>
 #include <pxr/base/tf/stringUtils.h>
 #include <pxr/imaging/hd/sceneDelegate.h>
+#include <pxr/usd/ar/resolver.h>
 #include <pxr/usd/sdf/assetPath.h>
 
 #include "delegate/hydra/render_param.h"
@@ -18,6 +19,8 @@ using translate::ShaderData;
 using translate::ShaderInput;
 using translate::ShaderNode;
 
+constexpr std::string_view kTileToken = "<UDIM>";
+
 template <typename Vector>
 ShaderData numbers(const VtValue& value) {
   const Vector& from = value.UncheckedGet<Vector>();
@@ -26,11 +29,34 @@ ShaderData numbers(const VtValue& value) {
   return to;
 }
 
+// The tiles of a UDIM texture, of which hosts resolve the pattern alone.
+std::vector<std::string> tiles(const std::string& pattern, std::size_t token) {
+  std::vector<std::string> found;
+  for (int tile = 1001; tile <= 1100; ++tile) {
+    const std::string path = std::string(pattern).replace(token, kTileToken.size(), std::to_string(tile));
+    const ArResolvedPath resolved = ArGetResolver().Resolve(path);
+    if (!resolved.empty()) found.push_back(resolved.GetPathString());
+  }
+  return found;
+}
+
 ShaderData asset(const SdfAssetPath& path) {
-  Asset result{path.GetAssetPath(), {}};
-  // Of a UDIM texture hosts resolve the pattern, not its tiles.
-  if (!path.GetResolvedPath().empty()) result.files.push_back(path.GetResolvedPath());
+  Asset result{path.GetAssetPath()};
+  const std::string& resolved = path.GetResolvedPath().empty() ? path.GetAssetPath() : path.GetResolvedPath();
+  const std::size_t token = resolved.find(kTileToken);
+  if (token != std::string::npos) {
+    result.files = tiles(resolved, token);
+  } else if (!path.GetResolvedPath().empty()) {
+    result.files.push_back(path.GetResolvedPath());
+  }
   return result;
+}
+
+// UsdImaging hands what the stage says of a file's colours down as a parameter beside it.
+std::string color_space_of(const HdMaterialNode2& node, const TfToken& name) {
+  const auto found = node.parameters.find(TfToken("colorSpace:" + name.GetString()));
+  if (found == node.parameters.end() || !found->second.IsHolding<TfToken>()) return {};
+  return found->second.UncheckedGet<TfToken>().GetString();
 }
 
 ShaderData data_of(const VtValue& value) {
@@ -59,6 +85,7 @@ ShaderNode node_of(const SdfPath& path, const HdMaterialNode2& from) {
     if (from.inputConnections.contains(name)) continue;
     ShaderInput input{name.GetString()};
     input.value = {data_of(value), TfStringify(value), value.GetTypeName()};
+    if (auto* file = std::get_if<Asset>(&input.value->data)) file->color_space = color_space_of(from, name);
     node.inputs.push_back(std::move(input));
   }
   return node;

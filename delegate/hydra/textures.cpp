@@ -6,15 +6,13 @@
 #include <pxr/base/gf/half.h>
 #include <pxr/imaging/hio/image.h>
 #include <pxr/imaging/hio/types.h>
+#include <pxr/usd/ar/packageUtils.h>
 #include <vector>
 
 namespace msbvh::hydra {
 namespace {
 
-using translate::Rgba;
 using translate::ScalarImage;
-
-constexpr double kBrightest = 65504.0;  // as everywhere (delegate/translate/primvars.h)
 
 // An image as linear numbers, [height][width][channels].
 struct Texels {
@@ -80,18 +78,6 @@ std::optional<Texels> read(const std::string& file, std::string_view colour_spac
   return texels;
 }
 
-Rgba mean_of(const Texels& texels) {
-  std::array<double, 4> sum{}, count{};
-  for (std::size_t i = 0; i < texels.values.size(); ++i) {
-    if (!std::isfinite(texels.values[i])) continue;
-    sum[i % texels.channels] += std::clamp(double(texels.values[i]), -kBrightest, kBrightest);
-    ++count[i % texels.channels];
-  }
-  for (std::size_t i = 0; i < texels.channels; ++i) sum[i] /= std::max(count[i], 1.0);
-  if (texels.channels < 3) return {sum[0], sum[0], sum[0], texels.channels == 2 ? sum[1] : 1.0};
-  return {sum[0], sum[1], sum[2], texels.channels == 4 ? sum[3] : 1.0};
-}
-
 // Of red, green, blue and alpha among the channels of an image; none: it has no alpha.
 std::optional<std::size_t> place_of(std::size_t channel, std::size_t count) {
   if (channel == 3) return count == 2 || count == 4 ? std::optional(count - 1) : std::nullopt;
@@ -100,13 +86,27 @@ std::optional<std::size_t> place_of(std::size_t channel, std::size_t count) {
 
 }  // namespace
 
-std::optional<Rgba> Textures::mean(const translate::Asset& texture, std::string_view colour_space) const {
-  if (texture.files.empty()) return std::nullopt;
-  const std::pair key{texture.files.front(), std::string(colour_space)};
-  const auto known = means_.find(key);
-  if (known != means_.end()) return known->second;
-  const std::optional<Texels> texels = read(key.first, colour_space);
-  return means_[key] = texels ? std::optional(mean_of(*texels)) : std::nullopt;
+// Packages within packages are looked through; none for what is compressed or encrypted.
+std::optional<TextureFile> Textures::locate(const std::string& file) const {
+  if (!ArIsPackageRelativePath(file)) return TextureFile{file};
+  auto [package, inner] = ArSplitPackageRelativePathOuter(file);
+  TextureFile found{package};
+  std::string opened = package;
+  while (!inner.empty()) {
+    const auto [name, rest] = ArIsPackageRelativePath(inner) ? ArSplitPackageRelativePathOuter(inner)
+                                                             : std::pair(inner, std::string());
+    const ZipFile archive = ZipFile::Open(opened);
+    if (!archive) return std::nullopt;
+    const auto entry = archive.Find(name);
+    if (entry == archive.end()) return std::nullopt;
+    const auto info = entry.GetFileInfo();
+    if (info.compressionMethod != 0 || info.encrypted) return std::nullopt;
+    found.offset += info.dataOffset;
+    found.bytes = info.size;
+    opened = ArJoinPackageRelativePath(opened, name);
+    inner = rest;
+  }
+  return found;
 }
 
 std::optional<ScalarImage> Textures::channel(const translate::Asset& texture, std::string_view colour_space,

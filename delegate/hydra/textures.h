@@ -1,27 +1,21 @@
-// Textures by OpenUSD's own image readers (Hio): their means, and single channels for displacement, until the
-// core evaluates textures itself.
+// Where the files of textures lie, and single channels for displacement by OpenUSD's own image readers (Hio).
 #pragma once
 
-#include <map>
+#include <optional>
 #include <string>
-#include <utility>
+#include <string_view>
 
 #include "delegate/hydra/api_version.h"
 #include "delegate/translate/look/texture_source.h"
 
 namespace msbvh::hydra {
 
-// Remembers what it has read. For one thread.
 class Textures : public translate::TextureSource {
  public:
-  std::optional<translate::Rgba> mean(const translate::Asset& texture,
-                                      std::string_view colour_space) const override;
+  std::optional<TextureFile> locate(const std::string& file) const override;
   std::optional<translate::ScalarImage> channel(const translate::Asset& texture,
                                                 std::string_view colour_space,
                                                 std::size_t channel) const override;
-
- private:
-  mutable std::map<std::pair<std::string, std::string>, std::optional<translate::Rgba>> means_;
 };
 
 }  // namespace msbvh::hydra

@@ -159,7 +159,7 @@ struct MeshInput {
   PrimvarInput<float> display_opacity;
   // That its materials read, displacement included; others may be among them.
   std::vector<NamedPrimvar> named_primvars{};
-  bool displaced = true;                       // by its materials, where they say so
+  bool displaced = true;  // by its materials, where they say so
   std::uint32_t material = kNone;
   // Empty, or one a face in place of `material`; negative: none.
   std::span<const int> face_materials;

@@ -26,7 +26,7 @@ struct InstanceTarget {
   Box3d box;               // of the stored meshes, over the shutter
   FitSettings settings;
   std::uint32_t material_count = 0;
-  const Outside* outside = nullptr;  // null: one tolerance for all
+  const Outside* outside = nullptr;          // null: one tolerance for all
   const MaterialTable* materials = nullptr;  // null: none reads a primvar
 };
 

@@ -11,9 +11,9 @@ namespace msbvh::translate {
 namespace {
 
 bool is_sound(const Material& material) {
-  const float numbers[] = {material.opacity,   material.opacity_threshold, material.metallic,
-                           material.roughness, material.ior,               material.clearcoat,
-                           material.clearcoat_roughness};
+  const float numbers[] = {
+      material.opacity, material.opacity_threshold, material.metallic,           material.roughness,
+      material.ior,     material.clearcoat,         material.clearcoat_roughness};
   return is_color(material.diffuse_color) && is_finite(material.emissive_color) &&
          is_color(material.specular_color) && is_color(material.normal) &&
          std::ranges::all_of(numbers, [](float number) { return std::isfinite(number); });

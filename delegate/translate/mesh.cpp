@@ -78,9 +78,11 @@ bool add_round(const MeshMotion& motion, const MovingArray& points, const Candid
   const std::uint32_t most = target.settings.max_segments;
   Appearance* look;
   if (motion.round->is_curves()) {
-    look = &result.curves.emplace(motion.round->curves(motion.input, points, track, *target.materials, most, optional));
+    look = &result.curves.emplace(
+        motion.round->curves(motion.input, points, track, *target.materials, most, optional));
   } else {
-    look = &result.points.emplace(motion.round->points(motion.input, points, track, *target.materials, most, optional));
+    look = &result.points.emplace(
+        motion.round->points(motion.input, points, track, *target.materials, most, optional));
   }
   look->material = material_of(motion.input, target, optional);
   return check_range(result.box(), log);

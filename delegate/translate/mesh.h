@@ -40,8 +40,8 @@ struct MeshTarget {
   Displaced displaced = Displaced::kAsTriangles;
   std::uint64_t* triangle_bytes_left = nullptr;  // of Displaced::kByMemory, for all meshes of a frame
   CurveStyle curves = CurveStyle::kRibbon;
-  RefinementCache* refinements = nullptr;  // not null; of all meshes and frames of a front-end
-  const Outside* outside = nullptr;        // of the world; null: one tolerance for all
+  RefinementCache* refinements = nullptr;    // not null; of all meshes and frames of a front-end
+  const Outside* outside = nullptr;          // of the world; null: one tolerance for all
   const MaterialTable* materials = nullptr;  // not null
 };
 

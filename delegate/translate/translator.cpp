@@ -256,7 +256,8 @@ std::uint32_t Translator::begin_prototype(const std::string& path, double pixels
 }
 
 double Translator::pixels_per_unit(const InstancesInput& input, const Box3d& box) const {
-  return translate::pixels_per_unit(input, {data_->measure, data_->origin, {}, box, data_->fit, 0, nullptr, nullptr});
+  return translate::pixels_per_unit(
+      input, {data_->measure, data_->origin, {}, box, data_->fit, 0, nullptr, nullptr});
 }
 
 void Translator::add_prototype_mesh(std::uint32_t prototype, const MeshInput& input) {

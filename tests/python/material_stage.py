@@ -43,7 +43,9 @@ class LookShot(Shot):
         kind = TYPES.Float3 if output in ("rgb", "result", "out") else TYPES.Float
         to.CreateInput(name, kind).ConnectToSource(source.CreateOutput(output, kind))
 
-    def texture(self, file: str, name: str = "Texture", output: str = "rgb", to: str = "diffuseColor") -> UsdShade.Shader:
+    def texture(
+        self, file: str, name: str = "Texture", output: str = "rgb", to: str = "diffuseColor"
+    ) -> UsdShade.Shader:
         """That drives an input of the surface."""
         node = self.node(name, "UsdUVTexture")
         node.CreateInput("file", TYPES.Asset).Set(Sdf.AssetPath(file))

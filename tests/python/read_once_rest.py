@@ -192,7 +192,7 @@ def _opacities_of_instances() -> None:
     api = UsdGeom.PrimvarsAPI(points(shot))
     primvar = api.CreatePrimvar("displayOpacity", Sdf.ValueTypeNames.FloatArray, "vertex")
     set_in_turn(primvar, ([1.0] * 4, [0.5] * 4), (10.0, 10.4))
-    named(shot, "/Points.primvars:displayOpacity", "not supported")
+    named(shot, "/Points.primvars:displayOpacity", "changes within the shutter")
 
 
 @case("Camera.projection")

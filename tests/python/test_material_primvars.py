@@ -105,7 +105,9 @@ def test_indexed_inherited_and_missing_primvars() -> None:
     assert result.scene.primvars("/Group/Inherits")["st"][2].tolist() == [[0.25, 0.75, 0]]
     assert result.scene.primvars("/Group/Own")["st"][2][:, 0].tolist() == [0, 1, 1, 0, 1, 0]
     assert result.scene.primvars("/Missing") == {}
-    assert messages(result) == ["/Missing.primvars:st: is not there; drawn as what its reader falls back to, unless instances have their own (and 1 more prims)"]
+    (note,) = messages(result)
+    assert note.startswith("/Missing.primvars:st: is not there; drawn as what its reader falls back to")
+    assert note.endswith("(and 1 more prims)")
 
 
 def test_values_that_move_have_keys_and_indices_that_change_are_held() -> None:

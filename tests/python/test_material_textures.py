@@ -50,7 +50,9 @@ def test_a_texture_is_data_and_nothing_is_said(tmp_path: Path) -> None:
     assert (read["texture"], read["coordinates"]) == (0, "uv1")
     assert read["scale"] == [2, 2, 2, 1] and read["bias"] == [-1, -1, -1, 0]
     assert messages(result, "warning") == []
-    assert messages(result, "note") == ["/Mesh.primvars:uv1: is not there; drawn as what its reader falls back to, unless instances have their own"]
+    assert messages(result, "note") == [
+        "/Mesh.primvars:uv1: is not there; drawn as what its reader falls back to, unless instances have their own"
+    ]
 
 
 def test_materials_share_textures(tmp_path: Path) -> None:
@@ -61,7 +63,11 @@ def test_materials_share_textures(tmp_path: Path) -> None:
         Sdf.CopySpec(layer, "/Look", layer, f"/Look_{index}")
         surface = UsdShade.Shader(shot.stage.GetPrimAtPath(f"/Look_{index}/Surface"))
         surface.GetInput("diffuseColor").SetConnectedSources(
-            [UsdShade.ConnectionSourceInfo(UsdShade.Output(shot.stage.GetAttributeAtPath(f"/Look_{index}/Texture.outputs:rgb")))]
+            [
+                UsdShade.ConnectionSourceInfo(
+                    UsdShade.Output(shot.stage.GetAttributeAtPath(f"/Look_{index}/Texture.outputs:rgb"))
+                )
+            ]
         )
         material = UsdShade.Material(shot.stage.GetPrimAtPath(f"/Look_{index}"))
         material.GetSurfaceOutput().ConnectToSource(surface.ConnectableAPI(), "surface")
@@ -73,7 +79,9 @@ def test_materials_share_textures(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("fallback", [None, Gf.Vec4f(0, 0, 1, 0.5)])
-@pytest.mark.parametrize(("file", "found"), [("missing.jpg", "@missing.jpg@ cannot be found"), ("", "it names no file")])
+@pytest.mark.parametrize(
+    ("file", "found"), [("missing.jpg", "@missing.jpg@ cannot be found"), ("", "it names no file")]
+)
 def test_a_missing_file_leaves_the_fallback(file: str, found: str, fallback: Gf.Vec4f | None) -> None:
     shot = LookShot()
     texture = shot.texture(file)
@@ -149,8 +157,13 @@ def test_a_package_in_a_package_is_looked_through_and_what_is_compressed_is_not(
     assert locate("/a/b.png") == ("/a/b.png", 0, 0)
 
 
-@pytest.mark.parametrize(("source", "expected"), [(None, "lin_ap1_scene"), ("auto", "lin_ap1_scene"), ("raw", ""), ("sRGB", "srgb_rec709_scene")])
-def test_colour_space_metadata_counts_where_the_node_leaves_it_open(tmp_path: Path, source: str | None, expected: str) -> None:
+@pytest.mark.parametrize(
+    ("source", "expected"),
+    [(None, "lin_ap1_scene"), ("auto", "lin_ap1_scene"), ("raw", ""), ("sRGB", "srgb_rec709_scene")],
+)
+def test_colour_space_metadata_counts_where_the_node_leaves_it_open(
+    tmp_path: Path, source: str | None, expected: str
+) -> None:
     shot = LookShot()
     texture = shot.texture(png(tmp_path / "a.png"))
     texture.GetInput("file").GetAttr().SetColorSpace("lin_ap1_scene")

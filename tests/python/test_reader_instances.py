@@ -282,16 +282,16 @@ def test_a_prototype_that_instances_itself_is_an_error():
     assert any("a prototype that instances itself" in message for message in messages(result, "error"))
 
 
-def test_an_opacity_for_each_instance_is_named():
+def test_each_instance_has_its_own_opacity():
     shot = Shot()
     opacity = UsdGeom.PrimvarsAPI(make_instancer(shot)).CreatePrimvar(
         "displayOpacity", Sdf.ValueTypeNames.FloatArray, "vertex"
     )
-    opacity.Set([1.0] * 5)
-    assert not messages(shot.read(), "warning")
-    opacity.Set([0.5] * 5)
-    (warning,) = messages(shot.read(), "warning")
-    assert warning.startswith("/Instancer.primvars:displayOpacity: an opacity for each instance is not supported")
+    opacity.Set([0.125, 0.25, 0.5, 0.75, 1.0])
+    result = shot.read()
+    given = [values["displayOpacity"] for values in map(result.scene.instance_primvars, {"/Instancer"})]
+    assert sorted(value for values in given for value in values) == [0.125, 0.25, 0.5, 0.75, 1.0]
+    assert not messages(result, "warning")
 
 
 def test_velocities_that_do_not_fit_the_positions_are_named():

@@ -279,7 +279,6 @@ def test_every_input_of_a_preview_surface_is_read_and_nothing_is_said():
     assert messages(result) == []
 
 
-
 @pytest.mark.parametrize(
     ("name", "kind", "value", "expected"),
     [

@@ -102,10 +102,11 @@ TEST_CASE("a mesh keeps the primvars that its materials read, of any interpolati
   MeshFixture fixture;
   MeshInput input = fixture.input();
   input.material = 0;
-  for (const auto& [interpolation, kept, count] :
-       {std::tuple{"constant", Interpolation::kConstant, 1u}, {"uniform", Interpolation::kTriangle, 2u},
-        {"varying", Interpolation::kVertex, 4u},              {"vertex", Interpolation::kVertex, 4u},
-        {"faceVarying", Interpolation::kFaceVarying, 6u}}) {
+  for (const auto& [interpolation, kept, count] : {std::tuple{"constant", Interpolation::kConstant, 1u},
+                                                   {"uniform", Interpolation::kTriangle, 2u},
+                                                   {"varying", Interpolation::kVertex, 4u},
+                                                   {"vertex", Interpolation::kVertex, 4u},
+                                                   {"faceVarying", Interpolation::kFaceVarying, 6u}}) {
     CAPTURE(interpolation);
     const bool one = std::string(interpolation) == "constant" || std::string(interpolation) == "uniform";
     input.named_primvars = {named("unread", "constant", kOne),

@@ -40,10 +40,11 @@ TEST_CASE("MaterialX's surfaces have their own defaults") {
 }
 
 TEST_CASE("constants of a standard_surface are mapped, weights multiplied in, the rest is named once") {
-  Network look = of("ND_standard_surface_surfaceshader",
-                    {constant("base", 0.5), constant("base_color", numbers({1, 0.5, 0})), constant("metalness", 1.0),
-                     constant("emission", 2.0), constant("opacity", numbers({0.5, 0.5, 0.5})), constant("coat", 1.0),
-                     constant("transmission", 1.0), constant("sheen", 0.0)});
+  Network look =
+      of("ND_standard_surface_surfaceshader",
+         {constant("base", 0.5), constant("base_color", numbers({1, 0.5, 0})), constant("metalness", 1.0),
+          constant("emission", 2.0), constant("opacity", numbers({0.5, 0.5, 0.5})), constant("coat", 1.0),
+          constant("transmission", 1.0), constant("sheen", 0.0)});
   const Material material = look.material();
   CHECK(material.diffuse_color == Vec3f{0.5f, 0.25f, 0});
   CHECK(material.metallic == 1.0f);
@@ -70,7 +71,9 @@ TEST_CASE("images of an open_pbr_surface: weight, wrap modes, colour space, tili
   const SurfaceLook found = *look.read();
   CHECK(look.warnings() == 0);
   const Material& material = found.material;
-  const auto read_of = [&](SurfaceInput input) { return material.texture_reads[driven(material, input)->index]; };
+  const auto read_of = [&](SurfaceInput input) {
+    return material.texture_reads[driven(material, input)->index];
+  };
   const TextureRead color = read_of(SurfaceInput::kDiffuseColor);
   CHECK(color.scale == std::array{0.5f, 0.5f, 0.5f, 1.0f});
   CHECK(color.matrix == std::array{2.0f, 0.0f, 0.0f, 4.0f});
@@ -92,8 +95,10 @@ TEST_CASE("MaterialX's UsdPreviewSurface nodes mean what USD's do") {
                     {constant("roughness", 0.25), connected("diffuseColor", "/Look/Texture", "rgb"),
                      connected("opacity", "/Look/Texture", "a"), connected("metallic", "/Look/Wet", "out"),
                      constant("opacityMode", 1.0)});
-  look.add("Texture", "ND_UsdUVTexture_23", {file(), constant("sourceColorSpace", std::string("sRGB")), connected("st", "/Look/Turn", "out")});
-  look.add("Turn", "ND_UsdTransform2d", {constant("scale", numbers({3, 3})), connected("in", "/Look/Uv", "out")});
+  look.add("Texture", "ND_UsdUVTexture_23",
+           {file(), constant("sourceColorSpace", std::string("sRGB")), connected("st", "/Look/Turn", "out")});
+  look.add("Turn", "ND_UsdTransform2d",
+           {constant("scale", numbers({3, 3})), connected("in", "/Look/Uv", "out")});
   look.add("Uv", "ND_UsdPrimvarReader_vector2", {constant("varname", std::string("uv"))});
   look.add("Wet", "ND_UsdPrimvarReader_float", {constant("varname", std::string("wet"))});
   const SurfaceLook found = *look.read();
@@ -106,10 +111,12 @@ TEST_CASE("MaterialX's UsdPreviewSurface nodes mean what USD's do") {
   CHECK(driven(found.material, SurfaceInput::kMetallic)->source == DrivenInput::Source::kPrimvar);
 }
 
-TEST_CASE("channels, constants and nodes that pass a value on are looked through; others are named; circles end") {
-  Network look = of("ND_standard_surface_surfaceshader",
-                    {connected("metalness", "/Look/Blue", "out"), connected("base_color", "/Look/Dot", "out"),
-                     connected("specular_roughness", "/Look/Noise", "out"), connected("coat", "/Look/A", "out")});
+TEST_CASE(
+    "channels, constants and nodes that pass a value on are looked through; others are named; circles end") {
+  Network look =
+      of("ND_standard_surface_surfaceshader",
+         {connected("metalness", "/Look/Blue", "out"), connected("base_color", "/Look/Dot", "out"),
+          connected("specular_roughness", "/Look/Noise", "out"), connected("coat", "/Look/A", "out")});
   look.add("Blue", "ND_extract_color3", {constant("index", 2.0), connected("in", "/Look/Image", "out")});
   look.add("Image", "ND_image_color3", {file()});
   look.add("Dot", "ND_dot_color3", {connected("in", "/Look/Red", "out")});
@@ -126,7 +133,8 @@ TEST_CASE("channels, constants and nodes that pass a value on are looked through
   CHECK(look.warnings() == 1);
 }
 
-TEST_CASE("of a material's surfaces, what is read as it is comes before what is mapped, and that before others") {
+TEST_CASE(
+    "of a material's surfaces, what is read as it is comes before what is mapped, and that before others") {
   CHECK(surface_rank("UsdPreviewSurface") < surface_rank("ND_standard_surface_surfaceshader"));
   CHECK(surface_rank("ND_open_pbr_surface_surfaceshader") < surface_rank("PxrSurface"));
   CHECK_FALSE(is_materialx_surface("ND_mix_surfaceshader"));

@@ -92,14 +92,20 @@ TEST_CASE("readers of displayColor and displayOpacity drive what they may; of ot
   CHECK(crossed.primvars == std::vector<NeededPrimvar>{{"displayOpacity", 1}, {"displayColor", 3}});
   CHECK(driven(crossed.material, SurfaceInput::kDiffuseColor)->grey);
   CHECK(driven(crossed.material, SurfaceInput::kOpacity)->channel == 0);
-  CHECK(look.warnings("inputs:opacity: connected to a UsdPrimvarReader_float3, expected one number; its first "
-                      "is read") == 1);
+  CHECK(
+      look.warnings("inputs:opacity: connected to a UsdPrimvarReader_float3, expected one number; its first "
+                    "is read") == 1);
 }
 
 TEST_CASE("readers of every type of numbers drive inputs; of others the fallback is drawn, with a warning") {
-  for (const auto& [type, width] : {std::pair{"float", 1u},  {"int", 1u},    {"float2", 2u},
-                                    {"float3", 3u},          {"point", 3u},  {"normal", 3u},
-                                    {"vector", 3u},          {"float4", 4u}}) {
+  for (const auto& [type, width] : {std::pair{"float", 1u},
+                                    {"int", 1u},
+                                    {"float2", 2u},
+                                    {"float3", 3u},
+                                    {"point", 3u},
+                                    {"normal", 3u},
+                                    {"vector", 3u},
+                                    {"float4", 4u}}) {
     CAPTURE(type);
     Network look;
     look.add("Reader", std::string("UsdPrimvarReader_") + type, {constant("varname", std::string("wet"))});
@@ -129,7 +135,8 @@ TEST_CASE("readers of every type of numbers drive inputs; of others the fallback
 
 TEST_CASE("a reader's fallback is the constant beside it, in the reader's own type") {
   Network look;
-  look.add("Number", "UsdPrimvarReader_float", {constant("varname", std::string("a")), constant("fallback", 0.25)});
+  look.add("Number", "UsdPrimvarReader_float",
+           {constant("varname", std::string("a")), constant("fallback", 0.25)});
   look.add("Vector", "UsdPrimvarReader_float4",
            {constant("varname", std::string("b")), constant("fallback", numbers({0.1, 0.2, 0.3, 0.4}))});
   look.add("Wrong", "UsdPrimvarReader_float3",
@@ -195,7 +202,8 @@ TEST_CASE("what is transparent reflects, a presence does not, and a threshold ma
   CHECK_FALSE(with({constant("opacityThreshold", 0.5), constant("opacity", 0.25)}).specular);
   CHECK(look.warnings() == 0);
   CHECK(with({mode("glass")}).transparent_reflects);
-  CHECK(look.warnings("inputs:opacityMode: found glass, expected transparent or presence; took the first") == 1);
+  CHECK(look.warnings("inputs:opacityMode: found glass, expected transparent or presence; took the first") ==
+        1);
 }
 
 TEST_CASE("a texture that cannot be read is its fallback, then the input's default") {
@@ -261,15 +269,13 @@ TEST_CASE("a value that changes within the shutter is held, which is said where 
   CHECK(look.said.back().in_common);
 }
 
-
 TEST_CASE("a primvar's name of another type is ignored, and so the reader falls back") {
   Network look;
   look.network.nodes.push_back({"/Look/Reader", "UsdPrimvarReader_float", {constant("varname", 1.0)}});
   look.surface().inputs = {connected("opacity", "/Look/Reader", "result")};
   CHECK_FALSE(look.material().opacity_from_display_opacity);
   CHECK(look.warnings("inputs:varname: found type, expected token; ignored") == 1);
-  CHECK(look.warnings(
-            "connected to a UsdPrimvarReader_float that names no primvar; drawn as 1") == 1);
+  CHECK(look.warnings("connected to a UsdPrimvarReader_float that names no primvar; drawn as 1") == 1);
 }
 
 TEST_CASE("a fallback of another kind is named at the node, and the input's default is drawn") {
@@ -319,15 +325,16 @@ std::string described(const SurfaceLook& look) {
   std::string all = message(m.specular, m.specular_workflow, m.transparent_reflects);
   for (const Vec3f& color : {m.diffuse_color, m.emissive_color, m.specular_color, m.normal})
     all += message(" ", color.x, " ", color.y, " ", color.z);
-  for (const float number : {m.metallic, m.roughness, m.ior, m.clearcoat, m.clearcoat_roughness, m.opacity,
-                             m.opacity_threshold})
+  for (const float number :
+       {m.metallic, m.roughness, m.ior, m.clearcoat, m.clearcoat_roughness, m.opacity, m.opacity_threshold})
     all += message(" ", number);
   for (const ImageTexture& image : look.textures) {
-    all += message("; ", image.name, int(image.wrap_s), int(image.wrap_t), image.color_space, image.fallback[0]);
+    all +=
+        message("; ", image.name, int(image.wrap_s), int(image.wrap_t), image.color_space, image.fallback[0]);
   }
   for (const TextureRead& read : m.texture_reads)
-    all += message("; ", read.scale[0], " ", read.bias[0], " ", read.offset[0], " ", read.fallback_coordinates[0],
-                   " ", read.matrix[0], " ", read.matrix[1]);
+    all += message("; ", read.scale[0], " ", read.bias[0], " ", read.offset[0], " ",
+                   read.fallback_coordinates[0], " ", read.matrix[0], " ", read.matrix[1]);
   for (const NeededPrimvar& primvar : look.primvars) all += "; " + primvar.name;
   return all;
 }
@@ -371,8 +378,9 @@ ShaderData unusual_data(const std::string& identifier, const std::string& name) 
   if (name == "wrapS" || name == "wrapT") return std::string("repeat");
   if (name == "opacityMode") return std::string("presence");
   if (name == "rotation" || name == "displacement") return 0.5;
-  constexpr std::string_view kNumbers[] = {"metallic",  "roughness", "ior",     "clearcoat", "clearcoatRoughness",
-                                           "opacity",   "opacityThreshold", "useSpecularWorkflow"};
+  constexpr std::string_view kNumbers[] = {"metallic",         "roughness",          "ior",
+                                           "clearcoat",        "clearcoatRoughness", "opacity",
+                                           "opacityThreshold", "useSpecularWorkflow"};
   if (std::ranges::find(kNumbers, name) != std::end(kNumbers)) return 0.75;
   const bool pair = name == "st" || (identifier == "UsdTransform2d" && name != "fallback");
   return pair ? numbers({0.5, 0.75}) : numbers({0.5, 0.5, 0.5, 0.5});

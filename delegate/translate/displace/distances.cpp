@@ -27,8 +27,7 @@ class DistanceReader {
       if (!named || primvars_.contains(named->name)) continue;
       // Where a texture is read stays as it is at the frame.
       const double time = d->texture ? frame01 : time01;
-      if (auto primvar = FacePrimvar::at(*named, time, mesh, log))
-        primvars_.emplace(named->name, *primvar);
+      if (auto primvar = FacePrimvar::at(*named, time, mesh, log)) primvars_.emplace(named->name, *primvar);
     }
   }
 

@@ -36,8 +36,8 @@ std::vector<Vec3f> gathered(const std::vector<Vec3f>& values, std::span<const in
 
 }  // namespace
 
-std::optional<FacePrimvar> FacePrimvar::at(const NamedPrimvar& named, double time01,
-                                                 const Tessellation& mesh, PrimLog& log) {
+std::optional<FacePrimvar> FacePrimvar::at(const NamedPrimvar& named, double time01, const Tessellation& mesh,
+                                           PrimLog& log) {
   const PrimvarInput<Vec3f>& primvar = named.primvar;
   PrimLog optional = log.of_optional_part();
   const std::optional<PrimvarMap> map =
@@ -57,7 +57,7 @@ std::optional<FacePrimvar> FacePrimvar::at(const NamedPrimvar& named, double tim
 }
 
 void FacePrimvar::at_squares(std::uint32_t cage_face, std::uint32_t face,
-                                std::span<const SquareLattice> squares, Vec3d* out) const {
+                             std::span<const SquareLattice> squares, Vec3d* out) const {
   const bool varies =
       interpolation_ == Interpolation::kVertex || interpolation_ == Interpolation::kFaceVarying;
   if (!varies) {

@@ -17,7 +17,7 @@ class FacePrimvar {
  public:
   // As it is at a time. One that does not fit the mesh is left out, with a warning.
   static std::optional<FacePrimvar> at(const NamedPrimvar& named, double time01, const Tessellation& mesh,
-                                          PrimLog& log);
+                                       PrimLog& log);
 
   // One value for each point of a face's squares, one square after the other. `cage_face` of the refinement,
   // `face` of the input.

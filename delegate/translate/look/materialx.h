@@ -1,5 +1,6 @@
-// MaterialX's surfaces as UsdPreviewSurface networks, where constants, images and primvars drive them plainly:
-// standard_surface, open_pbr_surface and MaterialX's own UsdPreviewSurface nodes (MaterialX 1.39's libraries).
+// MaterialX's surfaces as UsdPreviewSurface networks, where constants, images and primvars drive them
+// plainly: standard_surface, open_pbr_surface and MaterialX's own UsdPreviewSurface nodes (MaterialX 1.39's
+// libraries).
 #pragma once
 
 #include <span>
@@ -16,8 +17,8 @@ bool is_materialx_surface(std::string_view identifier);
 // As evaluated_inputs() (preview_surface.h). Empty: none of MaterialX's nodes that are mapped.
 std::span<const std::string_view> materialx_inputs(std::string_view identifier);
 
-// The network whose surface is one of them with a UsdPreviewSurface in its place; one line says what of it was
-// approximated or left out.
+// The network whose surface is one of them with a UsdPreviewSurface in its place; one line says what of it
+// was approximated or left out.
 ShaderNetwork as_preview_network(const ShaderNetwork& network, std::vector<Diagnostic>& diagnostics);
 
 }  // namespace msbvh::translate

@@ -34,13 +34,14 @@ Vec3d kind_of(std::span<const double> values, const Vec3d&) {
 std::optional<std::size_t> channel_of(std::string_view output) {
   constexpr std::string_view kOutputs[] = {"r", "g", "b", "a"};
   const auto found = std::ranges::find(kOutputs, output);
-  return found == std::end(kOutputs) ? std::nullopt : std::optional(std::size_t(found - std::begin(kOutputs)));
+  return found == std::end(kOutputs) ? std::nullopt
+                                     : std::optional(std::size_t(found - std::begin(kOutputs)));
 }
 
 // How many numbers a UsdPrimvarReader reads; 0: something else.
 std::uint32_t width_of(std::string_view reader) {
   constexpr std::pair<std::string_view, std::uint32_t> kTypes[] = {
-      {"_float", 1}, {"_int", 1},   {"_float2", 2}, {"_float3", 3},
+      {"_float", 1}, {"_int", 1},    {"_float2", 2}, {"_float3", 3},
       {"_point", 3}, {"_normal", 3}, {"_vector", 3}, {"_float4", 4}};
   reader.remove_prefix(kPrimvarReader.size());
   for (const auto& [type, width] : kTypes) {
@@ -69,7 +70,8 @@ class SurfaceReader {
   template <typename Kind>
   Kind connected(const ShaderInput& input, SurfaceInput which, const Kind& standard);
   template <typename Kind>
-  Kind textured(const ShaderInput& input, SurfaceInput which, const ShaderNode& texture, const Kind& standard);
+  Kind textured(const ShaderInput& input, SurfaceInput which, const ShaderNode& texture,
+                const Kind& standard);
   template <typename Kind>
   Kind by_primvar(const ShaderInput& input, SurfaceInput which, const ShaderNode& reader,
                   const Kind& standard);
@@ -131,9 +133,9 @@ void SurfaceReader::read_specular() {
   material.clearcoat = float(share("clearcoat", SurfaceInput::kClearcoat, kClearcoat));
   material.clearcoat_roughness =
       float(share("clearcoatRoughness", SurfaceInput::kClearcoatRoughness, kClearcoatRoughness));
-  const bool by_constant =
-      !material.opacity_from_display_opacity &&
-      std::ranges::find(material.driven, SurfaceInput::kOpacity, &DrivenInput::input) == material.driven.end();
+  const bool by_constant = !material.opacity_from_display_opacity &&
+                           std::ranges::find(material.driven, SurfaceInput::kOpacity, &DrivenInput::input) ==
+                               material.driven.end();
   const bool nowhere = by_constant && !material.transparent_reflects &&
                        (material.opacity <= 0.0f || material.opacity < material.opacity_threshold);
   material.specular = !nowhere;
@@ -162,8 +164,7 @@ void SurfaceReader::warn_of_change(const ShaderInput& input) {
   if (input.in_shutter.size() <= 1) return;
   const Origin origin = origin_of(surface_, input);
   log_at(origin.path)
-      .warn_in_common(origin.attribute,
-                      "changes within the shutter; held the frame's value, as Hydra does");
+      .warn_in_common(origin.attribute, "changes within the shutter; held the frame's value, as Hydra does");
 }
 
 double SurfaceReader::constant(std::string_view name, double standard) {
@@ -337,8 +338,8 @@ Kind SurfaceReader::by_primvar(const ShaderInput& input, SurfaceInput which, con
                         "connected to a " + reader.identifier + ", expected one number; its first is read");
   }
   if (is_by_display(which, name, width)) return fallback;
-  look_.material.driven.push_back({which, DrivenInput::Source::kPrimvar, primvar(name, width), 0,
-                                   kIsColor<Kind> && width == 1});
+  look_.material.driven.push_back(
+      {which, DrivenInput::Source::kPrimvar, primvar(name, width), 0, kIsColor<Kind> && width == 1});
   return fallback;
 }
 
@@ -371,30 +372,6 @@ Kind SurfaceReader::number_or(const Kind& standard, const ShaderValue& value, co
 }
 
 }  // namespace
-
-std::span<const std::string_view> evaluated_inputs(std::string_view identifier) {
-  static constexpr std::string_view kOfSurface[] = {
-      "diffuseColor", "emissiveColor", "useSpecularWorkflow", "specularColor",    "metallic",
-      "roughness",    "clearcoat",     "clearcoatRoughness",  "opacity",          "opacityMode",
-      "ior",          "normal",        "opacityThreshold",    "displacement",     "fallback"};
-  static constexpr std::string_view kOfTexture[] = {
-      "file", "sourceColorSpace", "st", "wrapS", "wrapT", "scale", "bias", "fallback"};
-  static constexpr std::string_view kOfTransform[] = {"in", "rotation", "scale", "translation", "fallback"};
-  static constexpr std::string_view kOfReader[] = {"varname", "fallback"};
-  static constexpr std::string_view kOfOthers[] = {"fallback"};
-  if (identifier == kPreviewSurface) return kOfSurface;
-  if (identifier == kTexture) return kOfTexture;
-  if (identifier == kTransform2d) return kOfTransform;
-  if (identifier.starts_with(kPrimvarReader)) return kOfReader;
-  if (identifier == "ND_UsdPreviewSurface_surfaceshader") return kOfSurface;
-  const std::span<const std::string_view> of_materialx = materialx_inputs(identifier);
-  return of_materialx.empty() ? std::span<const std::string_view>(kOfOthers) : of_materialx;
-}
-
-int surface_rank(std::string_view identifier) {
-  if (identifier == kPreviewSurface) return 0;
-  return is_materialx_surface(identifier) ? 1 : 2;
-}
 
 std::optional<SurfaceLook> preview_surface(const ShaderNetwork& network, const TextureSource& textures,
                                            std::vector<Diagnostic>& diagnostics) {

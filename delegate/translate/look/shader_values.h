@@ -72,7 +72,8 @@ std::array<double, kSize> checked_numbers(const std::array<double, kSize>& stand
   const ShaderValue* value = constant_of(node, name);
   if (!value) return standard;
   const auto found = numbers<kSize>(*value);
-  if (found && std::ranges::all_of(*found, [](double number) { return std::isfinite(number); })) return *found;
+  if (found && std::ranges::all_of(*found, [](double number) { return std::isfinite(number); }))
+    return *found;
   warn_of_number(*value, node, name, kSize, standard, log);
   return standard;
 }

@@ -96,8 +96,8 @@ TextureWrap TextureReader::wrap(std::string_view name) const {
   }
   const Origin origin = origin_of(node_, *node_.input(name));
   log_.of_prim(origin.path)
-      .warn(origin.attribute, "found " + value->text +
-                                  ", expected black, clamp, repeat, mirror or useMetadata; took the last");
+      .warn(origin.attribute,
+            "found " + value->text + ", expected black, clamp, repeat, mirror or useMetadata; took the last");
   return TextureWrap::kMetadata;
 }
 

@@ -73,9 +73,8 @@ TextureCoordinates coordinates_of(const ShaderNode& texture, const ShaderNetwork
     return coordinates;
   }
   if (node->identifier == kTransform2d) {
-    own.warn("inputs:st", "connected to UsdTransform2d nodes in a circle, or more than " +
-                              std::to_string(kMostTransforms) +
-                              " of them; the texture is read at (0, 0) throughout");
+    own.warn("inputs:st", "connected to a UsdTransform2d in a circle of them, or to more than " +
+                              std::to_string(kMostTransforms) + "; the texture is read at (0, 0) throughout");
     return {};
   }
   const std::string what = node->identifier.empty() ? "node of no known type" : node->identifier;

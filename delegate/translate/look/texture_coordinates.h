@@ -20,8 +20,8 @@ struct TextureCoordinates {
   }
 };
 
-// What the texture's `st` is connected to, through any number of UsdTransform2d: scaled, then turned about the
-// origin, then moved. What cannot be evaluated is reported and counts as (0, 0).
+// What the texture's `st` is connected to, through any number of UsdTransform2d: scaled, then turned about
+// the origin, then moved. What cannot be evaluated is reported and counts as (0, 0).
 TextureCoordinates coordinates_of(const ShaderNode& texture, const ShaderNetwork& network,
                                   const PrimLog& log);
 

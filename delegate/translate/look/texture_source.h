@@ -23,8 +23,8 @@ class TextureSource {
   // stand, such as in a package within a package.
   virtual std::optional<TextureFile> locate(const std::string& file) const { return TextureFile{file}; }
   // For displacement: all texels of one of red, green, blue and alpha (0 to 3); of a source that knows no
-  // texels none. `colour_space` is UsdUVTexture's sourceColorSpace: raw, sRGB, or auto, as which anything else
-  // counts.
+  // texels none. `colour_space` is UsdUVTexture's sourceColorSpace: raw, sRGB, or auto, as which anything
+  // else counts.
   virtual std::optional<ScalarImage> channel(const Asset&, std::string_view, std::size_t) const {
     return std::nullopt;
   }

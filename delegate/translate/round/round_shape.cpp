@@ -268,9 +268,8 @@ void RoundShape::add_primvars(const MeshInput& input, const MaterialTable& mater
   };
   look.display_color = shown(input.display_color, "primvars:displayColor");
   look.display_opacity = shown(input.display_opacity, "primvars:displayOpacity");
-  look.primvars = material_primvars(input, materials, [&](const NamedPrimvar& named) {
-    return shown(named.primvar, full_name(named));
-  });
+  look.primvars = material_primvars(
+      input, materials, [&](const NamedPrimvar& named) { return shown(named.primvar, full_name(named)); });
 }
 
 Curves RoundShape::curves(const MeshInput& input, const MovingArray& points, const Candidate& track,

@@ -157,8 +157,8 @@ void bind_materials(nb::module_& m) {
       .def_ro("path", &ShaderNetwork::path)
       .def_ro("nodes", &ShaderNetwork::nodes)
       .def_ro("terminals", &ShaderNetwork::terminals);
-  m.def("surface_rank", [](const std::string& identifier) { return surface_rank(identifier); },
-        "identifier"_a);
+  m.def(
+      "surface_rank", [](const std::string& identifier) { return surface_rank(identifier); }, "identifier"_a);
   m.def("evaluated_inputs", &input_names, "identifier"_a);
 }
 

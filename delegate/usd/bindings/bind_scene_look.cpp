@@ -13,9 +13,9 @@ namespace nb = nanobind;
 namespace msbvh::python {
 namespace {
 
-constexpr const char* kInputs[] = {"diffuse_color", "emissive_color", "specular_color", "metallic",
-                                   "roughness",     "clearcoat",      "clearcoat_roughness",
-                                   "opacity",       "ior",            "normal"};
+constexpr const char* kInputs[] = {"diffuse_color", "emissive_color", "specular_color",      "metallic",
+                                   "roughness",     "clearcoat",      "clearcoat_roughness", "opacity",
+                                   "ior",           "normal"};
 constexpr const char* kInterpolations[] = {"constant", "triangle", "vertex", "faceVarying"};
 constexpr const char* kWraps[] = {"useMetadata", "black", "clamp", "repeat", "mirror"};
 

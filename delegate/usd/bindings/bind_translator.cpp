@@ -203,7 +203,8 @@ void add_instances(Translator& translator, const nb::kwargs& keywords) {
     input.display_color.values = arguments.borrowed().vectors(colors, "display_color");
   }
   const nb::object opacities = arguments.optional("display_opacity");
-  if (!opacities.is_none()) input.display_opacity = arguments.borrowed().scalars(opacities, "display_opacity");
+  if (!opacities.is_none())
+    input.display_opacity = arguments.borrowed().scalars(opacities, "display_opacity");
   input.primvars = named_from(arguments.optional("primvars"), "primvars", arguments.borrowed());
   input.materials = arguments.ints("materials");
   input.paths = arguments.value_or("paths", std::vector<std::string>{}, "a list of str");
@@ -343,7 +344,8 @@ void bind_translator(nb::module_& m) {
       .def("pixels_per_unit", &pixels_per_unit)
       .def("add_prototype_mesh", &add_prototype_mesh, nb::arg("prototype"), nb::arg("mesh"))
       .def("add_instances", &add_instances)
-      .def("add_material", &Translator::add_material, nb::arg("look"), nb::arg("displacement").none() = nb::none())
+      .def("add_material", &Translator::add_material, nb::arg("look"),
+           nb::arg("displacement").none() = nb::none())
       .def("add_light", &add_light)
       .def_prop_ro("empty", &Translator::empty)
       .def_prop_ro("empty_meshes", &Translator::empty_meshes)

@@ -9,7 +9,7 @@ Times are ``time01``: 0 is the shutter's opening, 1 its closing. Matrices follow
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any, Literal, Required, TypeAlias, TypedDict
+from typing import Any, Literal, Required, TypeAlias, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from pxr import Usd, UsdGeom
 
-from ..look.texture_matrix import screen_from_world
 from ..look.texture_files import texture_files
+from ..look.texture_matrix import screen_from_world
 from ..look.texture_mean import texture_mean
 from ..motion.context import FrameContext
 from ..motion.held_values import warn_of_change

@@ -275,8 +275,14 @@ def _values(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext
     """Those of a primvar at the frame for each of `count` instances. One of another interpolation than constant, which
     is inherited instead, must have as many."""
     prim, attribute = instancer.GetPrim(), f"primvars:{name}"
-    found = find_named(prim, name) if prim.HasAttribute(attribute) else None
-    if found is None or not found.columns and found.columns is not None:
+    if not prim.HasAttribute(attribute):
+        return None
+    found = find_primvar(prim, name, None) if name == "displayOpacity" else find_named(prim, name)
+    if found is None:
+        return None
+    if found.columns == 0:
+        message = f"found {found.attribute.GetTypeName()}, expected numbers; ignored"
+        context.diagnostics.warning(str(prim.GetPath()), attribute, message)
         return None
     primvar = read_primvar(found, context.code)
     if primvar is None or primvar[0] == "constant":
@@ -285,7 +291,9 @@ def _values(instancer: UsdGeom.PointInstancer, count: int, context: FrameContext
     indices = np.arange(len(values)) if indices is None else indices
     path = str(prim.GetPath())
     if len(indices) != count or indices.min() < 0 or indices.max() >= len(values):
-        message = f"found {len(indices)} indices into {len(values)} values, expected one valid index an instance; ignored"
+        message = (
+            f"found {len(indices)} indices into {len(values)} values, expected one valid index an instance; ignored"
+        )
         context.diagnostics.warning(path, attribute, message)
         return None
     if context.shutter.moving and (might_vary(found.attribute) or held_by(found, context)):

@@ -342,7 +342,9 @@ class _FrameReader:
     def _instance_primvars(self, placement: Placement, indices: np.ndarray) -> dict[str, PrimvarInput] | None:
         """What materials read, where the instances have values of their own."""
         found = {name: placement.values(name) for name in self._materials.read_primvars}
-        return {name: ("vertex", taken(indices, each), None) for name, each in found.items() if each is not None} or None
+        return {
+            name: ("vertex", taken(indices, each), None) for name, each in found.items() if each is not None
+        } or None
 
     def _add_lights(self, placements: list[Placement]) -> None:
         for placement in placements:

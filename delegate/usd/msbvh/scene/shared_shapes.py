@@ -118,7 +118,9 @@ class SharedShapes:
         part = simple.part
         if not simple.binds or not any(_is_named(name) for name in part.authored | part.inherited):
             return False
-        return any(part.authors(f"primvars:{name}") for name, _ in self._materials.reads(self._materials.bound_to(part.prim)))
+        return any(
+            part.authors(f"primvars:{name}") for name, _ in self._materials.reads(self._materials.bound_to(part.prim))
+        )
 
     def _crowds(self, members: list[Simple], root: Usd.Prim | None) -> Iterator[Crowd]:
         by_course: dict[Hashable, list[Simple]] = {}
@@ -194,7 +196,9 @@ class SharedShapes:
                 box, level = self._unit_box(sized.alike), Level(self._motion(sized, root))
                 for outer in placed:
                     visible = common_intervals(own, outer.visible)
-                    chain = Placement(outer.path, outer.key, (level, *outer.levels), visible, None, no_values, outer.place)
+                    chain = Placement(
+                        outer.path, outer.key, (level, *outer.levels), visible, None, no_values, outer.place
+                    )
                     for levels, indices in measure(chain, box):
                         inner = indices[: levels[0].matrices.shape[1]] % level.count
                         everywhere = _repeated(sized, inner, indices, outer)

@@ -25,8 +25,8 @@ from ..stage.tokens import applied_draw_mode, draw_mode, inherited_purpose
 from ..stage.usd_faults import FAULTS, report_left_out
 from ..stage.value_types import TOKEN
 from ..stage.values import value
-from .meshes import has_own_points, is_shape
 from .instance_primvars import InstancePrimvars
+from .meshes import has_own_points, is_shape
 from .part import Part
 from .point_instancers import prototypes
 from .primvars import primvar_source

@@ -119,5 +119,7 @@ COORDINATE_PRIMVAR = Kind(
     {**_number_arrays(Vt.Vec2fArray, *_PAIR_ARRAYS), **_alone(Vt.Vec2fArray, (Gf.Vec2f, *_PAIRS))},
 )
 VECTOR4_PRIMVAR = Kind(
-    "color4f[]", Vt.Vec4fArray, {**FLOAT4S.conversions, **_alone(Vt.Vec4fArray, (Gf.Vec4f, Gf.Vec4d, Gf.Vec4h, Gf.Vec4i))}
+    "color4f[]",
+    Vt.Vec4fArray,
+    {**FLOAT4S.conversions, **_alone(Vt.Vec4fArray, (Gf.Vec4f, Gf.Vec4d, Gf.Vec4h, Gf.Vec4i))},
 )
