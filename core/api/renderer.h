@@ -5,11 +5,15 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "core/build/settings.h"
 #include "core/bvh/statistics.h"
 #include "core/cost/ray_costs.h"
+#include "core/film/film_settings.h"
 #include "core/film/image.h"
 #include "core/film/sum_tree.h"
 #include "core/integrate/sampler.h"
@@ -37,6 +41,7 @@ struct RenderSettings {
   // Of the kernels; none: the best that the processor has. Pictures of two sets differ in their last bits.
   std::optional<InstructionSet> instruction_set{};
   bool sample_stages = false;  // fills RenderStatistics::stages. Does not change the picture
+  FilmSettings film{};         // its filter and its shutter
   BuildSettings build;
 };
 
@@ -83,6 +88,10 @@ class Renderer {
   // own seed, on settings.threads (core/cost/ray_costs.h). Before or after render(), which it does not touch.
   // Throws Cancelled.
   RayCosts ray_costs(const RayCostSettings& settings, const RayCostProgress& progress = {}) const;
+
+  // The names behind hashes of a Cryptomatte, core/film/name_hash.h; throws Error where none is asked for.
+  std::vector<std::pair<std::string, std::uint32_t>> crypto_manifest(
+      Aov aov, std::span<const std::uint32_t> hashes) const;
 
   const EffectPlan& plan() const;
   const RenderStatistics& statistics() const;
