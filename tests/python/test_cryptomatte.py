@@ -130,12 +130,13 @@ def test_the_header_is_as_the_specification_has_it(recorded: Path) -> None:
 
 
 def test_hashes_are_the_specifications() -> None:
-    # Names and ids of its test: https://github.com/Psyop/Cryptomatte, "hash_value_test".
-    for name, expected in (("hello", 0x248BFA47), ("cube", 0xDD9E6B0E), ("", 0x00800000)):
-        found = _core.name_hash(name)
-        if name != "cube":
-            assert found == expected
-        assert np.isfinite(np.uint32(found).view(np.float32))
+    # MurmurHash3's own values with seed 0, for each rest of four bytes; that of the empty string would be 0, no normal float.
+    known = {"hello": 0x248BFA47, "hello, world": 0x149BBB7F, "": 0x00800000}
+    known["The quick brown fox jumps over the lazy dog"] = 0x2E4FF723
+    for name, expected in known.items():
+        assert _core.name_hash(name) == expected
+    for i in range(20000):
+        assert np.isfinite(np.uint32(_core.name_hash(f"/World/prim_{i}")).view(np.float32))
 
 
 def test_a_budget_has_none(msbvh: Run, scene: Path) -> None:

@@ -123,6 +123,7 @@ def test_what_cannot_be_is_said(msbvh: Run, scene: Path, sliced: Path, tmp_path:
         ),
         (("reshutter", sliced, "b.exr", "--shutter", "0:0"), 1, "found 0:0"),
         (("reshutter", sliced, "b.gif"), 1, "extension '.gif'"),
+        (("reshutter", sliced, sliced), 2, "is the picture that is read"),
         (("record", scene, "b.exr", "--spp", 12, "--shutter-slices", 8), 2, "multiple of 8"),
         (("record", scene, "b.exr", "--shutter-slices", 8, "--sampler", "independent"), 2, "sobol"),
         (("record", scene, "b.exr", "--shutter-slices", 8, "--rolling-shutter", 0.5), 2, "exclude each other"),

@@ -1,4 +1,7 @@
 // Pictures through filters and shutters, against closed forms.
+#include <array>
+#include <bit>
+
 #include "core/film/film_settings.h"
 #include "tests/render/pictures.h"
 
@@ -43,7 +46,7 @@ TEST_CASE("an edge is as soft as the filter makes it, also at the picture's side
   }
 }
 
-// Covers pixel 0 until half of the shutter, and pixel 1 from then on.
+// From [-1, 1] to [1, 3].
 Scene hopping_quad() {
   Scene scene;
   scene.camera = pixel_camera(2, 1);
@@ -52,8 +55,7 @@ Scene hopping_quad() {
 }
 
 TEST_CASE("a moving edge is as soft as the shutter makes it") {
-  // The edge at x = 1 + 2 t passes the pixel's centre line: pixel 1 is covered from t = 0 on by t, hence its
-  // coverage is the curve's mean of min(1, 2 t); of pixel 0 the left edge at -1 + 2 t leaves max(0, ...).
+  // Its right edge lies at 1 + 2 t: pixel 1 is covered by min(1, 2 t), in the mean over the curve.
   for (const ShutterCurve& curve : {box_curve(), triangle_curve(), trapezoid_curve()}) {
     const Image image = render(hopping_quad(), settings_of(2, 1, {.shutter_curve = curve}));
     double expected = 0.0, all = 0.0;
@@ -79,6 +81,58 @@ TEST_CASE("a rolling shutter shears what moves") {
     float covered = 0.0f;
     for (std::uint32_t x = 0; x < 8; ++x) covered += channel(image, x, y, kAlpha);
     CHECK(covered == doctest::Approx(y + 0.5).epsilon(1e-3));  // seen at t = (y + 0.5) / 8
+  }
+}
+
+TEST_CASE("slices of the shutter sum up to the picture, and hold what is seen in each") {
+  const Scene scene = hopping_quad();
+  RenderSettings settings = settings_of(2, 1, {});
+  settings.spp = 64;
+  settings.film.shutter_slices = 4;
+  const Image image = render(scene, settings);
+  REQUIRE(image.slices.size() == 4 * 2 * 4);
+  for (std::size_t i = 0; i < image.rgba.size(); ++i) {
+    double sum = 0.0;
+    for (std::size_t slice = 0; slice < 4; ++slice) sum += double(image.slices[8 * slice + i]);
+    CHECK(sum == doctest::Approx(image.rgba[i]).epsilon(1e-6));
+  }
+  // Pixel 1 is whole from the middle of the shutter on; a slice is a quarter of the samples.
+  CHECK(image.slices[8 * 2 + 4 + 3] == 0.25f);
+  CHECK(image.slices[8 * 3 + 4 + 3] == 0.25f);
+  CHECK(image.slices[8 * 0 + 4 + 3] == doctest::Approx(0.25 * 0.25).epsilon(0.05));
+  for (const std::uint32_t batch : {1u, 6u, 100u}) {
+    settings.batch_paths = batch;
+    settings.threads = 1 + batch % 3;
+    const Image again = render(scene, settings);
+    CHECK(again.slices == image.slices);
+    CHECK(again.rgba == image.rgba);
+  }
+  settings.film.shutter_slices = 0;
+  CHECK(render(scene, settings).rgba == image.rgba);
+}
+
+TEST_CASE("a Cryptomatte's coverage sums up to alpha, by the prims that are seen") {
+  Scene scene = hopping_quad();
+  Mesh other = polygon({rectangle(0, 0, 1, 0.25f, 5.0f)});
+  other.shape.name = "/other";
+  add(scene, other);
+  for (const PixelFilter& filter : {PixelFilter{}, PixelFilter{FilterShape::kGaussian, 2.0f}}) {
+    RenderSettings settings = settings_of(2, 1, {.filter = filter});
+    settings.aovs = {Aov::kCryptoObject};
+    Renderer renderer;
+    renderer.commit(std::make_shared<Scene>(scene), settings);
+    const Image image = renderer.render();
+    const std::vector<float>& values = image.aovs[0].values;
+    for (std::size_t pixel = 0; pixel < 2; ++pixel) {
+      double sum = 0.0;
+      for (std::size_t rank = 0; rank < kCryptoRanks; ++rank) sum += double(values[12 * pixel + 2 * rank + 1]);
+      CHECK(sum == doctest::Approx(image.rgba[4 * pixel + 3]).epsilon(1e-6));
+    }
+    const auto id = std::bit_cast<std::uint32_t>(values[2]);  // the second of pixel 0
+    const auto names = renderer.crypto_manifest(Aov::kCryptoObject, std::array{id});
+    REQUIRE(names.size() == 1);
+    CHECK(names[0].second == id);
+    CHECK((names[0].first == "/other" || names[0].first == "/polygon"));
   }
 }
 

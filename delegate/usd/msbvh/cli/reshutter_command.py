@@ -8,6 +8,7 @@ from pathlib import Path
 import click
 
 from .._core import SHUTTER_CURVES
+from ..base.atomic import OutputClash
 from ..base.exit_codes import DONE, WRONG
 from ..base.reporter import Reporter
 from ..look.color import ColorCorrection
@@ -42,7 +43,8 @@ def reshutter_command(
     """Make of IN, an .exr file of `msbvh record --shutter-slices N`, the picture OUT of a shorter shutter, or of one that
     opens and closes in another way, without rendering. Other AOVs of IN are of the whole shutter, and are left out.
     """
-    check_image_path(output)
+    if check_image_path(output) == picture.resolve():
+        raise OutputClash(f"'{output}' is the picture that is read, whose slices would be lost; expected another file")
     try:
         found = read_slices(picture)
         pixels, taken = found.with_shutter(shutter, lambda a, b: area(curve, a, b))

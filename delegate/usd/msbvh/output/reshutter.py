@@ -14,6 +14,9 @@ from ..base.image_metadata import ImageMetadata
 from .images import ImageReadError
 from .time_slices import MOST_SLICES, SLICES, channel_names, combined, covers, slice_weights
 
+DESCRIBED = ("framesPerSecond", "worldToCamera", "worldToNDC", "msbvh:shutter", "msbvh:seed")
+"""Attributes that a picture of ours has."""
+
 
 @dataclass(frozen=True)
 class SlicedPicture:
@@ -36,6 +39,7 @@ class SlicedPicture:
         if not covers(rendered, wanted):
             found, expected = ("{:g}:{:g}".format(*shutter) for shutter in (wanted, rendered))
             raise ImageReadError(f"--shutter: found {found}, expected a part of what was rendered, {expected}")
+        wanted = max(wanted[0], rendered[0]), min(wanted[1], rendered[1])
         return combined(self.slices, slice_weights(len(self.slices), rendered, wanted, area)), wanted
 
 
@@ -46,12 +50,15 @@ def read_slices(path: Path) -> SlicedPicture:
         raise ImageReadError(f"cannot read '{path}': {oiio.geterror()}")
     spec = image.spec()
     count = spec.get_int_attribute(SLICES, 0)
+    lacking = [name for name in DESCRIBED if spec.getattribute(name) is None]
     names = {name: i for i, name in enumerate(spec.channelnames)}
     wanted = [name for i in range(max(0, min(count, MOST_SLICES))) for name in channel_names(i)]
     missing = [name for name in wanted if name not in names]
-    if not 2 <= count <= MOST_SLICES or count & (count - 1) or missing:
+    if not 2 <= count <= MOST_SLICES or count & (count - 1) or missing or lacking:
         image.close()
-        found = f"no channel {missing[0]}" if missing else f"{count} slices of the shutter"
+        found = f"{count} slices of the shutter"
+        if missing or (count and lacking):
+            found = f"no channel {missing[0]}" if missing else f"no attribute {lacking[0]}"
         raise ImageReadError(
             f"cannot read '{path}': found {found}, expected what record --shutter-slices N writes, 2 to {MOST_SLICES}"
         )

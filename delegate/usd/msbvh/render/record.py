@@ -110,6 +110,8 @@ NOTHING_SEEN = (
     "nothing is in the picture: the camera was made for the stage's bounds, and authored extents that do not fit the points put"
     " those elsewhere; expected a camera on the stage, or extents that fit"
 )
+MOTION_AOVS = {"forward", "backward", "motionCurve"}
+NO_MOTION = "AOVs of motion are 0: the shutter is closed; expected an open one, as by --shutter -0.25:0.25"
 FrameJob = tuple[float | None, Sequence[str]]
 """A time code (None: USD's default time) and the files that its image is written to."""
 
@@ -262,6 +264,8 @@ def _record_frame(
             effects = _core.effects(result.scene, max_bounces=settings.render.max_bounces, aovs=rendered)
             stats.render["ray_costs"] = {**costs, "effects": ray_shares(effects, costs)}
             stats.render["effects"] = measured_effects(effects, stats.render["stages"], costs)
+    if camera.shutter.open == camera.shutter.close and MOTION_AOVS & set(settings.render.aovs):
+        reporter.warning(NO_MOTION)
     if not camera.path and not pixels[..., 3].any():
         reporter.warning(NOTHING_SEEN)
     with stats.timed("write"):
