@@ -153,7 +153,8 @@ CallingScene scene_calling_for(EffectSet effects, std::uint32_t triangles) {
   CallingScene made;
   made.scene = std::make_shared<const Scene>(Maker(effects, triangles).make());
   if (effects.has(Effect::kIndirectLight)) made.max_bounces = kBounces;
-  for (std::size_t i = 0; effects.has(Effect::kAovs) && i < kAovCount; ++i) made.aovs.push_back(Aov(i));
+  for (std::size_t i = 0; effects.has(Effect::kAovs) && i <= std::size_t(kLastSurfaceAov); ++i)
+    made.aovs.push_back(Aov(i));
   const EffectSet found =
       plan_effects(*made.scene, {.max_bounces = made.max_bounces, .aovs = made.aovs.empty() ? "" : "all"})
           .set;

@@ -44,6 +44,7 @@ void check(const RenderSettings& settings) {
   expect_range("spp", settings.spp, 1, kMaxSpp);
   expect_range("max_bounces", settings.max_bounces, 0, kMaxBounces);
   expect_range("batch_paths", settings.batch_paths, 1, kMaxBatchPaths);
+  check(settings.film);
   if (settings.sample_stages && !kKnownStageMarks) {
     throw Error(
         "render settings: sample_stages: found true; expected false, since MSBVH_OMIT_EFFECTS left "
@@ -59,6 +60,8 @@ std::string names_of(const std::vector<Aov>& aovs) {
 
 Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const RenderSettings& settings,
                EffectSet effects, const TextureCache* textures) {
+  AovSet asked;
+  for (const Aov aov : settings.aovs) asked.add(aov);
   return {SceneIndex(scene),
           LightSampler(scene, bounds_of(world)),
           world,
@@ -70,7 +73,14 @@ Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const
           settings.show_domes,
           settings.sampling,
           textures,
-          choose_stages(effects, settings.sampling, world)};
+          choose_stages(effects, settings.sampling, world, settings.film, asked),
+          FilterSampler(settings.film.filter),
+          ShutterSampler(settings.film.shutter_curve, settings.film.rolling),
+          asked,
+          settings.film.frame_time,
+          settings.film.origin,
+          asked.crypto() ? CryptoNames(scene) : CryptoNames(),
+          settings.film.shutter_slices};
 }
 
 Tracer tracer_of(const Bvh& world, const RenderSettings& settings) {
@@ -158,10 +168,11 @@ void Renderer::Data::render_tiles(const TileJob& job, Image& image, std::atomic<
 
 Image Renderer::Data::render(const Frame& drawn, SampleRange samples, const ProgressFunction& progress,
                              Traced& traced) const {
-  Image image{drawn.width, drawn.height, {}, {}};
+  Image image{drawn.width, drawn.height, {}, {}, {}};
   const std::size_t pixels = std::size_t(drawn.width) * drawn.height;
   image.rgba.resize(4 * pixels);
   for (const Aov aov : settings.aovs) image.aovs.emplace_back(aov, pixels);
+  image.slices.resize(4 * pixels * drawn.shutter_slices);
   const double tiles = static_cast<double>(TileGrid(drawn.width, drawn.height).count());
   std::atomic<std::size_t> finished_tiles = 0;
   std::atomic<bool> cancelled = false;
@@ -232,6 +243,15 @@ Image Renderer::preview(std::uint32_t width, std::uint32_t height, const Progres
 Renderer::Data& Renderer::committed() const {
   if (!data_) throw Error("renderer: used before commit()");
   return *data_;
+}
+
+std::vector<std::pair<std::string, std::uint32_t>> Renderer::crypto_manifest(
+    Aov aov, std::span<const std::uint32_t> hashes) const {
+  const Frame& frame = *committed().frame;
+  if (form_of(aov).merge != AovMerge::kCoverage || !frame.aovs.crypto())
+    throw Error(std::string("cryptomatte manifest: found ") + form_of(aov).name +
+                "; expected a Cryptomatte among the AOVs");
+  return frame.crypto_names.manifest(aov, hashes);
 }
 
 void Renderer::verify() const { committed().trees->verify(); }

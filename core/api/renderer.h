@@ -5,11 +5,15 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "core/build/settings.h"
 #include "core/bvh/statistics.h"
 #include "core/cost/ray_costs.h"
+#include "core/film/film_settings.h"
 #include "core/film/image.h"
 #include "core/film/sum_tree.h"
 #include "core/integrate/sampler.h"
@@ -39,6 +43,7 @@ struct RenderSettings {
   // Of the kernels; none: the best that the processor has. Pictures of two sets differ in their last bits.
   std::optional<InstructionSet> instruction_set{};
   bool sample_stages = false;  // fills RenderStatistics::stages. Does not change the picture
+  FilmSettings film{};         // its filter and its shutter
   BuildSettings build;
 };
 
@@ -88,6 +93,9 @@ class Renderer {
 
   // Textures that could not be read until now, each once; their fallbacks were drawn.
   std::vector<TextureFault> texture_faults() const;
+  // The names behind hashes of a Cryptomatte, core/film/name_hash.h; throws Error where none is asked for.
+  std::vector<std::pair<std::string, std::uint32_t>> crypto_manifest(
+      Aov aov, std::span<const std::uint32_t> hashes) const;
 
   const EffectPlan& plan() const;
   const RenderStatistics& statistics() const;

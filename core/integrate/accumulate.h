@@ -12,6 +12,6 @@ namespace msbvh {
 // traced in.
 void accumulate(PathBatch& batch, std::uint32_t pixels, SumTrees<FilmSum>& sums);
 // Likewise of AOVs, after it. `first`: number of the batch's first sample.
-void accumulate_aovs(PathBatch& batch, std::uint32_t pixels, std::uint32_t first, SumTrees<AovSum>& sums);
+void accumulate_aovs(PathBatch& batch, std::uint32_t pixels, std::uint32_t first, AovSums& sums);
 
 }  // namespace msbvh

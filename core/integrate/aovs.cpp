@@ -1,6 +1,11 @@
 #include "core/integrate/aovs.h"
 
+#include <algorithm>
+#include <array>
+
 #include "core/shade/camera.h"
+#include "core/shade/point_motion.h"
+#include "core/shade/primvar.h"
 
 namespace msbvh {
 namespace {
@@ -44,6 +49,79 @@ std::int32_t element_of(const HitSource& source, std::uint32_t triangle) {
   return static_cast<std::int32_t>(of.empty() ? triangle : of[triangle]);
 }
 
+Vec3f value_at(const Primvar<Vec3f>& primvar, const HitSource& source, const Hit& hit, float time) {
+  if (source.curves) return interpolate(primvar, source.curves->shape, hit.triangle, hit.u, time);
+  if (source.points) return interpolate(primvar, source.points->shape, hit.triangle, time);
+  const Barycentrics b = Barycentrics::of(hit.u, hit.v);
+  if (source.mesh) return interpolate(primvar, source.mesh->shape, hit.triangle, b, time);
+  const GridMesh& shape = source.grids->shape;
+  return interpolate(primvar, shape, shape.triangle(hit.triangle), b, time);
+}
+
+// Of the instance's, else of the geometry's; 0 where neither has it.
+std::array<float, 2> st_at(const Scene& scene, const HitSource& source, const Hit& hit, float time) {
+  const auto name = std::ranges::find(scene.primvar_names, "st");
+  if (name == scene.primvar_names.end()) return {};
+  const auto st = static_cast<PrimvarName>(name - scene.primvar_names.begin());
+  if (source.instances) {
+    const auto own = std::ranges::find(source.instances->primvars, st, &InstancePrimvar::name);
+    if (own != source.instances->primvars.end())
+      return {own->values[source.instance].x, own->values[source.instance].y};
+  }
+  const auto found = std::ranges::find(source.look->primvars, st, &SurfacePrimvar::name);
+  if (found == source.look->primvars.end() || !found->primvar.authored()) return {};
+  const Vec3f value = value_at(found->primvar, source, hit, time);
+  return {value.x, value.y};
+}
+
+std::array<float, 2> pixels(const ScreenPoint& p, double scale) {
+  return {static_cast<float>(p.x * scale), static_cast<float>(p.y * scale)};
+}
+
+// Of one point of a surface, over the picture.
+class ScreenPath {
+ public:
+  ScreenPath(const Frame& frame, const Hit& hit, const SurfaceHit& surface, float time)
+      : frame_(frame), hit_(hit), source_(frame.index.resolve(hit)) {
+    if (source_.curves || source_.points) offset_ = Vec3d(surface.position) - centre_of(source_, hit, time);
+  }
+
+  // Per unit of the shutter. False where the camera cannot see it.
+  bool at(float time, Side side, Moving<ScreenPoint>& screen) const {
+    const Moving<Vec3d> world = point_in_world(source_, hit_, offset_, time, side);
+    return point_on_screen(frame_.scene().camera, world, time, side, frame_.width, frame_.height, screen);
+  }
+
+ private:
+  const Frame& frame_;
+  const Hit& hit_;
+  HitSource source_;
+  Vec3d offset_;
+};
+
+void record_motion(const Frame& frame, const Hit& hit, const SurfaceHit& surface, float time,
+                   AovSample& sample) {
+  const ScreenPath path(frame, hit, surface, time);
+  const float at_frame = std::clamp(frame.frame_time.time01, 0.0f, 1.0f);
+  Moving<ScreenPoint> before, after, open, close;
+  if (!path.at(at_frame, Side::kBefore, before) || !path.at(at_frame, Side::kAfter, after)) return;
+  const double frames = frame.frame_time.shutter_frames;
+  if (frames > 0.0) {
+    sample.forward = pixels(after.rate, 1.0 / frames);
+    sample.backward = pixels(before.rate, -1.0 / frames);
+  }
+  if (!frame.aovs.has(Aov::kMotionCurve) || !path.at(0.0f, Side::kAfter, open) ||
+      !path.at(1.0f, Side::kBefore, close))
+    return;
+  const ScreenPoint first = open.value - after.value, last = close.value - after.value;
+  const ScreenPoint controls[] = {first, first - open.rate * (-1.0 / 3.0), last - close.rate * (1.0 / 3.0),
+                                  last};
+  for (std::size_t i = 0; i < 4; ++i) {
+    sample.motion_curve[2 * i] = static_cast<float>(controls[i].x);
+    sample.motion_curve[2 * i + 1] = static_cast<float>(controls[i].y);
+  }
+}
+
 }  // namespace
 
 AovSample aov_sample(const Frame& frame, const Hit& hit, const SurfaceHit& surface, float time) {
@@ -58,16 +136,45 @@ AovSample aov_sample(const Frame& frame, const Hit& hit, const SurfaceHit& surfa
   sample.normal = surface.shading_normal;
   sample.eye_normal = normal_in_camera(camera, time, surface.shading_normal);
   sample.albedo = surface.albedo;
+  const AovSet& asked = frame.aovs;
+  if (asked.has(Aov::kPworld)) sample.position = Vec3f(Vec3d(surface.position) + frame.origin);
+  if (asked.has(Aov::kPeye))
+    sample.eye_position = Vec3f(point_in_camera(camera, Vec3d(surface.position), time));
+  if (asked.has(Aov::kSt)) sample.st = st_at(frame.scene(), source, hit, time);
+  if (asked.motion()) record_motion(frame, hit, surface, time, sample);
   return sample;
+}
+
+void begin_aovs(const Frame& frame, PathBatch& batch) {
+  batch.mark.enter(Stage::kAovs, 0);
+  const std::size_t paths = batch.slot.size();
+  if (frame.aovs.light()) {
+    batch.light.assign(paths, {});
+    for (std::vector<Vec3f>* each : {&batch.specular, &batch.sorted, &batch.sorted_specular})
+      each->assign(paths, {});
+  }
+  if (!frame.aovs.cost()) return;
+  batch.costs.resize(paths);
+  for (std::size_t place = 0; place < batch.active.size(); ++place) {
+    Hit hit;
+    TraceCounts counts;
+    frame.tracer.intersect_counted(batch.rays[place], hit, counts);
+    batch.costs[batch.active[place]] = {double(counts.nodes), double(counts.primitives)};
+  }
 }
 
 void record_aovs(const Frame& frame, PathBatch& batch) {
   batch.mark.enter(Stage::kAovs, 0);
   batch.aovs.assign(batch.slot.size(), {});
+  if (frame.aovs.crypto()) batch.crypto.assign(batch.slot.size(), {});
   for (std::size_t place = 0; place < batch.active.size(); ++place) {
     if (!batch.hits[place].found()) continue;
     batch.aovs[batch.active[place]] =
         aov_sample(frame, batch.hits[place], batch.surfaces[place], batch.rays[place].time);
+    if (!frame.aovs.crypto()) continue;
+    const HitSource source = frame.index.resolve(batch.hits[place]);
+    batch.crypto[batch.active[place]] =
+        frame.crypto_names.of(source, material_index(source, batch.hits[place]));
   }
 }
 

@@ -6,6 +6,10 @@
 
 namespace msbvh {
 
+// Before the first rays are traced, where light is sorted by its way, or rays' costs are counted: those of
+// camera rays, each traced by itself.
+void begin_aovs(const Frame& frame, PathBatch& batch);
+
 // After find_surfaces() of the first vertex.
 void record_aovs(const Frame& frame, PathBatch& batch);
 

@@ -3,6 +3,9 @@
 
 #include <cstdint>
 
+#include "core/film/aov.h"
+#include "core/film/film_settings.h"
+#include "core/integrate/crypto_names.h"
 #include "core/integrate/sampler.h"
 #include "core/integrate/stages.h"
 #include "core/shade/clearance.h"
@@ -26,6 +29,14 @@ struct Frame {
   Sampling sampling;
   const TextureCache* textures;  // null where nothing is textured
   Stages stages;
+  // Read where samples lie anywhere but evenly in pixels and shutter: FilmSettings::shapes_samples().
+  FilterSampler filter{};
+  ShutterSampler shutter{};
+  AovSet aovs{};  // that are asked for
+  FrameTime frame_time{};
+  Vec3d origin{};                    // of the frame's world, in the stage's
+  CryptoNames crypto_names{};        // where they are asked for
+  std::uint32_t shutter_slices = 0;  // 0: the shutter is not kept in slices
 
   const Scene& scene() const { return index.scene(); }
   Surroundings surroundings() const { return {index, world}; }

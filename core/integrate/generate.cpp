@@ -59,9 +59,17 @@ class TimeStrata {
   std::array<PathIndex, kMaxBatchPaths + 1> begin_{};
 };
 
+// Where samples lie in their pixels and in the shutter.
+enum class Spread : std::uint8_t { kEven, kShaped };
+
+// Of the middle of a pixel's row, from the top of the rows rendered.
+float row_share(const Frame& frame, std::uint32_t y) {
+  return (static_cast<float>(y) + 0.5f) / static_cast<float>(frame.height);
+}
+
 // Sets batch.times, sample by sample of each pixel in turn. Out of line in every build, whichever variants
 // call it.
-template <Sampling kSampling>
+template <Sampling kSampling, Spread kSpread>
 [[gnu::noinline]] TimeStrata draw_times(const Frame& frame, const Tile& tile, const PixelOrder& pixels,
                                         SampleRange samples, PathBatch& batch) {
   TimeStrata strata(samples.count);
@@ -70,6 +78,7 @@ template <Sampling kSampling>
     const PixelSampler sampler(frame.seed, tile.x0 + p.x, tile.y0 + p.y);
     for (std::uint32_t s = 0; s < samples.count; ++s, ++time) {
       *time = sampler.time(sequence_index<kSampling>(sampler, samples.first + s));
+      if constexpr (kSpread == Spread::kShaped) *time = frame.shutter(*time, row_share(frame, tile.y0 + p.y));
       strata.count(*time);
     }
   }
@@ -77,14 +86,20 @@ template <Sampling kSampling>
   return strata;
 }
 
-template <EffectSet kOn, Sampling kSampling>
+template <Spread kSpread>
+PixelPlace place_in_pixel(const Frame& frame, const Point2& even) {
+  if constexpr (kSpread == Spread::kShaped) return frame.filter(even);
+  return {even.x, even.y};
+}
+
+template <EffectSet kOn, Sampling kSampling, Spread kSpread>
 void generate(const Frame& frame, const Tile& tile, SampleRange samples, PathBatch& batch) {
   constexpr bool kLens = kOn.has(Effect::kLens), kMoving = kOn.has(Effect::kCameraMotion);
   batch.mark.enter(Stage::kGenerate, 0);
   const std::uint32_t pixels_in_tile = tile.pixels();
   batch.reset(std::size_t(samples.count) * pixels_in_tile);
   const PixelOrder pixels(tile);
-  TimeStrata strata = draw_times<kSampling>(frame, tile, pixels, samples, batch);
+  TimeStrata strata = draw_times<kSampling, kSpread>(frame, tile, pixels, samples, batch);
   const Camera& camera = frame.scene().camera;
   const CameraRays rays(camera);
   const auto width = static_cast<float>(frame.width), height = static_cast<float>(frame.height);
@@ -98,7 +113,7 @@ void generate(const Frame& frame, const Tile& tile, SampleRange samples, PathBat
       const PathIndex path = strata.take(*time);
       const std::uint32_t index = sequence_index<kSampling>(pixel, samples.first + s);
       const Sampler sampler(pixel, index);
-      const Point2 in_pixel = pixel.position(index);
+      const PixelPlace in_pixel = place_in_pixel<kSpread>(frame, pixel.position(index));
       const float screen_x = (x + in_pixel.x) / width, screen_y = (y + in_pixel.y) / height;
       batch.sampler[path] = sampler;
       batch.slot[path] = slot;
@@ -110,17 +125,22 @@ void generate(const Frame& frame, const Tile& tile, SampleRange samples, PathBat
   }
 }
 
-template <Sampling kSampling>
+template <Sampling kSampling, Spread kSpread>
 Generate choose(EffectSet effects) {
   return variant_for<Effect::kLens, Effect::kCameraMotion>(
-      effects, []<EffectSet kOn>() -> Generate { return generate<kOn, kSampling>; });
+      effects, []<EffectSet kOn>() -> Generate { return generate<kOn, kSampling, kSpread>; });
+}
+
+template <Spread kSpread>
+Generate choose(EffectSet effects, Sampling sampling) {
+  return sampling == Sampling::kSobol ? choose<Sampling::kSobol, kSpread>(effects)
+                                      : choose<Sampling::kIndependent, kSpread>(effects);
 }
 
 }  // namespace
 
-Generate choose_generate(EffectSet effects, Sampling sampling) {
-  return sampling == Sampling::kSobol ? choose<Sampling::kSobol>(effects)
-                                      : choose<Sampling::kIndependent>(effects);
+Generate choose_generate(EffectSet effects, Sampling sampling, bool shaped) {
+  return shaped ? choose<Spread::kShaped>(effects, sampling) : choose<Spread::kEven>(effects, sampling);
 }
 
 }  // namespace msbvh

@@ -8,7 +8,8 @@
 namespace msbvh {
 
 // A Generate fills the batch: samples.count * tile.pixels() paths, all under way.
-// Without any code for a lens, or for a camera that moves, where `effects` has none.
-Generate choose_generate(EffectSet effects, Sampling sampling);
+// Without any code for a lens, or for a camera that moves, where `effects` has none, and for filters and
+// shutters where nothing is `shaped` by them.
+Generate choose_generate(EffectSet effects, Sampling sampling, bool shaped);
 
 }  // namespace msbvh

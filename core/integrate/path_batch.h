@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "core/film/aov.h"
+#include "core/film/aov_sums.h"
 #include "core/film/film_sample.h"
 #include "core/integrate/draw_pairs.h"
 #include "core/integrate/material_reads.h"
@@ -69,7 +69,16 @@ struct PathBatch {
   std::vector<Vec3f> throughput;
   std::vector<Vec3f> radiance;
   std::vector<float> alpha;
-  std::vector<AovSample> aovs;  // where they are asked for
+  // Where AOVs ask for them.
+  std::vector<AovSample> aovs;
+  std::vector<CostSum> costs;
+  std::vector<CryptoSample> crypto;
+  std::vector<LightParts<float>> light;
+  // Of radiance, what specular lobes of the first surface reflected: lobes add to it as they add to radiance.
+  // Empty where nobody asks.
+  std::vector<Vec3f> specular;
+  std::vector<Vec3f> sorted, sorted_specular;  // what of both `light` has
+  std::vector<std::uint16_t> shutter_slice;    // where the shutter is kept in slices
 
   // Paths under way, and by their places in this queue: their ray, its hit, and what was hit.
   std::uint32_t depth = 0;  // vertices behind them

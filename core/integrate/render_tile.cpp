@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/stopwatch.h"
 #include "core/integrate/accumulate.h"
+#include "core/integrate/shutter_slices.h"
 #include "core/integrate/trace_paths.h"
 
 namespace msbvh {
@@ -17,37 +19,68 @@ void for_pixels(const Tile& tile, const Image& image, const Body& body) {
   }
 }
 
-void resolve(const Tile& tile, const TileWorkspace& workspace, Image& image) {
+// `seconds`: that a pixel took; read for the AOV of that name alone.
+void resolve(const Tile& tile, const TileWorkspace& workspace, double seconds, Image& image) {
   const SumTrees<FilmSum>& sums = workspace.sums;
   for_pixels(tile, image, [&](std::size_t in_tile, std::size_t pixel) {
     sums.total(in_tile).resolve(sums.count(), &image.rgba[4 * pixel]);
   });
   if (image.aovs.empty()) return;
   for_pixels(tile, image, [&](std::size_t in_tile, std::size_t pixel) {
-    const AovSum sum = workspace.aov_sums.total(in_tile);
-    for (AovImage& aov : image.aovs) aov.set(pixel, sum, workspace.aov_sums.count());
+    AovTotals totals = workspace.aov_sums.total(in_tile);
+    totals.seconds = seconds;
+    for (AovImage& aov : image.aovs) aov.set(pixel, totals);
   });
 }
 
-}  // namespace
+void resolve_slices(const Tile& tile, const TileWorkspace& workspace, std::uint32_t slices, Image& image) {
+  const std::size_t pixels = std::size_t(image.width) * image.height;
+  for_pixels(tile, image, [&](std::size_t in_tile, std::size_t pixel) {
+    for (std::size_t slice = 0; slice < slices; ++slice) {
+      const FilmSum sum = workspace.slice_sums.total(in_tile * slices + slice);
+      sum.resolve(workspace.slice_sums.count(), &image.slices[4 * (slice * pixels + pixel)]);
+    }
+  });
+}
 
-TraceModes render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image) {
+TraceModes render_part(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image) {
   const Stages& stages = job.frame.stages;
+  const Stopwatch watch;
   const std::uint32_t pixels = tile.pixels(), most = std::max(1u, job.batch_paths / pixels);
   TraceModes traced;
   workspace.sums.reset(pixels);
-  if (!image.aovs.empty()) workspace.aov_sums.reset(pixels);
+  if (!image.aovs.empty()) workspace.aov_sums.reset(job.frame.aovs, pixels);
+  const std::uint32_t slices = job.frame.shutter_slices;
+  workspace.slice_sums.reset(std::size_t(pixels) * slices);
   const std::uint32_t end = job.samples.first + job.samples.count;
   for (SampleRange samples{job.samples.first, 0}; samples.first < end; samples.first += samples.count) {
     if (job.cancelled.load(std::memory_order_relaxed)) return traced;
     samples.count = std::min(most, end - samples.first);
     stages.generate(job.frame, tile, samples, workspace.batch);
+    stages.begin_aovs(job.frame, workspace.batch);
+    if (slices > 0) begin_slices(slices, workspace.batch);
     trace_paths(job.frame, workspace.batch);
     accumulate(workspace.batch, pixels, workspace.sums);
     stages.accumulate(workspace.batch, pixels, samples.first, workspace.aov_sums);
+    if (slices > 0) accumulate_slices(workspace.batch, pixels, slices, workspace.slice_sums);
     traced += workspace.batch.traced;
   }
-  resolve(tile, workspace, image);
+  resolve(tile, workspace, watch.seconds() / pixels, image);
+  if (slices > 0) resolve_slices(tile, workspace, slices, image);
+  return traced;
+}
+
+}  // namespace
+
+TraceModes render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image) {
+  if (!job.frame.aovs.has(Aov::kSeconds)) return render_part(job, tile, workspace, image);
+  // Pixel by pixel: in a batch of many nobody can tell which took how long.
+  TraceModes traced;
+  for_pixels(tile, image, [&](std::size_t, std::size_t pixel) {
+    const auto x = static_cast<std::uint32_t>(pixel % image.width),
+               y = static_cast<std::uint32_t>(pixel / image.width);
+    traced += render_part(job, {x, y, x + 1, y + 1}, workspace, image);
+  });
   return traced;
 }
 

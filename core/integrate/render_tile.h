@@ -27,7 +27,8 @@ struct TileJob {
 struct TileWorkspace {
   PathBatch batch;
   SumTrees<FilmSum> sums;
-  SumTrees<AovSum> aov_sums;
+  AovSums aov_sums;
+  SumTrees<FilmSum> slice_sums;
 };
 
 // Writes the tile's pixels into the whole image; returns how many rays were traced.

@@ -6,6 +6,7 @@
 #include "core/integrate/direct.h"
 #include "core/integrate/generate.h"
 #include "core/integrate/looks.h"
+#include "core/integrate/light_parts.h"
 #include "core/integrate/opacity.h"
 #include "core/integrate/scatter.h"
 #include "core/integrate/surface.h"
@@ -14,7 +15,8 @@
 namespace msbvh {
 namespace {
 
-void accumulate_none(PathBatch&, std::uint32_t, std::uint32_t, SumTrees<AovSum>&) {}
+void accumulate_none(PathBatch&, std::uint32_t, std::uint32_t, AovSums&) {}
+void leave_light(PathBatch&, LightPath) {}
 
 template <Effect kEffect>
 PathStage stage_of(EffectSet effects, PathStage stage) {
@@ -39,14 +41,17 @@ bool is_plain(EffectSet effects, const Bvh& world) {
 
 void no_stage(const Frame&, PathBatch&) {}
 
-Stages choose_stages(EffectSet effects, Sampling sampling, const Bvh& world) {
+Stages choose_stages(EffectSet effects, Sampling sampling, const Bvh& world, const FilmSettings& film,
+                     const AovSet& asked) {
   const bool aovs = kKnownEffects.has(Effect::kAovs) && effects.has(Effect::kAovs);
   return {
-      .generate = choose_generate(effects, sampling),
+      .generate = choose_generate(effects, sampling, film.shapes_samples()),
       .begin_looks = stage_of<Effect::kTextures>(effects, begin_cones),
       .see_through = choose_see_through(effects),
       .find_surfaces = choose_surfaces(effects, is_plain(effects, world)),
+      .begin_aovs = aovs && (asked.light() || asked.cost()) ? begin_aovs : no_stage,
       .record_aovs = stage_of<Effect::kAovs>(effects, record_aovs),
+      .sort_light = aovs && asked.light() ? sort_light : leave_light,
       .scatter = choose_scatter(effects),
       .add_direct = choose_direct(effects),
       .go_on = choose_go_on(effects),

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "core/film/film_settings.h"
 #include "core/film/sum_tree.h"
 #include "core/film/tile.h"
 #include "core/integrate/path_batch.h"
@@ -17,15 +18,17 @@ struct Frame;
 
 using Generate = void (*)(const Frame& frame, const Tile& tile, SampleRange samples, PathBatch& batch);
 using PathStage = void (*)(const Frame& frame, PathBatch& batch);
-using AccumulateAovs = void (*)(PathBatch& batch, std::uint32_t pixels, std::uint32_t first,
-                                SumTrees<AovSum>& sums);
+using SortLight = void (*)(PathBatch& batch, LightPath way);
+using AccumulateAovs = void (*)(PathBatch& batch, std::uint32_t pixels, std::uint32_t first, AovSums& sums);
 
 struct Stages {
   Generate generate;          // generate.h
   PathStage begin_looks;      // looks.h
   PathStage see_through;      // opacity.h
   PathStage find_surfaces;    // surface.h
+  PathStage begin_aovs;       // aovs.h
   PathStage record_aovs;      // aovs.h
+  SortLight sort_light;       // light_parts.h
   PathStage scatter;          // scatter.h
   PathStage add_direct;       // direct.h
   PathStage go_on;            // scatter.h
@@ -36,6 +39,7 @@ struct Stages {
 void no_stage(const Frame& frame, PathBatch& batch);
 
 // `effects` are those of the scene that `world` is the tree of.
-Stages choose_stages(EffectSet effects, Sampling sampling, const Bvh& world);
+Stages choose_stages(EffectSet effects, Sampling sampling, const Bvh& world, const FilmSettings& film = {},
+                     const AovSet& aovs = {});
 
 }  // namespace msbvh

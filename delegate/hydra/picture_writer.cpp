@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <pxr/base/gf/vec2f.h>
 #include <pxr/base/gf/vec3f.h>
 #include <pxr/base/gf/vec4f.h>
 #include <pxr/base/tf/diagnostic.h>
@@ -17,8 +18,12 @@ HdAovDescriptor aov_descriptor(const TfToken& name) {
   const std::optional<Aov> aov = aov_named(name.GetString());
   if (!aov) return {};
   if (form_of(*aov).is_id) return {HdFormatInt32, false, VtValue(-1)};
-  if (form_of(*aov).channels == 3) return {HdFormatFloat32Vec3, false, VtValue(GfVec3f(0.0f))};
-  const float nothing = *aov == Aov::kDepth ? 1.0f : std::numeric_limits<float>::infinity();
+  if (form_of(*aov).numbers > 4) return {};  // no format of Hydra's has so many
+  if (form_of(*aov).numbers == 3) return {HdFormatFloat32Vec3, false, VtValue(GfVec3f(0.0f))};
+  if (form_of(*aov).numbers == 2) return {HdFormatFloat32Vec2, false, VtValue(GfVec2f(0.0f))};
+  const float nothing = *aov == Aov::kDepth         ? 1.0f
+                        : *aov == Aov::kCameraDepth ? std::numeric_limits<float>::infinity()
+                                                    : 0.0f;
   return {HdFormatFloat32, false, VtValue(nothing)};
 }
 
@@ -26,7 +31,8 @@ std::vector<Aov> aovs_of(const HdRenderPassAovBindingVector& bindings) {
   std::vector<Aov> aovs;
   for (const HdRenderPassAovBinding& binding : bindings) {
     const std::optional<Aov> aov = aov_named(binding.aovName.GetString());
-    if (aov && std::find(aovs.begin(), aovs.end(), *aov) == aovs.end()) aovs.push_back(*aov);
+    if (aov && form_of(*aov).numbers <= 4 && std::find(aovs.begin(), aovs.end(), *aov) == aovs.end())
+      aovs.push_back(*aov);
   }
   return translate::with_depth(std::move(aovs));
 }
@@ -78,7 +84,7 @@ void PictureWriter::show(const Image& picture, std::uint32_t, bool last) {
       const auto found = std::find_if(picture.aovs.begin(), picture.aovs.end(),
                                       [&](const AovImage& each) { return each.aov == aov; });
       if (found == picture.aovs.end()) continue;
-      pixels.channels = form_of(found->aov).channels;
+      pixels.channels = form_of(found->aov).numbers;
       pixels.values = found->values.data();
       pixels.ids = form_of(found->aov).is_id ? found->ids.data() : nullptr;
     }

@@ -108,6 +108,8 @@ void RenderPass::render(const HdRenderPassState& state) {
   const PassView view{state, GetRprimCollection(), seen_.render_tags, *GetRenderIndex()};
   translate::AssembledFrame frame = delegate_.builder().build(view, seen_.image, shutter, settings);
   tell(frame.diagnostics, param);
+  settings.render.film.origin = frame.origin;
+  settings.render.film.frame_time = {float(shutter.time01(0.0)), float(shutter.frames())};
   delegate_.count_scene();
   jobs_->set_current(own_);
   own_.job.start(std::move(frame.scene), settings.render);

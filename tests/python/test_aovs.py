@@ -9,7 +9,6 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from conftest import Run
-from msbvh import _core
 
 STAGE = """#usda 1.0
 (
@@ -61,7 +60,7 @@ def channels(path: Path) -> dict[str, np.ndarray]:
 
 def test_each_output_is_in_the_file_of_colour(msbvh: Run, stage: Path, tmp_path: Path) -> None:
     out = tmp_path / "a.exr"
-    done = msbvh("record", stage, out, "--resolution", 4, 1, "--spp", 16, "--aov", ",".join(_core.aov_names()))
+    done = msbvh("record", stage, out, "--resolution", 4, 1, "--spp", 16, "--aov", "all")
     assert done.returncode == 0, done.stderr
     spec = oiio.ImageInput.open(str(out)).spec()
     assert spec.channelnames[:4] == ("R", "G", "B", "A")
@@ -129,3 +128,50 @@ def test_what_is_asked_for_is_in_the_plan(msbvh: Run, stage: Path, tmp_path: Pat
     msbvh("record", stage, tmp_path / "a.exr", "-w", 8, "--spp", 1, "--aov", "normal", "--stats", stats)
     plan = json.loads(stats.read_text())["frames"][0]["plan"]
     assert {"effect": "AOVs", "prim": "", "why": "normal"} in plan
+
+
+MOVING = """#usda 1.0
+(
+    timeCodesPerSecond = 24
+)
+def Camera "Cam" {
+    token projection = "orthographic"
+    float horizontalAperture = 80
+    float verticalAperture = 80
+    float2 clippingRange = (1, 101)
+    double shutter:open = -0.25
+    double shutter:close = 0.25
+    double3 xformOp:translate.timeSamples = { 0: (99990, 4, 51), 10: (100000, 14, 51) }
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def Mesh "Wall" {
+    int[] faceVertexCounts = [4]
+    int[] faceVertexIndices = [0, 1, 2, 3]
+    point3f[] points = [(-99, -99, 0), (99, -99, 0), (99, 99, 0), (-99, 99, 0)]
+    uniform token subdivisionScheme = "none"
+    double3 xformOp:translate.timeSamples = { 0: (100000, 0, 0), 4: (99992, 0, 0), 8: (100008, 0, 0) }
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+"""
+
+
+def test_motion_is_that_of_the_frame_whatever_moves(msbvh: Run, tmp_path: Path) -> None:
+    """The camera moves by 1 to the right and up a frame; the wall by 2 to the left until frame 4, then by 4 to the right. Eight
+    units are 16 pixels."""
+    (tmp_path / "moving.usda").write_text(MOVING)
+    for frame, forward, backward in ((2, -3, 3), (4, 3, 3), (6, 3, -3)):
+        options = ("--frames", frame, "--resolution", 16, 16, "--spp", 4, "--aov", "forward backward Pworld Peye")
+        done = msbvh("record", "moving.usda", f"{frame}.exr", *options)
+        assert done.returncode == 0, done.stderr
+        found = channels(tmp_path / f"{frame}.exr")
+        np.testing.assert_allclose(found["forward.u"], 2 * forward, rtol=1e-4)
+        np.testing.assert_allclose(found["backward.u"], 2 * backward, rtol=1e-4)
+        np.testing.assert_allclose(found["forward.v"], -2, rtol=1e-4)
+        np.testing.assert_allclose(found["backward.v"], 2, rtol=1e-4)
+        # In the stage's world, far from its origin; the camera sees 8 units of it.
+        np.testing.assert_allclose(found["Pworld.X"][:, 0], 99990 + frame - 4, atol=0.8)
+        np.testing.assert_allclose(found["Pworld.Z"], 0, atol=1e-3)
+        np.testing.assert_allclose(found["Peye.Z"], -51, rtol=1e-5)
+        np.testing.assert_allclose(found["Peye.X"][:, 15], 3.75, atol=0.26)
+    done = msbvh("record", "moving.usda", "closed.exr", "-w", 4, "--spp", 1, "--shutter", "0:0", "--aov", "forward")
+    assert done.returncode == 0 and "AOVs of motion are 0: the shutter is closed" in done.stderr

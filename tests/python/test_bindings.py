@@ -301,7 +301,8 @@ def test_instruction_sets() -> None:
 
 
 STUBS = tuple(
-    f"_core{part}.pyi" for part in ("", "_frame", "_inputs", "_look", "_materials", "_render_spec", "_sample", "_shape")
+    f"_core{part}.pyi"
+    for part in ("", "_film", "_frame", "_inputs", "_look", "_materials", "_render_spec", "_sample", "_shape")
 )
 
 

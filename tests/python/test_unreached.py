@@ -38,6 +38,9 @@ KINDS = {
     "instances": 'def PointInstancer "{name}" {{ int[] protoIndices = [0, 0]; point3f[] positions = [(-1, 1, 1), (1, -1, 1)];'
     ' rel prototypes = <cube>; {move}\n def Cube "cube" {{ double size = 0.5\n }}\n }}',
 }
+OF_THE_PICTURE = tuple(name for name in _core.aov_names() if name not in ("nodeVisits", "primitiveTests", "seconds"))
+"""AOVs that do not depend on trees."""
+
 COUNTS = ("trees", "nodes", "references")
 AWAY, SEEN = (-60, 0, 0), (0, 0, 0)
 LAMP = 'def DistantLight "lamp" { float inputs:intensity = 1\n }\n'
@@ -71,7 +74,7 @@ def read(scene: str | Path, frame: float | None, bounces: int | None, width: int
 def rendered(result: ReadResult, bounces: int) -> tuple[np.ndarray, dict[str, np.ndarray], dict[str, Any]]:
     camera = result.camera
     renderer = _core.Renderer(
-        result.scene, width=camera.width, height=camera.height, spp=4, max_bounces=bounces, aovs=_core.aov_names()
+        result.scene, width=camera.width, height=camera.height, spp=4, max_bounces=bounces, aovs=OF_THE_PICTURE
     )
     pixels, aovs = renderer.render_with_aovs()
     figures = {**renderer.statistics["accel"], "trees": renderer.statistics["trees"]}

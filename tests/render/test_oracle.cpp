@@ -118,7 +118,9 @@ Image oracle_picture(const std::shared_ptr<const Scene>& scene, const RenderSett
                     settings.show_domes,
                     settings.sampling,
                     textures ? &*textures : nullptr,
-                    choose_stages({}, settings.sampling, world)};
+                    choose_stages({}, settings.sampling, world),
+                    FilterSampler(settings.film.filter),
+                    ShutterSampler(settings.film.shutter_curve, settings.film.rolling)};
   return scalar_picture(frame, settings.spp);
 }
 
@@ -188,6 +190,18 @@ TEST_CASE("what reflects otherwise than diffusely is the scalar path tracer's to
     const std::vector<float> picture = render(*shared, settings).rgba;
     CHECK(picture == oracle_picture(shared, settings).rgba);
     CHECK(std::ranges::all_of(picture, [](float x) { return std::isfinite(x); }));
+  }
+}
+
+TEST_CASE("so it is through every filter and shutter") {
+  for (std::uint32_t bits = 0; bits < 16; ++bits) {
+    CAPTURE(bits);
+    const auto scene = std::make_shared<const Scene>(called(calls_of(bits * 37 % 128), bits));
+    RenderSettings settings{.width = kSize, .height = kSize, .spp = 5, .seed = bits, .build = {}};
+    settings.film.filter = {FilterShape(bits % 4), bits % 3 == 0 ? 1.0f : 0.75f + float(bits % 5) * 0.5f};
+    if (bits & 1) settings.film.shutter_curve = bits & 2 ? triangle_curve() : trapezoid_curve();
+    if (bits & 4) settings.film.rolling = {0.6f, 0.25f, 0.5f};
+    CHECK(render(*scene, settings).rgba == oracle_picture(scene, settings).rgba);
   }
 }
 

@@ -215,14 +215,15 @@ class ScalarPathTracer {
 inline Ray camera_sample_ray(const Frame& frame, const PixelSampler& pixel, std::uint32_t x, std::uint32_t y,
                              std::uint32_t sample) {
   const Camera& camera = frame.scene().camera;
-  const Point2 in_pixel = pixel.position(sample);
+  const PixelPlace in_pixel = frame.filter(pixel.position(sample));
+  const float row = (static_cast<float>(y) + 0.5f) / static_cast<float>(frame.height);
+  const float time = frame.shutter(pixel.time(sample), row);
   const float screen_x = (static_cast<float>(x) + in_pixel.x) / static_cast<float>(frame.width);
   const float screen_y = (static_cast<float>(y) + in_pixel.y) / static_cast<float>(frame.height);
   const bool lens =
       !camera.lens.empty() && std::ranges::any_of(camera.lens, [](const Lens& l) { return l.radius > 0.0f; });
-  if (!lens) return camera_ray(camera, screen_x, screen_y, pixel.time(sample));
-  return lens_ray(camera, screen_x, screen_y, pixel.time(sample),
-                  Sampler(pixel, sample).pair(Dimension::kLens, 0));
+  if (!lens) return camera_ray(camera, screen_x, screen_y, time);
+  return lens_ray(camera, screen_x, screen_y, time, Sampler(pixel, sample).pair(Dimension::kLens, 0));
 }
 
 // The picture that a Renderer with the same scene and settings must draw.

@@ -41,7 +41,7 @@ std::uint32_t preview_divisor(std::uint32_t width, std::uint32_t height, double 
 
 Image enlarged(const Image& picture, std::uint32_t width, std::uint32_t height) {
   const std::vector<std::size_t> nearest = nearest_pixels(picture, width, height);
-  Image result{width, height, {}, {}};
+  Image result{width, height, {}, {}, {}};
   result.rgba.resize(4 * nearest.size());
   spread(picture.rgba, nearest, 4, result.rgba);
   for (const AovImage& aov : picture.aovs) {
@@ -49,7 +49,7 @@ Image enlarged(const Image& picture, std::uint32_t width, std::uint32_t height) 
     if (form_of(aov.aov).is_id) {
       spread(aov.ids, nearest, 1, larger.ids);
     } else {
-      spread(aov.values, nearest, form_of(aov.aov).channels, larger.values);
+      spread(aov.values, nearest, form_of(aov.aov).numbers, larger.values);
     }
   }
   return result;

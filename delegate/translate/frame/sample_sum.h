@@ -9,8 +9,8 @@
 
 namespace msbvh::translate {
 
-// Pictures of some of a pixel's samples each, summed up to the picture of all. Colours and vectors are means,
-// weighted by the samples; depths and ids are those of the nearest sample.
+// Pictures of some of a pixel's samples each, summed up to the picture of all. Colours are means, weighted by
+// the samples; AOVs are merged as core/film/aov.h says of each.
 class SampleSum {
  public:
   // Of a picture of `count` samples of each pixel. All must be of one size and have the same AOVs; where
@@ -27,9 +27,9 @@ class SampleSum {
   void take_nearest(const Image& picture);
 
   std::uint32_t samples_ = 0;
-  Image nearest_;                           // size, depths and ids
+  Image nearest_;                           // size, and AOVs of the nearest sample
   std::vector<double> rgba_;                // sums
-  std::vector<std::vector<double>> means_;  // sums by AOV; empty for depths and ids
+  std::vector<std::vector<double>> means_;  // sums by AOV; empty for those of the nearest sample
 };
 
 // Depth and ids can be told from each other only with the distance of each sample.

@@ -36,8 +36,11 @@ constexpr DataType kDataTypes[] = {
     {"color3d", kFloat, 3},  {"color4d", kFloat, 4}, {"vector3d", kFloat, 3}, {"normal3d", kFloat, 3},
     {"int", kFloat, 1},      {"uint", kFloat, 1},    {"int64", kFloat, 1}};
 
-constexpr const char* kSourceNames =
-    "color, Ci, RGBA, depth, cameraDepth, z, normal, N, Neye, albedo, primId, instanceId or elementId";
+std::string source_names() {
+  std::string names = "color, Ci, RGBA, z, N";
+  for (std::size_t i = 0; i < kAovCount; ++i) names.append(", ").append(form_of(Aov(i)).name);
+  return names;
+}
 
 bool is_among(std::span<const std::string_view> names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -81,7 +84,7 @@ bool find_source(const RenderVarInput& input, RenderVarSpec& var, PrimLog& log) 
   for (const OtherName& other : kOtherNames) {
     if (name == other.name) var.aov = other.aov;
   }
-  return var.aov || log.reject("sourceName", message("found '", name, "', expected ", kSourceNames));
+  return var.aov || log.reject("sourceName", message("found '", name, "', expected ", source_names()));
 }
 
 // By an authored dataType alone: the schema's fallback, color3f, is there for any var.
@@ -93,7 +96,7 @@ void find_format(const RenderVarInput& input, RenderVarSpec& var, PrimLog& log) 
                                  "', expected a number or a colour, such as color3f, half or int; ignored"));
     return;
   }
-  const std::uint32_t channels = var.aov ? form_of(*var.aov).channels : 4;
+  const std::uint32_t channels = var.aov ? form_of(*var.aov).numbers : 4;
   const bool fits = var.aov ? known->channels == channels : known->channels >= 3;
   if (!fits) {
     log.warn("dataType",
@@ -101,9 +104,9 @@ void find_format(const RenderVarInput& input, RenderVarSpec& var, PrimLog& log) 
                      " numbers a pixel, as there are of it; they are written"));
   }
   var.format = known->format;
-  if (var.aov && form_of(*var.aov).is_id && known->format == kHalf) {
-    log.warn("dataType",
-             message("found ", known->name, ", which cannot tell ids above 2048 apart; written as float"));
+  const bool exact = var.aov && (form_of(*var.aov).is_id || form_of(*var.aov).merge == AovMerge::kCoverage);
+  if (exact && known->format == kHalf) {
+    log.warn("dataType", message("found ", known->name, ", which cannot tell ids apart; written as float"));
     var.format = kFloat;
   }
 }
@@ -136,11 +139,7 @@ class Channels {
 
 std::vector<std::string> channel_names(const RenderVarSpec& var) {
   if (!var.aov) return {"R", "G", "B", "A"};
-  if (form_of(*var.aov).channels == 1) return {var.name};
-  const char* letters = *var.aov == Aov::kAlbedo ? "RGB" : "XYZ";
-  std::vector<std::string> names;
-  for (int c = 0; c < 3; ++c) names.push_back(var.name + "." + letters[c]);
-  return names;
+  return msbvh::channel_names(*var.aov, var.name);
 }
 
 std::vector<RenderVarSpec> render_vars(const std::vector<RenderVarInput>& ordered,

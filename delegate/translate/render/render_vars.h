@@ -7,7 +7,7 @@
 //   raw, intrinsic  depth                                                  depth, 0 to 1 (Hydra's)
 //                   cameraDepth, z, Z                                      cameraDepth, scene units
 //                   normal, N, Nn; Neye                                    normal in the world; in the camera
-//                   primId, instanceId, elementId, albedo                  by those names
+//                   every other name of core/film/aov.h                    by that name
 //
 // An empty sourceName, as the schema's fallback is, means the prim's own name. Primvars and any other light
 // path expression are not written.

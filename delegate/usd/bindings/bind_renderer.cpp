@@ -99,7 +99,7 @@ void commit(Renderer& renderer, std::shared_ptr<const Scene> scene, RenderSettin
 
 // Hands values over to numpy without a copy, with `owner` kept alive.
 nb::object to_array(const AovImage& aov, const Image& image, const nb::capsule& owner) {
-  const std::size_t h = image.height, w = image.width, channels = form_of(aov.aov).channels;
+  const std::size_t h = image.height, w = image.width, channels = form_of(aov.aov).numbers;
   if (form_of(aov.aov).is_id)
     return nb::cast(nb::ndarray<nb::numpy, const std::int32_t>(aov.ids.data(), {h, w}, owner));
   return nb::cast(nb::ndarray<nb::numpy, const float>(aov.values.data(), {h, w, channels}, owner));
@@ -142,6 +142,26 @@ auto without_gil(const nb::object& progress, const Work& work) {
 nb::tuple render_with_aovs(Renderer& renderer, const nb::object& progress) {
   return to_arrays(
       without_gil(progress, [&](const ProgressFunction& report) { return renderer.render(report); }));
+}
+
+nb::tuple render_sliced(Renderer& renderer, const nb::object& progress) {
+  Image image =
+      without_gil(progress, [&](const ProgressFunction& report) { return renderer.render(report); });
+  auto* slices = new std::vector<float>(std::move(image.slices));
+  nb::capsule owner(slices, [](void* p) noexcept { delete static_cast<std::vector<float>*>(p); });
+  const std::size_t h = image.height, w = image.width, count = slices->size() / (4 * h * w);
+  const nb::ndarray<nb::numpy, float> array(slices->data(), {count, h, w, 4}, owner);
+  const nb::tuple rest = to_arrays(std::move(image));
+  return nb::make_tuple(rest[0], rest[1], array);
+}
+
+using Hashes = nb::ndarray<const std::uint32_t, nb::shape<-1>, nb::c_contig, nb::device::cpu>;
+nb::list crypto_manifest(const Renderer& renderer, const std::string& name, const Hashes& hashes) {
+  nb::list names;
+  for (const auto& [text, hash] :
+       renderer.crypto_manifest(aovs_from({name}).front(), {hashes.data(), hashes.shape(0)}))
+    names.append(nb::make_tuple(text, hash));
+  return names;
 }
 
 nb::tuple render_samples(Renderer& renderer, std::uint32_t first, std::uint32_t count,
@@ -293,30 +313,12 @@ nb::dict statistics(const Renderer& renderer) {
   return result;
 }
 
-nb::tuple aov_names() {
-  nb::list names;
-  for (std::size_t i = 0; i < kAovCount; ++i) names.append(form_of(Aov(i)).name);
-  return nb::tuple(names);
-}
-
-std::vector<Aov> aovs_from(const std::vector<std::string>& names) {
-  std::vector<Aov> aovs;
-  for (const std::string& name : names) {
-    const std::optional<Aov> aov = aov_named(name);
-    if (!aov)
-      throw Error(std::string("render settings: aovs: found '")
-                      .append(name)
-                      .append("'; expected one of aov_names()"));
-    aovs.push_back(*aov);
-  }
-  return aovs;
-}
-
 void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width, std::uint32_t height,
                   std::uint32_t spp, std::uint32_t seed, std::uint32_t max_bounces, std::uint32_t threads,
                   bool show_domes, const std::string& builder, const std::string& layout,
                   const std::string& refit, bool keep_topology, const std::vector<std::string>& aovs,
-                  const std::string& sampler, float split_budget, bool sample_stages) {
+                  const std::string& sampler, float split_budget, bool sample_stages,
+                  const FilmSettings& film) {
   RenderSettings settings{.width = width,
                           .height = height,
                           .spp = spp,
@@ -333,6 +335,8 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
   settings.build.spatial_split_budget = split_budget;
   settings.aovs = aovs_from(aovs);
   settings.sample_stages = sample_stages;
+  settings.film = film;
+  settings.film.origin = scene.origin;
   commit(self, scene.scene, std::move(settings));
 }
 
@@ -350,7 +354,6 @@ void init(Renderer* self, const SceneHandle& scene, Settings... settings) {
 }  // namespace
 
 void bind_renderer(nb::module_& m) {
-  m.def("aov_names", &aov_names);
   const RenderSettings defaults;
   const auto def_with_settings = [&defaults](nb::class_<Renderer>& renderer, const char* name,
                                              const auto& function) {
@@ -362,16 +365,19 @@ void bind_renderer(nb::module_& m) {
                  nb::arg("keep_topology") = defaults.build.keep_topology,
                  nb::arg("aovs") = std::vector<std::string>(), nb::arg("sampler") = "sobol",
                  nb::arg("split_budget") = defaults.build.spatial_split_budget,
-                 nb::arg("sample_stages") = defaults.sample_stages);
+                 nb::arg("sample_stages") = defaults.sample_stages, nb::arg("film") = FilmSettings());
   };
   nb::class_<Renderer> renderer(m, "Renderer");
-  def_with_settings(renderer, "__init__",
-                    &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t,
-                          std::uint32_t, bool, const std::string&, const std::string&, const std::string&,
-                          bool, const std::vector<std::string>&, const std::string&, float, bool>);
+  def_with_settings(
+      renderer, "__init__",
+      &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, bool,
+            const std::string&, const std::string&, const std::string&, bool, const std::vector<std::string>&,
+            const std::string&, float, bool, const FilmSettings&>);
   def_with_settings(renderer, "commit", &commit_scene);
   renderer.def("render", &render, nb::arg("progress") = nb::none())
       .def("render_with_aovs", &render_with_aovs, nb::arg("progress") = nb::none())
+      .def("render_sliced", &render_sliced, nb::arg("progress") = nb::none())
+      .def("crypto_manifest", &crypto_manifest, nb::arg("aov"), nb::arg("hashes"))
       .def("render_samples", &render_samples, nb::arg("first"), nb::arg("count"),
            nb::arg("progress") = nb::none())
       .def("verify", &Renderer::verify, nb::call_guard<nb::gil_scoped_release>())

@@ -3,7 +3,10 @@
 
 #include <memory>
 #include <nanobind/nanobind.h>
+#include <string>
+#include <vector>
 
+#include "core/film/aov.h"
 #include "core/scene/scene.h"
 
 namespace msbvh::python {
@@ -13,6 +16,9 @@ struct SceneHandle {
   std::shared_ptr<const Scene> scene;
   Vec3d origin;  // of the frame's world, in stage space
 };
+
+// By aov_names(). Throws Error for another one.
+std::vector<Aov> aovs_from(const std::vector<std::string>& names);
 
 void bind_scene(nanobind::module_& m);
 void bind_scene_look(nanobind::class_<SceneHandle>& scene);
@@ -28,6 +34,8 @@ void bind_materials(nanobind::module_& m);
 void bind_translator(nanobind::module_& m);
 void bind_skinning(nanobind::module_& m);
 void bind_plan(nanobind::module_& m);
+void bind_aovs(nanobind::module_& m);
+void bind_film(nanobind::module_& m);
 void bind_renderer(nanobind::module_& m);
 void bind_render_spec(nanobind::module_& m);
 void bind_bench(nanobind::module_& m);

@@ -28,6 +28,8 @@ NB_MODULE(_core, m) {
   msbvh::python::bind_translator(m);
   msbvh::python::bind_skinning(m);
   msbvh::python::bind_plan(m);
+  msbvh::python::bind_aovs(m);
+  msbvh::python::bind_film(m);
   msbvh::python::bind_renderer(m);
   msbvh::python::bind_render_spec(m);
   msbvh::python::bind_bench(m);

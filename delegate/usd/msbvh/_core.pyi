@@ -14,6 +14,12 @@ from typing import Any, Literal, Required, TypeAlias, TypedDict, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from ._core_film import MOST_FILTER_WIDTH as MOST_FILTER_WIDTH
+from ._core_film import MOST_SHUTTER_SLICES as MOST_SHUTTER_SLICES
+from ._core_film import PIXEL_FILTERS as PIXEL_FILTERS
+from ._core_film import SHUTTER_CURVES as SHUTTER_CURVES
+from ._core_film import FilmSettings as FilmSettings
+from ._core_film import name_hash as name_hash
 from ._core_frame import ABSURD_SHUTTER_FRAMES as ABSURD_SHUTTER_FRAMES
 from ._core_frame import MOST_STRETCHES as MOST_STRETCHES
 from ._core_frame import check_optics as check_optics
@@ -391,9 +397,19 @@ class RenderSettings(TypedDict, total=False):
     """References that spatial splits may add, as a share of the triangles."""
     sample_stages: bool
     """Whether statistics say what threads were found at: ``stages``."""
+    film: FilmSettings
 
 def aov_names() -> tuple[str, ...]:
     """Of what a pixel can tell beside its colour: core/film/aov.h says what each means."""
+
+def aov_merges() -> dict[str, Literal["nearest", "mean", "total", "error", "coverage"]]:
+    """How pictures of some of a pixel's samples make one of all: core/film/aov.h."""
+
+def aov_channels(aov: str, layer: str) -> list[str]:
+    """The channels of an AOV as a layer of that name: "normal.X", ...; the layer's own name where there is one alone.
+
+    Raises ValueError for an unknown AOV.
+    """
 
 def effects(scene: Scene, *, max_bounces: int = ..., aovs: str = "") -> FoundEffects:
     """All that a scene calls for, without building trees, and without the GIL. ``aovs``: their names, as text.
@@ -420,6 +436,11 @@ class Renderer:
         """
     def render_with_aovs(self, progress: Callable[[float], object] | None = None) -> tuple[F32, dict[str, F32 | I32]]:
         """render(), and each AOV by its name: int32[height, width] of ids, else float32[height, width, channels]."""
+    def render_sliced(self, progress: Callable[[float], object] | None = None) -> tuple[F32, dict[str, F32 | I32], F32]:
+        """render_with_aovs(), and [slice, height, width, 4]: the light of each part of the shutter; they sum up to the
+        pixels."""
+    def crypto_manifest(self, aov: str, hashes: NDArray[np.uint32]) -> list[tuple[str, int]]:
+        """The names behind hashes [N] of a Cryptomatte, the bits of its ids. Raises Error where none is asked for."""
     def render_samples(
         self, first: int, count: int, progress: Callable[[float], object] | None = None
     ) -> tuple[F32, dict[str, F32 | I32]]:

@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from ..render.budget import MOST_SAMPLES, Goals
+from ..render.sample_sum import MERGES
 from .options import Decorator
 
 
@@ -75,6 +76,15 @@ REPORTED_GOALS: Sequence[Decorator] = (
     ),
 )
 """Of `accuracy`."""
+
+
+def check_mergeable(aovs: Sequence[str], goals: Goals) -> None:
+    """Raises UsageError for AOVs of which ranges of samples make no whole, where goals decide how many samples there are."""
+    whole = [name for name in aovs if MERGES[name] == "coverage"]
+    if whole and goals.decide_samples:
+        raise click.UsageError(
+            f"--aov {whole[0]} excludes --target-flip and --time-budget: its parts do not add up; expected --spp"
+        )
 
 
 def goals_from(ctx: click.Context) -> Goals:

@@ -17,7 +17,7 @@ from ..base.exit_codes import DEFECT, DONE, USAGE, WRONG, table_text
 from ..base.reporter import Reporter
 from ..base.software import software
 
-COMMANDS = ("accuracy", "bench", "conform", "hydra-info", "motion", "plan", "record", "verify")
+COMMANDS = ("accuracy", "bench", "conform", "hydra-info", "motion", "plan", "record", "reshutter", "verify")
 
 
 def load(arguments: Sequence[str]) -> None:
@@ -57,6 +57,10 @@ def _command(name: str) -> click.Command | None:
             from .record_command import record_command
 
             return record_command
+        case "reshutter":
+            from .reshutter_command import reshutter_command
+
+            return reshutter_command
         case "verify":
             from .verify_command import verify_command
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import click
 
-from .._core import FINEST_LEVEL
+from .._core import FINEST_LEVEL, aov_names
+from ..render.shutter_curve import Curve, CurveError, shutter_curve
 
 SEGMENT_COUNTS = tuple(2**k for k in range(FINEST_LEVEL + 1))
 
@@ -26,6 +27,23 @@ class Names(click.ParamType):
             if self._choices and name not in self._choices:
                 self.fail(f"found '{name}', expected any of: {', '.join(self._choices)}", param, ctx)
         return names
+
+
+ALL_AOVS = "all"
+UNREPEATED = ("seconds",)
+"""AOVs that differ from run to run."""
+
+
+class AovNames(Names):
+    """Of AOVs; `all`: those that any run has alike."""
+
+    def __init__(self) -> None:
+        super().__init__((*aov_names(), ALL_AOVS))
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[str, ...]:
+        names = super().convert(value, param, ctx)
+        every = [name for name in aov_names() if name not in UNREPEATED]
+        return tuple(dict.fromkeys(each for name in names for each in (every if name == ALL_AOVS else [name])))
 
 
 class Numbers(click.ParamType):
@@ -74,3 +92,17 @@ class ShutterRange(click.ParamType):
         if closing < opening:
             self.fail(f"found '{value}', expected OPEN:CLOSE with CLOSE at or after OPEN, {example}", param, ctx)
         return opening, closing
+
+
+class ShutterCurve(click.ParamType):
+    """A curve by its name, or a file of one."""
+
+    name = "curve"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Curve:
+        if not isinstance(value, str):
+            return tuple(value)
+        try:
+            return shutter_curve(value)
+        except CurveError as error:
+            self.fail(str(error), param, ctx)

@@ -14,7 +14,7 @@ from .. import _core
 from .._core import ASPECT_POLICIES
 from ..look.color import MODES
 from ..scene.reader import MAX_INSTANCES
-from .option_types import Names, PowerOfTwo, ShutterRange
+from .option_types import AovNames, Names, PowerOfTwo, ShutterRange
 
 PURPOSES = ("default", "render", "proxy", "guide")
 MAX_PIXELS_ACROSS = 65535
@@ -263,12 +263,11 @@ OUTPUT: Sequence[Decorator] = (
     click.option(
         "--aov",
         "aovs",
-        type=Names(_core.aov_names()),
+        type=AovNames(),
         default=(),
         metavar="NAME[,...]",
-        help=f"AOVs to write as 32-bit channels of the same .exr files: {', '.join(_core.aov_names())}. Neye, normal and albedo"
-        " are averaged over a pixel; depths and ids are those of its nearest sample. Background: ids -1, depth 1, the"
-        " rest 0.",
+        help=f"AOVs to write as 32-bit channels of the same .exr files: {', '.join(_core.aov_names())}; all: each but seconds,"
+        " which differs from run to run. docs/design/aovs.md says what each means. Background: ids -1, depth 1, the rest 0.",
     ),
     click.option("--exr-float", is_flag=True, help="Write 32-bit float EXR files instead of half: twice the bytes."),
     click.option(

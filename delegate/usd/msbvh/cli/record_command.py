@@ -14,7 +14,8 @@ from ..farm.frames import check_single_outputs, frame_jobs
 from ..look.color import ColorCorrection, ColorError
 from ..output.images import ImageSettings
 from ..render.record import FrameJob, RecordSettings, RenderSettings, record
-from .budget_options import GOALS, goals_from
+from .budget_options import GOALS, check_mergeable, goals_from
+from .film_options import FILM, film_of
 from .frame_options import check_text, parse, read_settings, settings_choice
 from .options import OUTPUT, SCENE, with_options
 from .render_options import RENDER
@@ -38,7 +39,7 @@ RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")
 
 
 @click.command("record")
-@with_options(SCENE, OUTPUT, RENDER, GOALS)
+@with_options(SCENE, OUTPUT, RENDER, FILM, GOALS)
 @click.pass_context
 def record_command(
     ctx: click.Context,
@@ -65,9 +66,12 @@ def record_command(
         raise click.UsageError("--ray-costs: found no --stats FILE.json to write them to")
     jobs = _record_jobs(outputs, frames, options["default_time"])
     goals = goals_from(ctx)
+    if options["shutter_slices"] and not any(Path(output).suffix.lower() == ".exr" for output in outputs):
+        raise click.UsageError("--shutter-slices: only .exr files hold layers, and no OUT is one")
+    check_mergeable(options["aovs"], goals)
     settings = RecordSettings(
         read=read_settings(options),
-        render=RenderSettings(**{name: options[name] for name in RENDER_NAMES}),
+        render=RenderSettings(**{name: options[name] for name in RENDER_NAMES}, film=film_of(options)),
         image=ImageSettings(_color_correction(options), options["show_domes"], options["exr_float"]),
         mask=options["mask"],
         stats=stats,

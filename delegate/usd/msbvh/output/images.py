@@ -62,8 +62,10 @@ class Layers:
     """By name: int32[h, w] of ids, else float32[h, w, channels]. EXR alone stores them, in 32-bit floats."""
     prims: Sequence[str] = ()
     """The paths that primId counts."""
-    colours: frozenset[str] = frozenset(["albedo"])
-    """Names of `aovs` whose channels are called R, G, B, not X, Y, Z."""
+    channels: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    """Names of the channels of `aovs`."""
+    attributes: Mapping[str, str | int] = field(default_factory=dict)
+    """What describes `aovs`, in EXR's header."""
     halves: frozenset[str] = frozenset()
     """Names of `aovs` that are stored in 16 bits a number."""
     origin: tuple[int, int] = (0, 0)
@@ -255,12 +257,13 @@ def _add_aovs(pixels: np.ndarray, spec: oiio.ImageSpec, layers: Layers) -> np.nd
         part = np.where(np.isinf(part), np.float32(0.0), part)
         half = name in layers.halves
         parts.append(np.clip(part, -HALF_MAX, HALF_MAX) if half else part)
-        parts_of_it = "RGB" if name in layers.colours else "XYZ"
-        names += [name] if part.shape[2] == 1 else [f"{name}.{letter}" for letter in parts_of_it]
+        names += layers.channels[name]
         formats += [oiio.TypeDesc("half" if half else "float")] * part.shape[2]
     spec.nchannels = len(names)
     spec.channelnames = tuple(names)
     spec.channelformats = tuple(formats)
+    for name, value in layers.attributes.items():
+        spec.attribute(name, value)
     if layers.prims:
         spec.attribute("msbvh:prims", json.dumps(list(layers.prims)))
     return np.ascontiguousarray(np.concatenate(parts, axis=2))

@@ -77,6 +77,8 @@ class Outcome:
     """None: nobody asked."""
     statistics: Mapping[str, float]
     """COUNTED, summed over all ranges of samples."""
+    slices: np.ndarray | None = None
+    """Of the shutter, float32[count, height, width, 4]; none where no samples but settings' own were rendered."""
 
     def misses(self, goals: Goals, frame_seconds: float) -> list[str]:
         """What is not kept, in words."""

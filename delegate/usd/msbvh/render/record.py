@@ -31,8 +31,10 @@ from ..stage.opening import open_stage
 from ..stage.stage_metadata import frames_per_second, start_time
 from .budget import AIM, Goals, Outcome, render_within, writing_seconds
 from .budget_told import tell_budget
+from .film import Film, film_settings
 from .fine_enough import FineEnough
-from .sample_sum import DEPTH, MEANS
+from .frame_layers import Rendered, frame_layers, weighted
+from .sample_sum import DEPTH, needs_depth
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,7 @@ class RenderSettings:
     """References that spatial splits may add, as a share of the triangles: core/build/settings.h."""
     sample_stages: bool = False
     """Whether the renderer's statistics say what its threads were found at."""
+    film: Film = Film()
 
 
 @dataclass(frozen=True)
@@ -107,6 +110,8 @@ NOTHING_SEEN = (
     "nothing is in the picture: the camera was made for the stage's bounds, and authored extents that do not fit the points put"
     " those elsewhere; expected a camera on the stage, or extents that fit"
 )
+MOTION_AOVS = {"forward", "backward", "motionCurve"}
+NO_MOTION = "AOVs of motion are 0: the shutter is closed; expected an open one, as by --shutter -0.25:0.25"
 FrameJob = tuple[float | None, Sequence[str]]
 """A time code (None: USD's default time) and the files that its image is written to."""
 
@@ -191,6 +196,7 @@ class Trees:
             **asdict(self._settings),
             "width": result.camera.width,
             "height": result.camera.height,
+            "film": film_settings(self._settings.film, result.camera),
             "keep_topology": reuse and self._frames_left > 0,
         }
         if self._renderer is None:
@@ -258,10 +264,12 @@ def _record_frame(
             effects = _core.effects(result.scene, max_bounces=settings.render.max_bounces, aovs=rendered)
             stats.render["ray_costs"] = {**costs, "effects": ray_shares(effects, costs)}
             stats.render["effects"] = measured_effects(effects, stats.render["stages"], costs)
+    if camera.shutter.open == camera.shutter.close and MOTION_AOVS & set(settings.render.aovs):
+        reporter.warning(NO_MOTION)
     if not camera.path and not pixels[..., 3].any():
         reporter.warning(NOTHING_SEEN)
     with stats.timed("write"):
-        layers = _layers(pixels, aovs, result, settings.layers)
+        layers = frame_layers(Rendered(pixels, aovs, outcome.slices), result, settings.layers, renderer.crypto_manifest)
         _write_images(
             files, layers, _metadata(rate, result, stats, replace(settings.render, spp=outcome.samples)), settings.image
         )
@@ -278,7 +286,7 @@ def _read(stage: Usd.Stage, frame: float | None, progress: Progress, kept: Kept,
 def _with_depth(settings: RecordSettings) -> RenderSettings:
     """Ranges of samples, of which a budget makes a picture, need to know whose sample is nearest."""
     aovs = settings.render.aovs
-    if settings.goals.decide_samples and DEPTH not in aovs and not set(aovs) <= set(MEANS):
+    if settings.goals.decide_samples and DEPTH not in aovs and needs_depth(aovs):
         aovs = (*aovs, DEPTH)
     return replace(settings.render, aovs=aovs, sample_stages=settings.ray_costs)
 
@@ -289,8 +297,9 @@ def _traced(renderer: _core.Renderer, settings: RecordSettings, ends: float, sta
         if settings.goals.decide_samples:
             outcome = render_within(renderer, settings.goals, ends, progress, _with_depth(settings).aovs)
         else:
-            pixels, aovs = renderer.render_with_aovs(progress)
-            outcome = Outcome(pixels, aovs, settings.render.spp, None, {})
+            pixels, aovs, slices = renderer.render_sliced(progress)
+            pixels = weighted(pixels, slices, settings.render.film)
+            outcome = Outcome(pixels, aovs, settings.render.spp, None, {}, slices)
     stats.render = {**renderer.statistics, **outcome.statistics}
     return outcome
 
@@ -315,21 +324,6 @@ def reading_progress(frame: float | None) -> Progress:
 def frame_label(frame: float | None) -> str:
     """How a frame is called in messages."""
     return "default time" if frame is None else f"frame {frame:g}"
-
-
-def _layers(pixels: Any, aovs: dict[str, Any], result: ReadResult, wanted: FileLayers | None) -> Layers:
-    """The frame as a file holds it."""
-    window = result.camera.pixels
-    prims = result.scene.mesh_names if "primId" in aovs else []
-    layers = Layers(pixels, aovs, prims, origin=(window.x, window.y), display=window.display)
-    if wanted is None:
-        return layers
-    return replace(
-        layers,
-        aovs={layer.name: aovs[layer.aov] for layer in wanted.layers},
-        colours=frozenset(layer.name for layer in wanted.layers if layer.aov == "albedo"),
-        halves=frozenset(layer.name for layer in wanted.layers if layer.half),
-    )
 
 
 def _metadata(rate: float, result: ReadResult, stats: FrameStats, settings: RenderSettings) -> ImageMetadata:

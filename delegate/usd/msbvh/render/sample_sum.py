@@ -6,21 +6,28 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from .._core import aov_merges
+
 DEPTH = "cameraDepth"
-"""Whose nearest sample depths and ids are of."""
-MEANS = ("Neye", "normal", "albedo")
-"""AOVs that are averaged, as colour is: core/film/aov.h."""
+"""Whose nearest sample depths, ids and places are of."""
+MERGES = aov_merges()
+"""How each AOV is merged: core/film/aov.h."""
+
+
+def needs_depth(aovs: Sequence[str]) -> bool:
+    """Whether any of them is that of the nearest sample."""
+    return any(MERGES[name] == "nearest" for name in aovs)
 
 
 class SampleSum:
     """Blocks of samples; weighted by their counts."""
 
     def __init__(self, aovs: Sequence[str] = ()) -> None:
-        """`aovs`: those that the renderer makes. Where depths or ids are among them, cameraDepth is too."""
+        """`aovs`: those that the renderer makes. Where needs_depth() says so, cameraDepth is among them."""
         self._names = aovs
         self._sum: np.ndarray | None = None
         self._count = 0
-        self._means: dict[str, np.ndarray] = {}
+        self._sums: dict[str, np.ndarray] = {}
         self._nearest: dict[str, np.ndarray] = {}
 
     def add(self, count: int, pixels: np.ndarray, aovs: Mapping[str, np.ndarray]) -> None:
@@ -29,12 +36,13 @@ class SampleSum:
         self._sum = weighted if self._sum is None else self._sum + weighted
         self._count += count
         for name in self._names:
-            if name in MEANS:
-                self._means[name] = self._means.get(name, 0.0) + aovs[name].astype(np.float64) * count
+            if MERGES[name] != "nearest":
+                part = _part_of_sum(MERGES[name], aovs[name].astype(np.float64), count)
+                self._sums[name] = self._sums.get(name, 0.0) + part
         self._take_nearest(aovs)
 
     def _take_nearest(self, aovs: Mapping[str, np.ndarray]) -> None:
-        names = [name for name in self._names if name not in MEANS]
+        names = [name for name in self._names if MERGES[name] == "nearest"]
         if not names:
             return
         if not self._nearest:
@@ -52,8 +60,8 @@ class SampleSum:
 
     @property
     def aovs(self) -> dict[str, np.ndarray]:
-        means = {name: np.asarray(found / self._count, np.float32) for name, found in self._means.items()}
-        return {name: means[name] if name in means else self._nearest[name] for name in self._names}
+        found = {name: _from_sum(MERGES[name], total, self._count) for name, total in self._sums.items()}
+        return {name: found[name] if name in found else self._nearest[name] for name in self._names}
 
     @staticmethod
     def merged(parts: Sequence[SampleSum]) -> SampleSum:
@@ -62,3 +70,17 @@ class SampleSum:
         for part in parts:
             whole.add(part._count, part.pixels, part.aovs)
         return whole
+
+
+def _part_of_sum(merge: str, values: np.ndarray, count: int) -> np.ndarray:
+    """Means count by their samples, totals as they are, and errors by the variance of the sum of their samples."""
+    if merge == "total":
+        return values
+    return values * count if merge == "mean" else np.square(values * count)
+
+
+def _from_sum(merge: str, total: np.ndarray, count: int) -> np.ndarray:
+    found = total
+    if merge != "total":
+        found = (total if merge == "mean" else np.sqrt(total)) / count
+    return np.asarray(found, np.float32)
