@@ -61,6 +61,10 @@ EFFECTS = (
     "points",
     "displacement",
     "subdivision",
+    "specular",
+    "textures",
+    "light controls",
+    "image dome",
 )
 """As `msbvh plan` names them: core/plan/effect_plan.cpp."""
 STAGE_MARKS = "stage marks"

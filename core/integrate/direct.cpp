@@ -1,5 +1,6 @@
 #include "core/integrate/direct.h"
 
+#include "core/integrate/controlled_shadow.h"
 #include "core/integrate/mis.h"
 #include "core/integrate/shadow.h"
 #include "core/plan/effect_variant.h"
@@ -23,12 +24,14 @@ class DirectLight {
     const float time = batch_.rays[place].time;
     const LightPick pick = picked(path);
     LightSample light;
+    if (!illuminates(pick, place)) return;
     if (!sample_picked(pick, surface.position, time, random, light)) return;
     const float cosine = dot(light.direction, surface.shading_normal);
     if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) return;
     float weight = cosine * (1.0f / kPi);
     if (kArea && light.pdf > 0.0f)
       weight *= power_heuristic(pick.expected * light.pdf, cosine * (1.0f / kPi));
+    if constexpr (kControls) weight *= light.diffuse;
     const Vec3f contribution = batch_.throughput[path] * light.irradiance * (weight / pick.expected);
     if (!light.casts_shadow) {
       batch_.radiance[path] += contribution;
@@ -36,7 +39,7 @@ class DirectLight {
     }
     Ray shadow = leave(surface, light.direction, time);
     shadow.tfar = light.distance;
-    batch_.shadows.add(shadow, path, contribution);
+    add_shadow(pick, shadow, path, contribution);
   }
 
   // By the scattered ray, where it meets the light.
@@ -44,17 +47,33 @@ class DirectLight {
     const float pdf = batch_.scatter_pdf[place];
     const PathIndex path = batch_.active[place];
     const LightPick pick = picked(path);
-    if (!(pdf > 0.0f) || !pick.extended) return;
+    if (!(pdf > 0.0f) || !pick.extended || !illuminates(pick, place)) return;
     Ray shadow = batch_.scattered[place];
     LightAlong along;
     if (!find_picked(pick, batch_.surfaces[place].position, shadow, along)) return;
-    const float weight = power_heuristic(pdf, pick.expected * along.pdf) / pick.expected;
+    float weight = power_heuristic(pdf, pick.expected * along.pdf) / pick.expected;
+    if constexpr (kControls) weight *= along.diffuse;
     shadow.tfar = along.distance;
-    batch_.shadows.add(shadow, path, batch_.throughput[path] * along.radiance * weight);
+    add_shadow(pick, shadow, path, batch_.throughput[path] * along.radiance * weight);
   }
 
  private:
-  static constexpr bool kArea = kOn.has(Effect::kAreaLights), kMoving = kOn.has(Effect::kMovingLights);
+  static constexpr bool kArea = kOn.has(Effect::kAreaLights), kMoving = kOn.has(Effect::kMovingLights),
+                        kControls = kOn.has(Effect::kLightControls);
+
+  bool illuminates(const LightPick& pick, std::uint32_t place) const {
+    if constexpr (!kControls) return true;
+    const std::vector<std::uint8_t>& groups = pick.light->lit_groups;
+    return groups.empty() || groups[frame_.index.resolve(batch_.hits[place]).light_group()] != 0;
+  }
+
+  void add_shadow(const LightPick& pick, const Ray& ray, PathIndex path, const Vec3f& contribution) const {
+    if constexpr (kControls) {
+      if (frame_.lights.has_shadow_settings())
+        return add_controlled_shadow(*pick.light, ray, path, contribution, batch_);
+    }
+    batch_.shadows.add(ray, path, contribution);
+  }
 
   LightPick picked(PathIndex path) const {
     const LightSampler& lights = frame_.lights;
@@ -65,12 +84,13 @@ class DirectLight {
   bool sample_picked(const LightPick& pick, const Vec3f& point, float time, Point2 random,
                      LightSample& light) const {
     const Camera& camera = frame_.scene().camera;
-    return !kMoving || pick.still ? sample_light<kArea>(*pick.still, camera, point, time, random, light)
-                                  : sample_light<kArea>(*pick.light, camera, point, time, random, light);
+    return !kMoving || pick.still
+               ? sample_light<kArea, kControls>(*pick.still, camera, point, time, random, light)
+               : sample_light<kArea, kControls>(*pick.light, camera, point, time, random, light);
   }
   static bool find_picked(const LightPick& pick, const Vec3f& point, const Ray& ray, LightAlong& along) {
-    return !kMoving || pick.still ? find_light(*pick.still, point, ray.dir, along)
-                                  : find_light(*pick.light, point, ray.dir, ray.time, along);
+    return !kMoving || pick.still ? find_light<kControls>(*pick.still, point, ray.dir, along)
+                                  : find_light<kControls>(*pick.light, point, ray.dir, ray.time, along);
   }
 
   const Frame& frame_;
@@ -80,18 +100,25 @@ class DirectLight {
 };
 
 template <EffectSet kOn>
+void trace_light_shadows(const Frame& frame, PathBatch& batch) {
+  if constexpr (kOn.has(Effect::kLightControls)) {
+    if (frame.lights.has_shadow_settings()) return trace_controlled_shadows(frame, batch);
+  }
+  trace_shadows<kOn.has(Effect::kOpacity)>(frame, batch);
+}
+
+template <EffectSet kOn>
 void add_direct_light(const Frame& frame, PathBatch& batch) {
-  constexpr bool kOpacity = kOn.has(Effect::kOpacity);
   for (std::uint32_t which = 0; which < frame.lights.picks(); ++which) {
     batch.mark.enter(Stage::kDirect, batch.depth);
     const DirectLight<kOn> light(frame, batch, which);
     batch.drawn.draw(batch.sampler, batch.shaded_paths, Draw(Dimension::kLight, batch.depth, which));
     for (std::size_t i = 0; i < batch.shaded.size(); ++i) light.sample(batch.shaded[i], batch.drawn[i]);
-    trace_shadows<kOpacity>(frame, batch);
+    trace_light_shadows<kOn>(frame, batch);
     if constexpr (kOn.has(Effect::kAreaLights)) {
       batch.mark.enter(Stage::kAreaLights, batch.depth);
       for (const std::uint32_t place : batch.shaded) light.find(place);
-      trace_shadows<kOpacity>(frame, batch);
+      trace_light_shadows<kOn>(frame, batch);
     }
   }
 }
@@ -99,7 +126,7 @@ void add_direct_light(const Frame& frame, PathBatch& batch) {
 }  // namespace
 
 PathStage choose_direct(EffectSet effects) {
-  return variant_for<Effect::kMovingLights, Effect::kAreaLights, Effect::kOpacity>(
+  return variant_for<Effect::kMovingLights, Effect::kAreaLights, Effect::kOpacity, Effect::kLightControls>(
       effects, []<EffectSet kOn>() -> PathStage { return add_direct_light<kOn>; });
 }
 

@@ -70,7 +70,7 @@ template <EffectSet kGeometry>
   }
 }
 
-template <EffectSet kGeometry, bool kDome>
+template <EffectSet kGeometry, bool kDome, bool kImageDome>
 void find_surfaces(const Frame& frame, PathBatch& batch) {
   batch.mark.enter(Stage::kSurface, batch.depth);
   find_all<kGeometry>(frame, batch);
@@ -83,6 +83,9 @@ void find_surfaces(const Frame& frame, PathBatch& batch) {
     if (!batch.hits[place].found()) {
       if (kDome && (batch.depth > 0 || frame.show_domes))
         batch.radiance[path] += throughput * frame.lights.dome_radiance(ray.time);
+      // Later rays have found it as a light already.
+      if (kImageDome && batch.depth == 0 && frame.show_domes)
+        batch.radiance[path] += throughput * frame.lights.image_domes_radiance(ray.dir, ray.time);
       continue;
     }
     SurfaceHit& surface = batch.surfaces[place];
@@ -98,8 +101,8 @@ void find_surfaces(const Frame& frame, PathBatch& batch) {
 
 template <EffectSet kGeometry>
 PathStage choose(EffectSet effects) {
-  return variant_for<Effect::kDomeLight>(effects, []<EffectSet kOn>() -> PathStage {
-    return find_surfaces<kGeometry, kOn.has(Effect::kDomeLight)>;
+  return variant_for<Effect::kDomeLight, Effect::kImageDome>(effects, []<EffectSet kOn>() -> PathStage {
+    return find_surfaces<kGeometry, kOn.has(Effect::kDomeLight), kOn.has(Effect::kImageDome)>;
   });
 }
 

@@ -16,6 +16,8 @@ class Textures : public translate::TextureSource {
  public:
   std::optional<translate::Rgba> mean(const translate::Asset& texture,
                                       std::string_view colour_space) const override;
+  std::optional<translate::ColourImage> colours(const translate::Asset& texture,
+                                                std::string_view colour_space) const override;
   std::optional<translate::ScalarImage> channel(const translate::Asset& texture,
                                                 std::string_view colour_space,
                                                 std::size_t channel) const override;

@@ -116,6 +116,7 @@ struct Translator::Data {
   Scene scene;
   std::vector<std::optional<Displacement>> displacements;  // by material
   std::vector<PrototypeState> prototypes;
+  LightGroups light_groups;
   std::vector<Diagnostic> diagnostics;
   std::vector<TrackReport> tracks;
   std::size_t empty_meshes = 0;
@@ -338,6 +339,8 @@ void Translator::add_light(const LightInput& input) {
   if (light) data_->scene.lights.push_back(std::move(*light));
 }
 
+void Translator::set_light_groups(LightGroups groups) { data_->light_groups = std::move(groups); }
+
 bool Translator::empty() const { return data_->scene.world.empty() && data_->scene.instances.empty(); }
 
 std::size_t Translator::empty_meshes() const { return data_->empty_meshes; }
@@ -351,6 +354,7 @@ Vec3d Translator::origin() const { return data_->origin; }
 const std::vector<LeftOut>& Translator::left_out() const { return data_->left_out; }
 
 std::shared_ptr<const Scene> Translator::finish() {
+  assign_light_groups(data_->light_groups, data_->scene);
   sort_by_kind(data_->scene.world);
   for (Prototype& prototype : data_->scene.prototypes) sort_by_kind(prototype.geometry);
   const TranslatorSettings& settings = data_->settings;

@@ -11,6 +11,7 @@
 
 #include "core/api/renderer.h"
 #include "core/film/sum_tree.h"
+#include "core/integrate/controlled_shadow.h"
 #include "core/integrate/frame.h"
 #include "core/integrate/mis.h"
 #include "core/integrate/sampler.h"
@@ -30,16 +31,19 @@ class ScalarPathTracer {
     Vec3f throughput{1.0f, 1.0f, 1.0f};
     for (std::uint32_t depth = 0;; ++depth) {
       SurfaceHit surface;
-      if (!find_surface(sampler, ray, depth, surface)) {
+      std::uint32_t light_group = 0;
+      if (!find_surface(sampler, ray, depth, surface, light_group)) {
         if (depth > 0 || frame_.show_domes)
           result.radiance += throughput * frame_.lights.dome_radiance(ray.time);
+        if (depth == 0 && frame_.show_domes)
+          result.radiance += throughput * frame_.lights.image_domes_radiance(ray.dir, ray.time);
         return result;
       }
       if (depth == 0) result.alpha = 1.0f;
       result.radiance += throughput * surface.emission;
       throughput = throughput * surface.albedo;
       if (throughput == Vec3f{} || !clear_origin(frame_.surroundings(), ray, surface.origin)) return result;
-      add_direct_light(sampler, surface, throughput, ray.time, depth, result);
+      add_direct_light(sampler, surface, light_group, throughput, ray.time, depth, result);
       float pdf;
       if (!bounce(sampler, surface, depth, ray, pdf) || !(pdf > 0.0f)) return result;
       if (depth == frame_.max_bounces) {
@@ -55,7 +59,8 @@ class ScalarPathTracer {
     ray.tnear = std::nextafter(hit.t, std::numeric_limits<float>::infinity());
   }
 
-  bool find_surface(const Sampler& sampler, Ray ray, std::uint32_t depth, SurfaceHit& surface) const {
+  bool find_surface(const Sampler& sampler, Ray ray, std::uint32_t depth, SurfaceHit& surface,
+                    std::uint32_t& light_group) const {
     Hit hit;
     for (std::uint32_t layer = 0; frame_.tracer.intersect(ray, hit); ++layer) {
       const HitSource source = frame_.index.resolve(hit);
@@ -65,6 +70,7 @@ class ScalarPathTracer {
         continue;
       }
       surface = surface_at(frame_.scene(), source, hit, ray);
+      light_group = source.light_group();
       return true;
     }
     return false;
@@ -80,11 +86,32 @@ class ScalarPathTracer {
     return light;
   }
 
-  void add_direct_light(const Sampler& sampler, const SurfaceHit& surface, const Vec3f& throughput,
-                        float time, std::uint32_t depth, FilmSample& result) const {
+  // What is left of light behind all that may shadow it: the textbook's product, unless the light says
+  // otherwise.
+  Vec3f reaching(const Light& light, Ray ray, const Vec3f& amount) const {
+    if (!frame_.lights.has_shadow_settings()) return dimmed(ray, amount);
+    if (!light.shadow.enabled) return amount;
+    if (light.shadow.distance >= 0.0f) ray.tfar = std::min(ray.tfar, light.shadow.distance);
+    Hit hit;
+    float left = 1.0f, shadowed = 0.0f;
+    while (left > 0.0f && frame_.tracer.intersect(ray, hit)) {
+      const HitSource source = frame_.index.resolve(hit);
+      if (holds_group(light.shadow_groups, source.light_group())) {
+        const float absorbed = left * opacity_at(frame_.scene(), source, hit, ray.time);
+        shadowed += absorbed * shadow_strength(light.shadow, hit.t);
+        left -= absorbed;
+      }
+      step_past(hit, ray);
+    }
+    return shadowed_light(light.shadow, amount, shadowed);
+  }
+
+  void add_direct_light(const Sampler& sampler, const SurfaceHit& surface, std::uint32_t light_group,
+                        const Vec3f& throughput, float time, std::uint32_t depth, FilmSample& result) const {
     const float random = sampler.pair(Dimension::kLightPick, depth).x;
     for (std::uint32_t i = 0; i < frame_.lights.picks(); ++i) {
       const LightPick pick = frame_.lights.pick(i, random);
+      if (!holds_group(pick.light->lit_groups, light_group)) continue;
       result.radiance +=
           sampled_light(sampler.pair(Dimension::kLight, depth, i), surface, throughput, time, pick);
       if (pick.extended) result.radiance += met_light(sampler, surface, throughput, time, depth, pick);
@@ -98,10 +125,10 @@ class ScalarPathTracer {
     const float cosine = dot(light.direction, surface.shading_normal), pdf = cosine * (1.0f / kPi);
     if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) return {};
     const float share = light.pdf > 0.0f ? power_heuristic(pick.expected * light.pdf, pdf) : 1.0f;
-    const Vec3f reflected = throughput * light.irradiance * (pdf * share / pick.expected);
+    const Vec3f reflected = throughput * light.irradiance * (pdf * share * light.diffuse / pick.expected);
     Ray shadow = leave(surface, light.direction, time);
     shadow.tfar = light.distance;
-    return light.casts_shadow ? dimmed(shadow, reflected) : reflected;
+    return light.casts_shadow ? reaching(*pick.light, shadow, reflected) : reflected;
   }
 
   Vec3f met_light(const Sampler& sampler, const SurfaceHit& surface, const Vec3f& throughput, float time,
@@ -114,7 +141,7 @@ class ScalarPathTracer {
     if (!find_light(*pick.light, surface.position, ray.dir, time, along)) return {};
     ray.tfar = along.distance;
     const float share = power_heuristic(pdf, pick.expected * along.pdf) / pick.expected;
-    return dimmed(ray, throughput * along.radiance * share);
+    return reaching(*pick.light, ray, throughput * along.radiance * (share * along.diffuse));
   }
 
   static bool bounce(const Sampler& sampler, const SurfaceHit& surface, std::uint32_t depth, Ray& ray,

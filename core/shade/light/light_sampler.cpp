@@ -10,6 +10,8 @@
 namespace msbvh {
 namespace {
 
+float image_mean(const Light& light) { return light.image ? light.image->mean : 1.0f; }
+
 // Its irradiance at normal incidence, about, at such a distance squared where the light has a place.
 float irradiance(const Light& light, const LightValues& values, float distance_squared) {
   const float radiance = std::max({values.radiance.x, values.radiance.y, values.radiance.z, 0.0f});
@@ -23,12 +25,21 @@ float irradiance(const Light& light, const LightValues& values, float distance_s
       return radiance * (values.radius > 0.0f ? kPi * radius * radius : 1.0f) / distance_squared;
     }
     case LightKind::kRect:
-      return radiance * length(dark_area(values, light.world_from_light.front())) / distance_squared;
+      return radiance * image_mean(light) * length(dark_area(values, light.world_from_light.front())) /
+             distance_squared;
+    case LightKind::kDisk:
+      return radiance * length(dark_disk_area(values.radius, light.world_from_light.front())) /
+             distance_squared;
+    case LightKind::kCylinder: {  // seen from its side
+      const Affine3f& m = light.world_from_light.front();
+      return radiance * 2.0f * values.radius * values.length * length(m.x) *
+             std::sqrt(length(cross(m.y, m.z))) / distance_squared;
+    }
     case LightKind::kCamera:
     case LightKind::kDome:
       break;
   }
-  return radiance * kPi;
+  return radiance * image_mean(light) * kPi;
 }
 
 float most_irradiance(const Light& light, float distance_squared) {
@@ -45,7 +56,8 @@ LightSampler::LightSampler(const Scene& scene, const Box3f& bounds) {
   placed_.reserve(scene.lights.size());  // picks point into it
   for (const Light& light : scene.lights) {
     if (!shines(light)) continue;
-    if (light.kind != LightKind::kDome) {
+    has_shadow_settings_ |= !(light.shadow == LightShadow{}) || !light.shadow_groups.empty();
+    if (light.kind != LightKind::kDome || light.image) {
       const PlacedLight* still = is_still(light) ? &placed_.emplace_back(light, 0.0f) : nullptr;
       lights_.push_back({&light, still, 1.0f, has_extent(light)});
       continue;
@@ -86,6 +98,16 @@ LightPick LightSampler::pick(std::uint32_t which, float random) const {
   const auto after = std::ranges::upper_bound(cumulative_, place);
   const auto last = static_cast<std::ptrdiff_t>(lights_.size()) - 1;
   return lights_[static_cast<std::size_t>(std::min(after - cumulative_.begin(), last))];
+}
+
+Vec3f LightSampler::image_domes_radiance(const Vec3f& direction, float time) const {
+  Vec3f sum;
+  for (const LightPick& pick : lights_) {
+    LightAlong along;
+    if (!is_image_dome(*pick.light)) continue;
+    if (find_light(*pick.light, {}, direction, time, along)) sum += along.radiance;
+  }
+  return sum;
 }
 
 Vec3f LightSampler::moving_dome_radiance(float time) const {

@@ -38,21 +38,26 @@ class LightSampler {
   LightPick pick(std::uint32_t which, float random) const;
   bool by_chance() const { return !cumulative_.empty(); }
 
-  // The sum of all domes at a time; zero without.
+  // The sum of all constant domes at a time; zero without.
   Vec3f dome_radiance(float time) const {
     return moving_domes_.empty() ? still_dome_radiance_ : moving_dome_radiance(time);
   }
   bool has_dome() const { return has_dome_; }
+  // Of all domes with an image: what a ray to nowhere sees. They are among the picks.
+  Vec3f image_domes_radiance(const Vec3f& direction, float time) const;
+  // Whether a light has any that its shadow rays must ask for.
+  bool has_shadow_settings() const { return has_shadow_settings_; }
 
  private:
   void weigh(const Box3f& bounds);
   Vec3f moving_dome_radiance(float time) const;
 
-  std::vector<LightPick> lights_;  // all but domes
+  std::vector<LightPick> lights_;  // all but constant domes
   std::vector<PlacedLight> placed_;
   std::vector<float> cumulative_;  // of their chances; empty where each is picked
   std::uint32_t picks_ = 0;
   bool has_dome_ = false;
+  bool has_shadow_settings_ = false;
   Vec3f still_dome_radiance_;
   std::vector<const Light*> moving_domes_;
 };
