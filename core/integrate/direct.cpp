@@ -22,7 +22,7 @@ class DirectLight {
     const SurfaceHit& surface = batch_.surfaces[place];
     const PathIndex path = batch_.active[place];
     const float time = batch_.rays[place].time;
-    const LightPick pick = picked(path);
+    const LightPick pick = picked(path, place);
     LightSample light;
     if (!illuminates(pick, place)) return;
     if (!sample_picked(pick, surface.position, time, random, light)) return;
@@ -46,7 +46,7 @@ class DirectLight {
   void find(std::uint32_t place) const {
     const float pdf = batch_.scatter_pdf[place];
     const PathIndex path = batch_.active[place];
-    const LightPick pick = picked(path);
+    const LightPick pick = picked(path, place);
     if (!(pdf > 0.0f) || !pick.extended || !illuminates(pick, place)) return;
     Ray shadow = batch_.scattered[place];
     LightAlong along;
@@ -75,10 +75,12 @@ class DirectLight {
     batch_.shadows.add(ray, path, contribution);
   }
 
-  LightPick picked(PathIndex path) const {
+  LightPick picked(PathIndex path, std::uint32_t place) const {
     const LightSampler& lights = frame_.lights;
-    if (!lights.by_chance()) return lights.pick(which_, 0.0f);
-    return lights.pick(which_, batch_.sampler[path].pair(which_light_).x);
+    if (!lights.by_chance()) return lights.pick(which_);
+    const SurfaceHit& surface = batch_.surfaces[place];
+    return lights.pick(which_, batch_.sampler[path].pair(which_light_).x, surface.position,
+                       surface.shading_normal);
   }
 
   bool sample_picked(const LightPick& pick, const Vec3f& point, float time, Point2 random,

@@ -36,7 +36,7 @@ class LookReader {
                                                             : "automatic");
       if (!map) return warn("inputs:texture:format", "not supported; lit by the plain colour");
     }
-    std::optional<translate::ColourImage> image = textures.colours({.files = {file}}, "auto");
+    std::optional<translate::ColourImage> image = textures.colours({.path = file, .files = {file}}, "auto");
     if (!image)
       return warn("inputs:texture:file",
                   message("found @", file, "@, which cannot be read; lit by the plain colour"));

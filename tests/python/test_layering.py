@@ -92,7 +92,14 @@ MODULE_HOMES = {
     },
     "tqdm": {"base.progress"},
     "lz4": {"stage.crate_check"},
-    "OpenImageIO": {"output.flip", "output.images", "look.texture_channel", "look.texture_matrix", "look.texture_mean"},
+    "OpenImageIO": {
+        "output.flip",
+        "output.images",
+        "look.light_texture",
+        "look.texture_channel",
+        "look.texture_matrix",
+        "look.texture_mean",
+    },
     "PyOpenColorIO": {"look.color"},
     "jinja2": {"accuracy_report.page"},
     "matplotlib": {

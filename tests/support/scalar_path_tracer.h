@@ -110,7 +110,7 @@ class ScalarPathTracer {
                         const Vec3f& throughput, float time, std::uint32_t depth, FilmSample& result) const {
     const float random = sampler.pair(Dimension::kLightPick, depth).x;
     for (std::uint32_t i = 0; i < frame_.lights.picks(); ++i) {
-      const LightPick pick = frame_.lights.pick(i, random);
+      const LightPick pick = frame_.lights.pick(i, random, surface.position, surface.shading_normal);
       if (!holds_group(pick.light->lit_groups, light_group)) continue;
       result.radiance +=
           sampled_light(sampler.pair(Dimension::kLight, depth, i), surface, throughput, time, pick);

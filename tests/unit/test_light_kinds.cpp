@@ -468,7 +468,7 @@ TEST_CASE("image domes are picked as lights, and seen by rays to nowhere") {
   const LightSampler lights(scene, {{0, 0, 0}, {1, 1, 1}});
   CHECK_FALSE(lights.has_dome());
   CHECK(lights.picks() == 2);
-  CHECK(lights.pick(0, 0.0f).extended);
+  CHECK(lights.pick(0).extended);
   CHECK(lights.image_domes_radiance({0, 1, 0}, 0.0f).x == doctest::Approx(6.0));
 }
 

@@ -32,8 +32,9 @@ class Numbers {
     double value = 0.0;
     const auto [end, fault] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
     if (fault != std::errc() || !std::isfinite(value)) {
-      throw Error("found \"" + std::string(text_.substr(0, 16)) + "\"; expected " + name +
-                  ", a finite number");
+      throw Error("found \"" +
+                  std::string(text_.substr(0, std::min<std::size_t>(text_.find_first_of(" ,\t\r\n"), 16))) +
+                  "\"; expected " + name + ", a finite number");
     }
     text_.remove_prefix(std::size_t(end - text_.data()));
     return value;

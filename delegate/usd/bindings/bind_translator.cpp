@@ -384,7 +384,7 @@ void bind_translator(nb::module_& m) {
       .def("add_instances", &add_instances)
       .def("add_material", &add_material)
       .def("add_light", &add_light)
-      .def("set_light_groups", &Translator::set_light_groups, "groups"_a)
+      .def("set_light_groups", &Translator::set_light_groups, nb::arg("groups"))
       .def_prop_ro("empty", &Translator::empty)
       .def_prop_ro("empty_meshes", &Translator::empty_meshes)
       .def("diagnostics", &Translator::diagnostics, nb::rv_policy::copy)

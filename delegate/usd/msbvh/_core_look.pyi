@@ -65,7 +65,7 @@ class LightPicture:
 
 def light_picture(name: str, map: str, texels: F32) -> LightPicture:
     """``texels`` float32[H, W, 3], linear, the uppermost row first. ``map``: rect, latlong, angular or mirroredBall.
-    Raises RuntimeError where there are none."""
+    Raises Error where there are none."""
 
 class IesProfile:
     """How the light of a luminaire is spread over directions."""
@@ -75,7 +75,7 @@ class IesProfile:
         """The mean intensity over the directions that the file covers, the sphere or a half of it."""
 
 def ies_profile(text: bytes) -> IesProfile:
-    """Of an LM-63 file. Raises ValueError or RuntimeError, which says what is wrong."""
+    """Of an LM-63 file. Raises Error, which says what is wrong."""
 
 class LightLook:
     """What of a light does not change over the shutter."""

@@ -7,7 +7,7 @@ from typing import Any
 
 from pxr import Gf, Sdf, Usd
 
-from .._core import LightLook
+from .._core import Error, LightLook
 from ..motion.context import FrameContext
 from ..motion.held_values import any_but, values_within
 from ..stage.value_types import ASSET, BOOL, FLOAT, FLOAT3, TOKEN, Kind
@@ -72,7 +72,7 @@ def _add_image(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext
         if not resolved:
             raise ValueError("no such file")
         picture = read_light_image(resolved, _colour_space(attribute), layout)
-    except (ValueError, RuntimeError) as fault:
+    except (ValueError, Error) as fault:
         message = f"found @{assets[0].path}@, which cannot be read ({fault}); lit by the plain colour"
         context.diagnostics.warning(path, name, message)
         return
@@ -104,7 +104,7 @@ def _add_shaping(look: LightLook, prim: Usd.Prim, kind: str, context: FrameConte
         if not asset.resolvedPath:
             raise ValueError("no such file")
         look.set_ies(read_ies_profile(asset.resolvedPath), scale, normalize)
-    except (ValueError, RuntimeError) as fault:
+    except (ValueError, Error) as fault:
         name = PurePosixPath(asset.path).name
         message = f"found @{name}@, which cannot be read ({fault}); lit without it"
         context.diagnostics.warning(str(prim.GetPath()), "inputs:shaping:ies:file", message)
