@@ -101,13 +101,27 @@ class Maker {
       sun.segments = 1;
       sun.world_from_light.push_back(facing(0.1f));
     }
+    if (on(Effect::kLightControls)) sun.diffuse = 0.5f;
     scene_.lights = {sun};
-    if (!on(Effect::kDomeLight)) return;
     Light dome;
     dome.name = "dome";
     dome.kind = LightKind::kDome;
     dome.radiance = {0.3f, 0.4f, 0.5f};
+    if (on(Effect::kDomeLight)) scene_.lights.push_back(dome);
+    if (!on(Effect::kImageDome)) return;
+    dome.name = "sky";
+    dome.world_from_light = {Affine3f{}};
+    dome.image = sky();
     scene_.lights.push_back(dome);
+  }
+
+  // Brighter towards its top.
+  static std::shared_ptr<const LightImage> sky() {
+    constexpr std::uint32_t kWidth = 16, kHeight = 8;
+    std::vector<Vec3f> texels;
+    for (std::uint32_t i = 0; i < kWidth * kHeight; ++i)
+      texels.push_back(Vec3f{0.5f, 0.7f, 1.0f} * (1.0f / static_cast<float>(1 + i / kWidth)));
+    return light_image("sky", ImageMap::kLatlong, kWidth, kHeight, std::move(texels));
   }
 
   void set_camera() {
@@ -140,6 +154,8 @@ EffectSet needed_by(Effect effect) {
   switch (effect) {
     case Effect::kMovingInstances:
       return EffectSet{}.with(Effect::kInstances);
+    case Effect::kImageDome:
+      return EffectSet{}.with(Effect::kAreaLights);
     case Effect::kPolynomialMotion:
       return EffectSet{}.with(Effect::kDeformingKeys);
     case Effect::kTimeRemaps:

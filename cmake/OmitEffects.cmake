@@ -4,8 +4,8 @@ set(MSBVH_OMIT_EFFECTS "" CACHE STRING "Effects whose code is left out, for meas
 
 # In the order of core/plan/effect_set.h.
 set(msbvh_effects deforming-keys instances moving-instances camera-motion moving-lights opacity area-lights dome-light
-  indirect-light lens polynomial-motion time-remaps aovs curves points displacement subdivision
-  specular textures)
+  indirect-light lens polynomial-motion time-remaps aovs curves points displacement subdivision specular textures
+  light-controls image-dome)
 
 set(msbvh_known_effects 0)
 foreach(effect ${msbvh_effects})

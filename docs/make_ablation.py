@@ -63,6 +63,8 @@ EFFECTS = (
     "subdivision",
     "specular",
     "textures",
+    "light controls",
+    "image dome",
 )
 """As `msbvh plan` names them: core/plan/effect_plan.cpp."""
 STAGE_MARKS = "stage marks"

@@ -1,5 +1,6 @@
 #include "core/integrate/direct.h"
 
+#include "core/integrate/controlled_shadow.h"
 #include "core/integrate/mis.h"
 #include "core/integrate/shadow.h"
 #include "core/plan/effect_variant.h"
@@ -21,8 +22,9 @@ class DirectLight {
     const SurfaceHit& surface = batch_.surfaces[place];
     const PathIndex path = batch_.active[place];
     const float time = batch_.rays[place].time;
-    const LightPick pick = picked(path);
+    const LightPick pick = picked(path, place);
     LightSample light;
+    if (!illuminates(pick, place)) return;
     if (!sample_picked(pick, surface.position, time, random, light)) return;
     const float cosine = dot(light.direction, surface.shading_normal);
     if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) return;
@@ -30,11 +32,12 @@ class DirectLight {
     float pdf = cosine * (1.0f / kPi), weight = pdf;  // the cosine over pi is both, of what is diffuse
     if constexpr (kSpecular) {
       const Bsdf::Value reflected = batch_.bsdfs[place].at(surface.shading_normal, light.direction);
-      throughput = throughput * reflected.both();
+      throughput = throughput * seen(reflected, light.diffuse, light.specular);
       pdf = reflected.pdf;
       weight = 1.0f;
     }
     if (kArea && light.pdf > 0.0f) weight *= power_heuristic(pick.expected * light.pdf, pdf);
+    if constexpr (kControls && !kSpecular) weight *= light.diffuse;
     const Vec3f contribution = throughput * light.irradiance * (weight / pick.expected);
     if (!light.casts_shadow) {
       batch_.radiance[path] += contribution;
@@ -42,44 +45,75 @@ class DirectLight {
     }
     Ray shadow = leave(surface, light.direction, time);
     shadow.tfar = light.distance;
-    batch_.shadows.add(shadow, path, contribution);
+    add_shadow(pick, shadow, path, contribution);
   }
 
   // By the scattered ray, where it meets the light.
   void find(std::uint32_t place) const {
     const float pdf = batch_.scatter_pdf[place];
     const PathIndex path = batch_.active[place];
-    const LightPick pick = picked(path);
-    if (!(pdf > 0.0f) || !pick.extended) return;
+    const LightPick pick = picked(path, place);
+    if (!(pdf > 0.0f) || !pick.extended || !illuminates(pick, place)) return;
     Ray shadow = batch_.scattered[place];
     LightAlong along;
     if (!find_picked(pick, batch_.surfaces[place].position, shadow, along)) return;
-    const float weight = power_heuristic(pdf, pick.expected * along.pdf) / pick.expected;
+    float weight = power_heuristic(pdf, pick.expected * along.pdf) / pick.expected;
+    if constexpr (kControls && !kSpecular) weight *= along.diffuse;
     shadow.tfar = along.distance;
     Vec3f throughput = batch_.throughput[path];
-    if constexpr (kSpecular) throughput = throughput * batch_.scatter_weight[place];
-    batch_.shadows.add(shadow, path, throughput * along.radiance * weight);
+    if constexpr (kSpecular && kControls) {
+      // What the ray carries, lobe by lobe.
+      const SurfaceHit& surface = batch_.surfaces[place];
+      const Bsdf::Value reflected = batch_.bsdfs[place].at(surface.shading_normal, shadow.dir);
+      throughput = throughput * seen(reflected, along.diffuse, along.specular) * (1.0f / pdf);
+    } else if constexpr (kSpecular) {
+      throughput = throughput * batch_.scatter_weight[place];
+    }
+    add_shadow(pick, shadow, path, throughput * along.radiance * weight);
   }
 
  private:
   static constexpr bool kArea = kOn.has(Effect::kAreaLights), kMoving = kOn.has(Effect::kMovingLights),
-                        kSpecular = kOn.has(Effect::kSpecular);
+                        kControls = kOn.has(Effect::kLightControls), kSpecular = kOn.has(Effect::kSpecular);
 
-  LightPick picked(PathIndex path) const {
+  // Under a light that each kind of lobe may take more or less of.
+  static Vec3f seen(const Bsdf::Value& reflected, float diffuse, float specular) {
+    if constexpr (!kControls) return reflected.both();
+    return reflected.diffuse * diffuse + reflected.specular * specular;
+  }
+
+  bool illuminates(const LightPick& pick, std::uint32_t place) const {
+    if constexpr (!kControls) return true;
+    const std::vector<std::uint8_t>& groups = pick.light->lit_groups;
+    return groups.empty() || groups[frame_.index.resolve(batch_.hits[place]).light_group()] != 0;
+  }
+
+  void add_shadow(const LightPick& pick, const Ray& ray, PathIndex path, const Vec3f& contribution) const {
+    if constexpr (kControls) {
+      if (frame_.lights.has_shadow_settings())
+        return add_controlled_shadow(*pick.light, ray, path, contribution, batch_);
+    }
+    batch_.shadows.add(ray, path, contribution);
+  }
+
+  LightPick picked(PathIndex path, std::uint32_t place) const {
     const LightSampler& lights = frame_.lights;
-    if (!lights.by_chance()) return lights.pick(which_, 0.0f);
-    return lights.pick(which_, batch_.sampler[path].pair(which_light_).x);
+    if (!lights.by_chance()) return lights.pick(which_);
+    const SurfaceHit& surface = batch_.surfaces[place];
+    return lights.pick(which_, batch_.sampler[path].pair(which_light_).x, surface.position,
+                       surface.shading_normal);
   }
 
   bool sample_picked(const LightPick& pick, const Vec3f& point, float time, Point2 random,
                      LightSample& light) const {
     const Camera& camera = frame_.scene().camera;
-    return !kMoving || pick.still ? sample_light<kArea>(*pick.still, camera, point, time, random, light)
-                                  : sample_light<kArea>(*pick.light, camera, point, time, random, light);
+    return !kMoving || pick.still
+               ? sample_light<kArea, kControls>(*pick.still, camera, point, time, random, light)
+               : sample_light<kArea, kControls>(*pick.light, camera, point, time, random, light);
   }
   static bool find_picked(const LightPick& pick, const Vec3f& point, const Ray& ray, LightAlong& along) {
-    return !kMoving || pick.still ? find_light(*pick.still, point, ray.dir, along)
-                                  : find_light(*pick.light, point, ray.dir, ray.time, along);
+    return !kMoving || pick.still ? find_light<kControls>(*pick.still, point, ray.dir, along)
+                                  : find_light<kControls>(*pick.light, point, ray.dir, ray.time, along);
   }
 
   const Frame& frame_;
@@ -89,17 +123,25 @@ class DirectLight {
 };
 
 template <EffectSet kOn>
+void trace_light_shadows(const Frame& frame, PathBatch& batch) {
+  if constexpr (kOn.has(Effect::kLightControls)) {
+    if (frame.lights.has_shadow_settings()) return trace_controlled_shadows(frame, batch);
+  }
+  trace_shadows<shadow_effects(kOn)>(frame, batch);
+}
+
+template <EffectSet kOn>
 void add_direct_light(const Frame& frame, PathBatch& batch) {
   for (std::uint32_t which = 0; which < frame.lights.picks(); ++which) {
     batch.mark.enter(Stage::kDirect, batch.depth);
     const DirectLight<kOn> light(frame, batch, which);
     batch.drawn.draw(batch.sampler, batch.shaded_paths, Draw(Dimension::kLight, batch.depth, which));
     for (std::size_t i = 0; i < batch.shaded.size(); ++i) light.sample(batch.shaded[i], batch.drawn[i]);
-    trace_shadows<shadow_effects(kOn)>(frame, batch);
+    trace_light_shadows<kOn>(frame, batch);
     if constexpr (kOn.has(Effect::kAreaLights)) {
       batch.mark.enter(Stage::kAreaLights, batch.depth);
       for (const std::uint32_t place : batch.shaded) light.find(place);
-      trace_shadows<shadow_effects(kOn)>(frame, batch);
+      trace_light_shadows<kOn>(frame, batch);
     }
   }
 }
@@ -107,9 +149,9 @@ void add_direct_light(const Frame& frame, PathBatch& batch) {
 }  // namespace
 
 PathStage choose_direct(EffectSet effects) {
-  return variant_for<Effect::kMovingLights, Effect::kAreaLights, Effect::kOpacity, Effect::kSpecular,
-                     Effect::kTextures>(effects,
-                                        []<EffectSet kOn>() -> PathStage { return add_direct_light<kOn>; });
+  return variant_for<Effect::kMovingLights, Effect::kAreaLights, Effect::kOpacity, Effect::kLightControls,
+                     Effect::kSpecular, Effect::kTextures>(
+      effects, []<EffectSet kOn>() -> PathStage { return add_direct_light<kOn>; });
 }
 
 }  // namespace msbvh

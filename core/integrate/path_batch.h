@@ -22,6 +22,7 @@
 #include "core/integrate/material_reads.h"
 #include "core/integrate/sampler.h"
 #include "core/integrate/stage_mark.h"
+#include "core/scene/light.h"
 #include "core/shade/bsdf/bsdf.h"
 #include "core/shade/material/texture_place.h"
 #include "core/shade/surface_hit.h"
@@ -51,6 +52,23 @@ class ShadowQueue {
     contribution_[i] = contribution;
   }
 
+  // Of lights with shadow settings (controlled_shadow.h), which take memory for no others.
+  struct Dimmed {
+    const Light* light;
+    float left = 1.0f;      // of the ray, behind what it has passed
+    float shadowed = 0.0f;  // of the light
+  };
+  void add_dimmed(const Ray& ray, PathIndex path, const Vec3f& contribution, const Dimmed& dimmed) {
+    if (dimmed_.size() < rays_.size()) dimmed_.resize(rays_.size());
+    set_dimmed(size_++, ray, path, contribution, dimmed);
+  }
+  void set_dimmed(std::size_t i, const Ray& ray, PathIndex path, const Vec3f& contribution,
+                  const Dimmed& dimmed) {
+    set(i, ray, path, contribution);
+    dimmed_[i] = dimmed;
+  }
+  const Dimmed& dimmed(std::size_t i) const { return dimmed_[i]; }
+
   std::span<const Ray> rays() const { return {rays_.data(), size_}; }
   PathIndex path(std::size_t i) const { return path_[i]; }
   const Vec3f& contribution(std::size_t i) const { return contribution_[i]; }
@@ -60,6 +78,7 @@ class ShadowQueue {
   std::vector<Ray> rays_;
   std::vector<PathIndex> path_;
   std::vector<Vec3f> contribution_;
+  std::vector<Dimmed> dimmed_;
 };
 
 struct PathBatch {

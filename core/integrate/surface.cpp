@@ -81,7 +81,8 @@ template <EffectSet kGeometry>
 
 template <EffectSet kGeometry, EffectSet kOn>
 void find_surfaces(const Frame& frame, PathBatch& batch) {
-  constexpr bool kDome = kOn.has(Effect::kDomeLight), kSpecular = kOn.has(Effect::kSpecular);
+  constexpr bool kDome = kOn.has(Effect::kDomeLight), kSpecular = kOn.has(Effect::kSpecular),
+                 kImageDome = kOn.has(Effect::kImageDome);
   batch.mark.enter(Stage::kSurface, batch.depth);
   if constexpr (kSpecular || kOn.has(Effect::kTextures))
     find_looks<kOn>(frame, batch);
@@ -96,6 +97,9 @@ void find_surfaces(const Frame& frame, PathBatch& batch) {
     if (!batch.hits[place].found()) {
       if (kDome && (batch.depth > 0 || frame.show_domes))
         batch.radiance[path] += throughput * frame.lights.dome_radiance(ray.time);
+      // Later rays have found it as a light already.
+      if (kImageDome && batch.depth == 0 && frame.show_domes)
+        batch.radiance[path] += throughput * frame.lights.image_domes_radiance(ray.dir, ray.time);
       continue;
     }
     SurfaceHit& surface = batch.surfaces[place];
@@ -115,7 +119,7 @@ void find_surfaces(const Frame& frame, PathBatch& batch) {
 
 template <EffectSet kGeometry>
 PathStage choose(EffectSet effects) {
-  return variant_for<Effect::kDomeLight>(
+  return variant_for<Effect::kDomeLight, Effect::kImageDome>(
       effects, []<EffectSet kOn>() -> PathStage { return find_surfaces<kGeometry, kOn>; });
 }
 
@@ -124,7 +128,7 @@ PathStage choose(EffectSet effects) {
 PathStage choose_surfaces(EffectSet effects, bool plain_geometry) {
   if ((effects.has(Effect::kSpecular) && kKnownEffects.has(Effect::kSpecular)) ||
       (effects.has(Effect::kTextures) && kKnownEffects.has(Effect::kTextures))) {
-    return variant_for<Effect::kDomeLight, Effect::kSpecular, Effect::kTextures>(
+    return variant_for<Effect::kDomeLight, Effect::kImageDome, Effect::kSpecular, Effect::kTextures>(
         effects, []<EffectSet kOn>() -> PathStage { return find_surfaces<kKnownEffects, kOn>; });
   }
   return plain_geometry ? choose<kPlain>(effects) : choose<kKnownEffects>(effects);

@@ -41,6 +41,12 @@ void add_instances(const InstanceSet& set, EffectBytes& bytes) {
   bytes[Effect::kTimeRemaps] += set.time_remap.pieces.size() * sizeof(TimeRemapPiece);
 }
 
+void add_light(const Light& light, EffectBytes& bytes) {
+  if (!light.image) return;
+  bytes[is_image_dome(light) ? Effect::kImageDome : Effect::kLightControls] +=
+      light.image->texels.size() * (sizeof(Vec3f) + sizeof(float)) + light.image->height * sizeof(float);
+}
+
 }  // namespace
 
 std::uint64_t& EffectBytes::operator[](Effect effect) { return of_effect[index_of(effect)]; }
@@ -67,6 +73,7 @@ EffectBytes effect_bytes(const Scene& scene) {
     bytes[Effect::kTimeRemaps] += prototype.time_remap.pieces.size() * sizeof(TimeRemapPiece);
   }
   for (const InstanceSet& set : scene.instances) add_instances(set, bytes);
+  for (const Light& light : scene.lights) add_light(light, bytes);
   return bytes;
 }
 

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <set>
-#include <sstream>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/plan/light_reasons.h"
+#include "core/plan/phrases.h"
 #include "core/plan/ray_reach.h"
 #include "core/scene/opacity.h"
 
@@ -33,6 +34,8 @@ constexpr std::array<std::pair<Effect, const char*>, kEffectCount> kNames{{
     {Effect::kSubdivision, "subdivision"},
     {Effect::kSpecular, "specular"},
     {Effect::kTextures, "textures"},
+    {Effect::kLightControls, "light controls"},
+    {Effect::kImageDome, "image dome"},
 }};
 
 enum class Collect : std::uint8_t { kFirst, kAll };
@@ -59,15 +62,6 @@ class Planner {
   EffectPlan plan_;
   std::set<std::pair<Effect, std::string>> seen_;
 };
-
-std::string phrase(float number, const char* unit) {
-  std::ostringstream text;
-  text << number << unit;
-  return text.str();
-}
-std::string segments_phrase(std::uint32_t segments) {
-  return std::to_string(segments) + (segments == 1 ? " segment" : " segments");
-}
 
 void plan_curve(const std::string& name, const TrackForm& form, Planner& planner) {
   if (!form.moving() || form.degree == 1) return;
@@ -259,32 +253,8 @@ void plan_instances(const Scene& scene, Planner& planner) {
   }
 }
 
-// The largest at any key, which is what asks for sampling an extent.
-float largest(const Light& light, float LightValues::*size) {
-  float result = light.moving_values.empty() ? light.*size : 0.0f;
-  for (const LightValues& values : light.moving_values) result = std::max(result, values.*size);
-  return result;
-}
-
 void plan_light(const Light& light, Planner& planner) {
-  if (!shines(light)) return;
-  if (!is_still(light)) {
-    planner.add(Effect::kMovingLights, light.name, segments_phrase(light.segments));
-  }
-  if (light.kind == LightKind::kDome) planner.add(Effect::kDomeLight, light.name, "constant dome");
-  const float angle = largest(light, &LightValues::angle_degrees);
-  const float radius = largest(light, &LightValues::radius);
-  if (light.kind == LightKind::kDistant && angle > 0.0f) {
-    planner.add(Effect::kAreaLights, light.name, phrase(angle, " degrees across"));
-  }
-  if (light.kind == LightKind::kSphere && radius > 0.0f) {
-    planner.add(Effect::kAreaLights, light.name, "radius " + phrase(radius, ""));
-  }
-  if (light.kind == LightKind::kRect) {
-    planner.add(Effect::kAreaLights, light.name,
-                phrase(largest(light, &LightValues::width), " x ") +
-                    phrase(largest(light, &LightValues::height), ""));
-  }
+  for (const Reason& reason : light_reasons(light)) planner.add(reason.effect, reason.prim, reason.why);
 }
 
 std::string range_phrase(float a, float b) {

@@ -25,10 +25,12 @@ enum class Effect : std::uint32_t {
   kDisplacement = 1u << 15,      // of surfaces along their normals
   kSubdivision = 1u << 16,       // a cage's limit surface is drawn, as triangles
   kSpecular = 1u << 17,          // some surface reflects otherwise than diffusely
-  kTextures = 1u << 18           // a material reads a texture, or a primvar other than the display ones
+  kTextures = 1u << 18,          // a material reads a texture, or a primvar other than the display ones
+  kLightControls = 1u << 19,     // shaping, multipliers, shadow settings, links, images of rects
+  kImageDome = 1u << 20          // a dome whose light differs by direction
 };
 
-constexpr std::size_t kEffectCount = 19;
+constexpr std::size_t kEffectCount = 21;
 constexpr Effect effect_at(std::size_t index) { return static_cast<Effect>(1u << index); }
 
 // A set of effects; usable as a template argument.

@@ -26,6 +26,8 @@ struct Appearance {
   std::vector<SurfacePrimvar> primvars;
   std::uint32_t material = kNone;  // kNone: diffuse in display_color (0.18 grey where not authored)
   std::uint32_t prim_id = kNone;   // for AOVs, the prim's; kNone: the geometry's place in the scene
+  std::uint32_t light_group =
+      0;  // which lights illuminate it and which shadows it casts (core/scene/light.h)
 };
 
 }  // namespace msbvh

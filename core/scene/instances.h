@@ -45,6 +45,7 @@ struct InstanceSet {
   std::vector<std::uint32_t> materials{};   // empty, or one an instance: overrides the meshes' own
   // For AOVs: each one's number in its instancer, -1 for what is no instance; empty: its place in the set.
   std::vector<std::int32_t> ids{};
+  std::vector<std::uint32_t> light_groups{};  // empty, or one an instance: overrides the meshes' own
 
   TrackForm form() const { return {segments, degree}; }
 };

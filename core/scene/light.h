@@ -3,21 +3,26 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/base/affine.h"
 #include "core/base/vec.h"
+#include "core/scene/ies_profile.h"
+#include "core/scene/light_image.h"
 
 namespace msbvh {
 
 enum class LightKind : std::uint8_t {
   kDistant,  // shines along -z of its space from a disc of `angle_degrees` across
-  kDome,     // constant, from everywhere
+  kDome,     // from everywhere, constant or by its image
   kSphere,   // `radius`, at the origin of its space; radius 0: a point
   kRect,     // `width` x `height` in the xy plane of its space, shines along -z
-  kCamera    // usdrecord's camera light: at the camera, unit irradiance times pi at any distance, casts no
+  kCamera,   // usdrecord's camera light: at the camera, unit irradiance times pi at any distance, casts no
              // shadow
+  kDisk,     // `radius`, in the xy plane of its space, shines along -z
+  kCylinder  // `radius`, `length` along x, about the origin of its space; its ends do not shine
 };
 
 // What a light gives, and how large it is.
@@ -29,10 +34,41 @@ struct LightValues {
   float radius = 0.5f;
   float width = 1.0f;
   float height = 1.0f;
+  float length = 1.0f;
+  // UsdLux's ShapingAPI, for all kinds that have a place: off the light's -z axis it gives less.
+  float focus = 0.0f;  // a power of the cosine
+  float cone_angle_degrees = 180.0f;
+  float cone_softness = 0.0f;  // in [0, 1]
+  // What diffuse and other reflection take of it.
+  float diffuse = 1.0f;
+  float specular = 1.0f;
   bool operator==(const LightValues&) const = default;
 };
 
-struct Light : LightValues {  // its values while nothing but the transform moves
+// UsdLux's ShadowAPI.
+struct LightShadow {
+  bool enabled = true;
+  Vec3f color{};           // what is left of the light where it is shadowed
+  float distance = -1.0f;  // farthest from the shadowed point that anything shadows it; negative: anywhere
+  float falloff =
+      -1.0f;  // over the last part of `distance` of this length shadows fade; not above 0: they do not
+  float falloff_gamma = 1.0f;
+  bool operator==(const LightShadow&) const = default;
+};
+
+// What of a light does not change over the shutter.
+struct LightLook {
+  std::shared_ptr<const LightImage> image{};  // of a dome or a rect, times its radiance; null: none
+  Vec3f focus_tint{};                         // where `focus` dims it, it turns this colour
+  IesShaping ies{};
+  LightShadow shadow{};
+  // By the light_group of geometry: 0 where it does not illuminate it, and where that does not shadow it.
+  // Empty: all.
+  std::vector<std::uint8_t> lit_groups{};
+  std::vector<std::uint8_t> shadow_groups{};
+};
+
+struct Light : LightValues, LightLook {  // its values while nothing but the transform moves
   std::string name;
   LightKind kind = LightKind::kDistant;
   std::uint32_t segments = 0;
@@ -48,10 +84,17 @@ inline bool shines(const Light& light) {
   return light.moving_values.empty() ? bright(light) : std::ranges::any_of(light.moving_values, bright);
 }
 
-// Whether it is the same, in the same place, throughout the shutter. Where a dome or a camera light stands is
-// of no matter.
+inline bool holds_group(const std::vector<std::uint8_t>& groups, std::uint32_t group) {
+  return groups.empty() || groups[group] != 0;
+}
+
+// A dome whose light differs by direction.
+inline bool is_image_dome(const Light& light) { return light.kind == LightKind::kDome && light.image; }
+
+// Whether it is the same, in the same place, throughout the shutter. Where a camera light or a
+// dome without an image stands is of no matter.
 inline bool is_still(const Light& light) {
-  const bool placeless = light.kind == LightKind::kDome || light.kind == LightKind::kCamera;
+  const bool placeless = (light.kind == LightKind::kDome && !light.image) || light.kind == LightKind::kCamera;
   return light.segments == 0 || (placeless && light.moving_values.empty());
 }
 

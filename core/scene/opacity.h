@@ -31,7 +31,8 @@ float constant_opacity(const Material* material);
 // opacityThreshold cuts out, as UsdPreviewSurface says.
 float rendered_opacity(const Material* material, float value);
 
-// The least rendered opacity, or what it may be (0) where textures or primvars drive it, on a geometry under a material, which may be null, over all its values and keys.
+// The least rendered opacity, or what it may be (0) where textures or primvars drive it, on a geometry under
+// a material, which may be null, over all its values and keys.
 float least_opacity(const Appearance& look, const Material* material);
 // Under its own material, or materials.
 float least_opacity(const Scene& scene, const Appearance& look);

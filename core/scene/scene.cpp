@@ -2,52 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include "core/base/error.h"
-#include "core/scene/check.h"
+#include "core/scene/check_light.h"
+#include "core/scene/check_material.h"
+#include "core/scene/gate.h"
 
 namespace msbvh {
 namespace {
+
+using namespace gate;
 
 // A part of the scene in messages: its name, or its kind and index where it has none.
 std::string label(const std::string& name, const char* kind, std::size_t index) {
   return name.empty() ? std::string(kind) + " " + std::to_string(index) : name;
 }
 
-using msbvh::is_finite;
-bool is_finite(float x) { return std::isfinite(x); }
-bool is_finite(const ScreenWindow& w) {
-  return is_finite(w.left) && is_finite(w.right) && is_finite(w.bottom) && is_finite(w.top);
-}
-
-bool is_finite(const ClipRange& clip) { return is_finite(clip.near_clip) && is_finite(clip.far_clip); }
-bool is_finite(const Lens& lens) { return is_finite(lens.radius) && is_finite(lens.focus_distance); }
-
-template <typename T>
-void expect_all_finite(const std::vector<T>& values, const std::string& part, const std::string& attribute) {
-  const auto bad = std::find_if(values.begin(), values.end(), [](const T& v) { return !is_finite(v); });
-  expect(bad == values.end(), part, attribute,
-         "NaN or infinity in element " + std::to_string(bad - values.begin()), "finite values");
-}
-
-void expect_segments(std::uint32_t segments, const std::string& part, const std::string& attribute) {
-  expect(is_valid_segment_count(segments), part, attribute, std::to_string(segments) + " segments",
-         "0 or a power of two up to " + std::to_string(kMaxSegments));
-}
-
 void expect_time_remap(const TimeRemap& time_remap, const std::string& part) {
   expect(is_valid_time_remap(time_remap), part, "time_remap",
          std::to_string(time_remap.pieces.size()) + " pieces",
          "pieces that begin at 0 and increase, with local times in [0, 1] that do not decrease");
-}
-
-template <typename T>
-void expect_track(const std::vector<T>& keys, std::uint32_t segments, const std::string& part,
-                  const std::string& attribute) {
-  expect_segments(segments, part, attribute);
-  expect(keys.size() == key_count(segments), part, attribute, std::to_string(keys.size()) + " keys",
-         std::to_string(key_count(segments)));
-  expect_all_finite(keys, part, attribute);
 }
 
 template <typename T>
@@ -211,58 +185,25 @@ void check_instances(const InstanceSet& set, const Scene& scene, const std::stri
          "none or " + std::to_string(count));
   expect(set.materials.empty() || set.materials.size() == count, part, "materials",
          std::to_string(set.materials.size()) + " values", "none or " + std::to_string(count));
+  expect(set.light_groups.empty() || set.light_groups.size() == count, part, "lightGroups",
+         std::to_string(set.light_groups.size()) + " values", "none or " + std::to_string(count));
   expect_materials(set.materials, scene, part, "materials");
 }
 
-void expect_size(float size, const std::string& part, const std::string& attribute) {
-  expect(is_finite(size) && size >= 0.0f, part, attribute, std::to_string(size),
-         "a finite number of at least 0");
-}
-
-void check_light_values(const LightValues& values, LightKind kind, const std::string& part) {
-  expect(is_finite(values.radiance), part, "radiance", "NaN or infinity", "a finite colour");
-  if (kind == LightKind::kDistant) {
-    expect(values.angle_degrees >= 0.0f && values.angle_degrees <= 360.0f, part, "angle",
-           std::to_string(values.angle_degrees), "0 to 360 degrees");
-  } else if (kind == LightKind::kSphere) {
-    expect_size(values.radius, part, "radius");
-  } else if (kind == LightKind::kRect) {
-    expect_size(values.width, part, "width");
-    expect_size(values.height, part, "height");
+// How many light groups geometry names.
+std::uint32_t light_group_count(const Scene& scene) {
+  std::uint32_t count = 1;
+  const auto grow = [&](const auto& looks) {
+    for (const Appearance& look : looks) count = std::max(count, look.light_group + 1);
+  };
+  grow(scene.meshes);
+  grow(scene.grids);
+  grow(scene.curves);
+  grow(scene.points);
+  for (const InstanceSet& set : scene.instances) {
+    for (const std::uint32_t group : set.light_groups) count = std::max(count, group + 1);
   }
-}
-
-// Between a point and a light with an extent radiance would change its meaning.
-void expect_all_points_or_none(const std::vector<LightValues>& values, float LightValues::*size,
-                               const std::string& part, const std::string& attribute) {
-  const auto is_point = [&](const LightValues& v) { return v.*size == 0.0f; };
-  expect(std::all_of(values.begin(), values.end(), is_point) ||
-             std::none_of(values.begin(), values.end(), is_point),
-         part, attribute, "0 at some keys only", "0 at all keys or at none");
-}
-
-void check_moving_values(const Light& light, const std::string& part) {
-  if (light.moving_values.empty()) return;
-  expect_segments(light.segments, part, "radiance");
-  expect(light.moving_values.size() == key_count(light.segments), part, "radiance",
-         std::to_string(light.moving_values.size()) + " keys",
-         "none or " + std::to_string(key_count(light.segments)));
-  for (const LightValues& values : light.moving_values) check_light_values(values, light.kind, part);
-  if (light.kind == LightKind::kSphere) {
-    expect_all_points_or_none(light.moving_values, &LightValues::radius, part, "radius");
-  } else if (light.kind == LightKind::kDistant) {
-    expect_all_points_or_none(light.moving_values, &LightValues::angle_degrees, part, "angle");
-  }
-}
-
-void check_light(const Light& light, const std::string& part) {
-  check_light_values(light, light.kind, part);
-  check_moving_values(light, part);
-  // Neither has a place of its own, so that it may come without a transform.
-  const bool placeless = light.kind == LightKind::kDome || light.kind == LightKind::kCamera;
-  if (!placeless || !light.world_from_light.empty()) {
-    expect_track(light.world_from_light, light.segments, part, "worldFromLight");
-  }
+  return count;
 }
 
 void check_window(const ScreenWindow& window, const std::string& part) {
@@ -346,8 +287,9 @@ void validate(const Scene& scene) {
   for (std::size_t i = 0; i < scene.textures.size(); ++i) {
     check_texture(scene.textures[i], label(scene.textures[i].name, "texture", i));
   }
+  const std::uint32_t groups = light_group_count(scene);
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-    check_light(scene.lights[i], label(scene.lights[i].name, "light", i));
+    check_light(scene.lights[i], groups, label(scene.lights[i].name, "light", i));
   }
   check_camera(scene.camera);
 }

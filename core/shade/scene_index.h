@@ -33,6 +33,11 @@ struct HitSource {
     const std::size_t controls = instances->form().controls();
     return {instances->world_from_prototype.data() + instance * controls, controls};
   }
+  // The instance's, else that of what was hit: which lights illuminate it.
+  std::uint32_t light_group() const {
+    return instances && !instances->light_groups.empty() ? instances->light_groups[instance]
+                                                         : look->light_group;
+  }
   // The shutter's time in the time of the geometry's tracks, and in that of the instance's.
   template <EffectSet kEffects = kKnownEffects>
   float own_time(float time) const {

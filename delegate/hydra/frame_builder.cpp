@@ -6,6 +6,7 @@
 
 #include "core/base/parallel.h"
 #include "delegate/hydra/light.h"
+#include "delegate/hydra/light_links.h"
 #include "delegate/hydra/material.h"
 #include "delegate/hydra/shape.h"
 #include "delegate/translate/frame/kept_origin.h"
@@ -86,26 +87,28 @@ void FrameBuilder::add_shapes(const std::vector<Shape*>& shapes, HdRenderIndex& 
   known_.clear();
   colors_.clear();
   frame.groups.emplace_back();  // the world
+  LightLinks links(param_.lights());
   for (Shape* shape : shapes) {
     if (!shape->visible()) continue;
-    if (shape->has_categories()) {
-      said_.push_back({Severity::kWarning, shape->path().GetString(), "",
-                       "light linking is not supported yet; every light reaches it", true});
-    }
+    links.add(*shape, frame);
     if (shape->instancer().IsEmpty()) {
       frame.groups.front().shapes.push_back(shape->frame_shape(said_));
     } else {
       add_instanced(*shape, index, shutter, frame);
     }
   }
+  add_lights(links, shutter, frame);
 }
 
-void FrameBuilder::add_lights(const Shutter& shutter, FrameInput& frame) {
+void FrameBuilder::add_lights(const LightLinks& links, const Shutter& shutter, FrameInput& frame) {
   frame.camera_light = false;  // that is the host's to say
   for (Light* light : param_.lights()) {
     bool at_camera = false;
-    std::optional<translate::FrameLight> found = light->frame_light(shutter, at_camera, said_);
-    if (found) frame.lights.push_back(std::move(*found));
+    std::optional<translate::FrameLight> found = light->frame_light(shutter, textures_, at_camera, said_);
+    if (found) {
+      links.link(*light, found->look);
+      frame.lights.push_back(std::move(*found));
+    }
     frame.camera_light = frame.camera_light || at_camera;
   }
 }
@@ -124,7 +127,6 @@ translate::AssembledFrame FrameBuilder::build(const PassView& view, const ImageF
       frame.materials.push_back({material->GetId().GetString(), material->network()});
   }
   add_shapes(wanted_shapes(view), view.index, shutter, frame);
-  add_lights(shutter, frame);
   translate::TranslatorSettings how = settings.translate;
   how.origin = translate::kept_origin(origin_, frame.camera, how.width, how.height);
   translate::AssembledFrame assembled = translate::assemble_frame(frame, how, textures_, refinements_);

@@ -18,6 +18,7 @@
 
 namespace msbvh::hydra {
 
+class LightLinks;
 class Shape;
 
 // What a render pass draws.
@@ -43,7 +44,7 @@ class FrameBuilder {
                   translate::FrameInput& frame);
   void add_instanced(const Shape& shape, HdRenderIndex& index, const Shutter& shutter,
                      translate::FrameInput& frame);
-  void add_lights(const Shutter& shutter, translate::FrameInput& frame);
+  void add_lights(const LightLinks& links, const Shutter& shutter, translate::FrameInput& frame);
 
   // Groups of one instancer that so far are there, by what places them.
   struct Known {

@@ -1,14 +1,14 @@
 #include "delegate/hydra/light.h"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <pxr/imaging/hd/lightSchema.h>
 #include <pxr/imaging/hd/renderIndex.h>
 #include <pxr/imaging/hd/tokens.h>
-#include <pxr/usd/sdf/assetPath.h>
 #include <pxr/usd/usdLux/blackbody.h>
 
 #include "delegate/hydra/instancer.h"
+#include "delegate/hydra/light_look.h"
 #include "delegate/hydra/render_param.h"
 #include "delegate/translate/frame/array_motion.h"
 #include "delegate/translate/look/light_radiance.h"
@@ -18,8 +18,8 @@ namespace msbvh::hydra {
 namespace {
 
 using translate::FrameLight;
+using translate::LightNumbers;
 using translate::LightSamples;
-using translate::LightSizes;
 using translate::message;
 using translate::Severity;
 
@@ -28,22 +28,18 @@ std::optional<LightKind> kind_of(const TfToken& type) {
   if (type == HdPrimTypeTokens->domeLight) return LightKind::kDome;
   if (type == HdPrimTypeTokens->sphereLight) return LightKind::kSphere;
   if (type == HdPrimTypeTokens->rectLight) return LightKind::kRect;
+  if (type == HdPrimTypeTokens->diskLight) return LightKind::kDisk;
+  if (type == HdPrimTypeTokens->cylinderLight) return LightKind::kCylinder;
   return std::nullopt;
 }
 
 // What moves a light's values.
-std::array<TfToken, 10> value_names() {
+TfTokenVector value_names() {
   const auto& t = HdLightTokens;
-  return {t->intensity,
-          t->exposure,
-          t->color,
-          t->enableColorTemperature,
-          t->colorTemperature,
-          t->normalize,
-          t->angle,
-          t->radius,
-          t->width,
-          t->height};
+  TfTokenVector names{t->intensity,        t->exposure, t->color, t->enableColorTemperature,
+                      t->colorTemperature, t->normalize};
+  for (const translate::LightNumber& each : translate::kLightNumbers) names.emplace_back(each.input);
+  return names;
 }
 
 std::optional<double> as_number(const VtValue& value) {
@@ -60,10 +56,6 @@ Vec3d as_color(const VtValue& value) {
 }
 
 bool as_flag(const VtValue& value) { return value.IsHolding<bool>() && value.UncheckedGet<bool>(); }
-
-bool has_file(const VtValue& value) {
-  return value.IsHolding<SdfAssetPath>() && !value.UncheckedGet<SdfAssetPath>().GetAssetPath().empty();
-}
 
 }  // namespace
 
@@ -110,7 +102,7 @@ double Light::number(const TfToken& name, float offset, double fallback, Diagnos
 
 LightSamples Light::samples_at(std::span<const double> times01, std::span<const double> read_at01,
                                const Shutter& shutter, Diagnostics& said) const {
-  const LightSizes standard;
+  const LightNumbers standard;
   const auto& t = HdLightTokens;
   LightSamples samples;
   samples.times01.assign(times01.begin(), times01.end());
@@ -125,10 +117,9 @@ LightSamples Light::samples_at(std::span<const double> times01, std::span<const 
     samples.emission.push_back(translate::light_emission(number(t->intensity, offset, 1.0, said),
                                                          number(t->exposure, offset, 0.0, said),
                                                          as_color(parameter(t->color, offset)), temperature));
-    samples.sizes.push_back({number(t->angle, offset, standard.angle_degrees, said),
-                             number(t->radius, offset, standard.radius, said),
-                             number(t->width, offset, standard.width, said),
-                             number(t->height, offset, standard.height, said)});
+    LightNumbers& numbers = samples.numbers.emplace_back();
+    for (const translate::LightNumber& each : translate::kLightNumbers)
+      numbers.*each.number = number(TfToken(each.input), offset, standard.*each.number, said);
     samples.normalize.push_back(as_flag(parameter(t->normalize, offset)));
   }
   return samples;
@@ -177,32 +168,13 @@ MotionPointer Light::motion(const Shutter& shutter, Diagnostics& said) {
   return all;
 }
 
-void Light::tell_the_rest(Diagnostics& said) const {
-  const std::string path = GetId().GetString();
-  const auto& t = HdLightTokens;
-  if (has_file(parameter(t->textureFile, 0.0f)))
-    said.push_back(
-        {Severity::kWarning, path, "inputs:texture:file", "not supported yet, lit by the plain colour"});
-  const std::pair<TfToken, double> neutral[] = {
-      {t->shapingConeAngle, 90.0}, {t->shapingFocus, 0.0}, {t->diffuse, 1.0}};
-  for (const auto& [name, value] : neutral) {
-    const std::optional<double> found = as_number(parameter(name, 0.0f));
-    if (found && *found != value) {
-      said.push_back({Severity::kWarning, path, "inputs:" + name.GetString(),
-                      "not supported yet; lit without it", true});
-    }
-  }
-  for (const TfToken& name : {HdTokens->lightLink, HdTokens->shadowLink}) {
-    const VtValue link = delegate_->GetLightParamValue(GetId(), name);
-    if (link.IsHolding<TfToken>() && !link.UncheckedGet<TfToken>().IsEmpty()) {
-      said.push_back({Severity::kWarning, path, "collection:" + name.GetString(),
-                      "light linking is not supported yet; the light reaches everything", true});
-    }
-  }
+std::string Light::link(const TfToken& name) const {
+  const VtValue link = delegate_ ? delegate_->GetLightParamValue(GetId(), name) : VtValue();
+  return link.IsHolding<TfToken>() ? link.UncheckedGet<TfToken>().GetString() : std::string();
 }
 
-std::optional<FrameLight> Light::frame_light(const Shutter& shutter, bool& is_camera_light,
-                                             Diagnostics& said) {
+std::optional<FrameLight> Light::frame_light(const Shutter& shutter, const Textures& textures,
+                                             bool& is_camera_light, Diagnostics& said) {
   if (!delegate_ || !visible_) return std::nullopt;
   if (is_hosts_own()) {
     is_camera_light = true;
@@ -216,8 +188,15 @@ std::optional<FrameLight> Light::frame_light(const Shutter& shutter, bool& is_ca
   }
   const MotionPointer moves = motion(shutter, said);
   if (!moves) return std::nullopt;
-  tell_the_rest(said);
-  return FrameLight{GetId().GetString(), *kind, sampled(shutter, said), moves};
+  const LightParameter at_frame = [this](const TfToken& name) { return parameter(name, 0.0f); };
+  FrameLight light{GetId().GetString(), *kind, sampled(shutter, said), moves,
+                   light_look(GetId().GetString(), *kind, at_frame, textures, said)};
+  const VtValue offset = parameter(HdLightTokens->domeOffset, 0.0f);
+  if (*kind == LightKind::kDome && offset.IsHolding<GfMatrix4d>()) {
+    const GfMatrix4d& m = offset.UncheckedGet<GfMatrix4d>();
+    if (m != GfMatrix4d(1.0)) std::copy_n(m.GetArray(), 16, light.offset.emplace().begin());
+  }
+  return light;
 }
 
 }  // namespace msbvh::hydra

@@ -3,8 +3,10 @@
 
 #include <optional>
 #include <pxr/imaging/hd/light.h>
+#include <string>
 
 #include "delegate/hydra/motion_source.h"
+#include "delegate/hydra/textures.h"
 #include "delegate/hydra/typed_values.h"
 #include "delegate/translate/frame/frame_input.h"
 
@@ -25,8 +27,10 @@ class Light : public HdLight {
 
   // None where it is invisible, or of a type that is not supported, which is said. Sets `is_camera_light` in
   // place of it for the light that hosts put at the camera.
-  std::optional<translate::FrameLight> frame_light(const Shutter& shutter, bool& is_camera_light,
-                                                   Diagnostics& said);
+  std::optional<translate::FrameLight> frame_light(const Shutter& shutter, const Textures& textures,
+                                                   bool& is_camera_light, Diagnostics& said);
+  // The category of what it illuminates (lightLink), or what shadows it (shadowLink); empty: everything.
+  std::string link(const TfToken& name) const;
 
  private:
   bool is_hosts_own() const;
@@ -34,7 +38,6 @@ class Light : public HdLight {
                                      const Shutter& shutter, Diagnostics& said) const;
   translate::SampledLight sampled(const Shutter& shutter, Diagnostics& said) const;
   MotionPointer motion(const Shutter& shutter, Diagnostics& said);
-  void tell_the_rest(Diagnostics& said) const;
   VtValue parameter(const TfToken& name, float offset) const;
   double number(const TfToken& name, float offset, double fallback, Diagnostics& said) const;
 

@@ -74,7 +74,10 @@ void Shape::sync(HdSceneDelegate& delegate, HdDirtyBits bits, std::int32_t prim_
   prim_id_ = prim_id;
   if (HdChangeTracker::IsTopologyDirty(bits, path_) || HdChangeTracker::IsSubdivTagsDirty(bits, path_))
     sync_topology(delegate);
-  if (bits & HdChangeTracker::DirtyCategories) has_categories_ = !delegate.GetCategories(path_).empty();
+  if (bits & HdChangeTracker::DirtyCategories) {
+    categories_.clear();
+    for (const TfToken& category : delegate.GetCategories(path_)) categories_.push_back(category.GetString());
+  }
   stale_ |= bits;
 }
 

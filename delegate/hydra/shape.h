@@ -43,8 +43,8 @@ class Shape {
   bool visible() const { return shown_ ? !shown_->empty() : visible_; }
   // The camera's, scaled by motion:blurScale. After pull().
   const Shutter& own_shutter() const { return shutter_; }
-  // In collections of lights: these are not followed yet.
-  bool has_categories() const { return has_categories_; }
+  // Lights' collections that hold it.
+  const std::vector<std::string>& categories() const { return categories_; }
 
   // During Sync: takes over what does not depend on the shutter, and remembers what else is stale. `prim_id`
   // as Hydra counts it.
@@ -83,7 +83,8 @@ class Shape {
   HdSceneDelegate* delegate_ = nullptr;
   HdDirtyBits stale_ = 0;
   std::int32_t prim_id_ = -1;
-  bool visible_ = true, has_categories_ = false, topology_varies_ = false, computed_points_ = false;
+  std::vector<std::string> categories_;
+  bool visible_ = true, topology_varies_ = false, computed_points_ = false;
   translate::Visibility shown_;       // by the camera's shutter
   Shutter camera_shutter_, shutter_;  // as read: the camera's, and this prim's own
   bool read_ = false;

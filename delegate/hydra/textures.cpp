@@ -122,4 +122,18 @@ std::optional<ScalarImage> Textures::channel(const translate::Asset& texture, st
   return image;
 }
 
+std::optional<translate::ColourImage> Textures::colours(const translate::Asset& texture,
+                                                        std::string_view colour_space) const {
+  if (texture.files.empty()) return std::nullopt;
+  const std::optional<Texels> texels = read(texture.files.front(), colour_space);
+  if (!texels) return std::nullopt;
+  translate::ColourImage image{texels->width, texels->height, {}};
+  image.texels.reserve(std::size_t(texels->width) * texels->height);
+  for (std::size_t i = 0; i < texels->values.size(); i += texels->channels) {
+    const float* v = &texels->values[i];
+    image.texels.push_back(texels->channels >= 3 ? Vec3f{v[0], v[1], v[2]} : Vec3f{v[0], v[0], v[0]});
+  }
+  return image;
+}
+
 }  // namespace msbvh::hydra

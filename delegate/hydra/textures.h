@@ -13,6 +13,8 @@ namespace msbvh::hydra {
 class Textures : public translate::TextureSource {
  public:
   std::optional<TextureFile> locate(const std::string& file) const override;
+  std::optional<translate::ColourImage> colours(const translate::Asset& texture,
+                                                std::string_view colour_space) const override;
   std::optional<translate::ScalarImage> channel(const translate::Asset& texture,
                                                 std::string_view colour_space,
                                                 std::size_t channel) const override;

@@ -5,6 +5,7 @@
 
 #include "core/motion/track.h"
 #include "delegate/translate/linear_transform_fit.h"
+#include "delegate/translate/look/light_radiance.h"
 #include "delegate/translate/moving_light.h"
 #include "delegate/translate/time_samples.h"
 
@@ -25,6 +26,14 @@ Box3d box_of(const Light& light) {
       const double r = light.radius;
       return {{-r, -r, -r}, {r, r, r}};
     }
+    case LightKind::kDisk: {
+      const double r = light.radius;
+      return {{-r, -r, 0.0}, {r, r, 0.0}};
+    }
+    case LightKind::kCylinder: {
+      const double r = light.radius, half = 0.5 * light.length;
+      return {{-half, -r, -r}, {half, r, r}};
+    }
     case LightKind::kCamera:
       break;
   }
@@ -44,8 +53,9 @@ bool check_values(const LightValues& values, PrimLog& log) {
   if (!(values.angle_degrees >= 0.0f && values.angle_degrees <= 360.0f)) {
     return log.reject("inputs:angle", message("found ", values.angle_degrees, "; expected 0 to 360 degrees"));
   }
-  return check_size(values.radius, "inputs:radius", log) && check_size(values.width, "inputs:width", log) &&
-         check_size(values.height, "inputs:height", log);
+  return std::ranges::all_of(kLightNumbers, [&](const LightNumber& each) {
+    return check_size(values.*each.value, message("inputs:", each.input).c_str(), log);
+  });
 }
 
 bool check_all_points_or_none(const LightInput& input, float LightValues::*size, const char* attribute,
@@ -79,6 +89,19 @@ bool check(const LightInput& input, PrimLog& log) {
          check_transform(input.world_from_light, "xformOpOrder", log);
 }
 
+bool is_plain(const LightLook& look) {
+  return look.shadow == LightShadow{} && look.lit_groups.empty() && look.shadow_groups.empty();
+}
+
+// A constant dome is what rays meet that meet nothing else: no surface asks it for light. One with controls
+// is asked, as an image dome is.
+void ask_dome(const LightInput& input, Light& light) {
+  if (light.kind != LightKind::kDome || light.image) return;
+  const auto multiplies = [](const LightValues& v) { return v.diffuse != 1.0f || v.specular != 1.0f; };
+  if (is_plain(light) && !multiplies(light) && std::ranges::none_of(input.values, multiplies)) return;
+  light.image = light_image(light.name, ImageMap::kLatlong, 1, 1, {{1.0f, 1.0f, 1.0f}});
+}
+
 // Directions do not depend on where the light stands.
 TransformTrack without_translation(const TransformSamples& samples) {
   TransformSamples turned = samples;
@@ -98,6 +121,7 @@ std::optional<Light> translate_light(const LightInput& input, const ScreenMeasur
                                                : TransformTrack(input.world_from_light).rebased({}, origin);
   const ScreenMeasure seen = at_infinity ? ScreenMeasure::filled_by(box, width, height) : measure;
   Light light = input.light;
+  ask_dome(input, light);
   if (!input.values.empty()) {
     fit_moving_light(input, transform, seen, settings, light, log);
     return light;

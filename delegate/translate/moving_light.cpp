@@ -1,6 +1,7 @@
 #include "delegate/translate/moving_light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "core/base/lerp.h"
 #include "core/motion/track.h"
 #include "delegate/translate/box_corners.h"
+#include "delegate/translate/look/light_radiance.h"
 #include "delegate/translate/time_samples.h"
 #include "delegate/translate/value_track.h"
 
@@ -19,16 +21,16 @@ constexpr double kJumpShare = 1e-3;
 
 LightValues mixed(std::span<const LightValues> samples, const Mix& mix) {
   Vec3d radiance;
-  double angle = 0.0, radius = 0.0, width = 0.0, height = 0.0;
+  std::array<double, kLightNumbers.size()> numbers{};
   for (const Share& share : mix) {
     const LightValues& v = samples[share.sample];
     radiance = radiance + Vec3d(v.radiance) * share.weight;
-    angle += share.weight * v.angle_degrees;
-    radius += share.weight * v.radius;
-    width += share.weight * v.width;
-    height += share.weight * v.height;
+    for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] += share.weight * v.*kLightNumbers[i].value;
   }
-  return {Vec3f(radiance), float(angle), float(radius), float(width), float(height)};
+  LightValues result;
+  result.radiance = Vec3f(radiance);
+  for (std::size_t i = 0; i < numbers.size(); ++i) result.*kLightNumbers[i].value = float(numbers[i]);
+  return result;
 }
 
 // In the world; for distant lights the solid angle. 1 where radiance alone says how bright the light is.
@@ -37,6 +39,9 @@ double size_of(LightKind kind, const LightValues& v, const Affine3d& map) {
     return std::pow(std::abs(map.determinant()), 2.0 / 3.0) * v.radius * v.radius;
   }
   if (kind == LightKind::kRect) return length(cross(map.x, map.y)) * v.width * v.height;
+  if (kind == LightKind::kDisk) return length(cross(map.x, map.y)) * v.radius * v.radius;
+  if (kind == LightKind::kCylinder)
+    return length(map.x) * std::sqrt(length(cross(map.y, map.z))) * v.length * v.radius;
   if (kind == LightKind::kDistant && v.angle_degrees > 0.0f) {
     const double sine = std::sin(v.angle_degrees * std::numbers::pi / 720.0);
     return 4.0 * std::numbers::pi * sine * sine;
@@ -49,6 +54,8 @@ Affine3d with_size(LightKind kind, const LightValues& v, const Affine3d& map) {
   const double radius = v.radius;
   if (kind == LightKind::kSphere) return {map.x * radius, map.y * radius, map.z * radius, map.t};
   if (kind == LightKind::kRect) return {map.x * double(v.width), map.y * double(v.height), map.z, map.t};
+  if (kind == LightKind::kDisk) return {map.x * radius, map.y * radius, map.z, map.t};
+  if (kind == LightKind::kCylinder) return {map.x * double(v.length), map.y * radius, map.z * radius, map.t};
   return map;
 }
 
@@ -138,12 +145,17 @@ struct Errors {
   double pixels, power_share;
 };
 
+// Around the light of size 1.
+Box3d unit_box(LightKind kind) {
+  const double x = kind == LightKind::kRect || kind == LightKind::kCylinder ? 0.5 : 1.0;
+  const double y = kind == LightKind::kRect ? 0.5 : 1.0;
+  const double z = kind == LightKind::kRect || kind == LightKind::kDisk ? 0.0 : 1.0;
+  return {{-x, -y, -z}, {x, y, z}};
+}
+
 double pixels_between(LightKind kind, const Instant& truth, const Instant& track,
                       const ScreenInstant& screen) {
-  const double half = kind == LightKind::kRect ? 0.5 : 1.0;
-  const Box3d box{{-half, -half, kind == LightKind::kRect ? 0.0 : -half},
-                  {half, half, kind == LightKind::kRect ? 0.0 : half}};
-  const BoxCorners corners = corners_of(box);
+  const BoxCorners corners = corners_of(unit_box(kind));
   const Affine3d a = with_size(kind, truth.values, truth.map), b = with_size(kind, track.values, track.map);
   double distance = largest_distance(corners, a, b);
   if (kind == LightKind::kDistant) {  // the rim of its disc moves by half the change of its angle

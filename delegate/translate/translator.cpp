@@ -102,6 +102,7 @@ struct Translator::Data {
   MaterialTable materials;
   std::vector<std::optional<Displacement>> displacements;  // by material
   std::vector<PrototypeState> prototypes;
+  LightGroups light_groups;
   std::vector<Diagnostic> diagnostics;
   std::vector<TrackReport> tracks;
   std::size_t empty_meshes = 0;
@@ -327,6 +328,8 @@ void Translator::add_light(const LightInput& input) {
   if (light) data_->scene.lights.push_back(std::move(*light));
 }
 
+void Translator::set_light_groups(LightGroups groups) { data_->light_groups = std::move(groups); }
+
 bool Translator::empty() const { return data_->scene.world.empty() && data_->scene.instances.empty(); }
 
 std::size_t Translator::empty_meshes() const { return data_->empty_meshes; }
@@ -340,6 +343,7 @@ Vec3d Translator::origin() const { return data_->origin; }
 const std::vector<LeftOut>& Translator::left_out() const { return data_->left_out; }
 
 std::shared_ptr<const Scene> Translator::finish() {
+  assign_light_groups(data_->light_groups, data_->scene);
   sort_by_kind(data_->scene.world);
   for (Prototype& prototype : data_->scene.prototypes) sort_by_kind(prototype.geometry);
   const TranslatorSettings& settings = data_->settings;

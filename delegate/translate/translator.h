@@ -19,6 +19,7 @@
 #include "delegate/translate/diagnostics.h"
 #include "delegate/translate/fit.h"
 #include "delegate/translate/inputs.h"
+#include "delegate/translate/light_groups.h"
 #include "delegate/translate/look/displacement.h"
 #include "delegate/translate/look/surface_look.h"
 #include "delegate/translate/unreached.h"
@@ -126,6 +127,9 @@ class Translator {
   // Before the meshes that are bound to it.
   std::uint32_t add_material(SurfaceLook look, std::optional<Displacement> displacement = {});
   void add_light(const LightInput& input);
+  // By the path of a prim, or of what places instances: its light group (core/scene/light.h). Of all others
+  // 0.
+  void set_light_groups(LightGroups groups);
 
   // Whether the scene has geometry that can be seen.
   bool empty() const;

@@ -268,10 +268,10 @@ def _displacement() -> None:
 @case("inputs:shaping:cone:angle")
 def _unsupported_inputs_of_lights() -> None:
     shot = Shot(SHUTTER)
-    light = UsdLux.SphereLight.Define(shot.stage, "/Light")
+    light = UsdLux.DistantLight.Define(shot.stage, "/Light")
     angle = UsdLux.ShapingAPI.Apply(light.GetPrim()).CreateShapingConeAngleAttr()
     set_in_turn(angle, (90.0, 90.0, 20.0), (9.0, 10.1, 10.4))
-    named(shot, "/Light.inputs:shaping:cone:angle", "not supported")
+    named(shot, "/Light.inputs:shaping:cone:angle", "shapes no distant light")
 
 
 def skinned(shot: Shot) -> tuple[UsdGeom.Mesh, UsdSkel.BindingAPI]:

@@ -22,6 +22,7 @@ class Recording:
         self.instances: list[dict] = []
         self.looks: list[_core.SurfaceLook] = []
         self.lights: list[dict] = []
+        self.light_groups: dict[str, int] = {}
         self._core = _core.Translator(**camera)
         self._scene: Any = None
 
@@ -56,6 +57,10 @@ class Recording:
     def add_light(self, **light: Any) -> None:
         self.lights.append(light)
         self._core.add_light(**light)
+
+    def set_light_groups(self, groups: dict[str, int]) -> None:
+        self.light_groups = groups
+        self._core.set_light_groups(groups)
 
     def diagnostics(self) -> list:
         return self._core.diagnostics()

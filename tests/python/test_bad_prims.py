@@ -31,11 +31,11 @@ FAULTS = {
     ),
     "light_focus_type": (
         'def SphereLight "Bad" (prepend apiSchemas = ["ShapingAPI"]) { bool inputs:shaping:focus = 0\n}',
-        "/Bad.inputs:shaping:focus: not supported yet",
+        "/Bad.inputs:shaping:focus: found bool, expected float; the light is left out",
     ),
     "light_ies_type": (
         'def SphereLight "Bad" (prepend apiSchemas = ["ShapingAPI"]) { string inputs:shaping:ies:file = ""\n}',
-        "/Bad.inputs:shaping:ies:file: not supported yet",
+        "/Bad.inputs:shaping:ies:file: found string, expected asset",
     ),
     "visibility_type": ('def Cube "Bad" { int visibility = 3\n}', "/Bad.visibility: found int, expected token"),
     "purpose_type": ('def Cube "Bad" { int[] purpose = [3]\n}', "/Bad.purpose: found int[], expected token"),

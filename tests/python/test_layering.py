@@ -99,6 +99,7 @@ MODULE_HOMES = {
         "output.flip",
         "output.images",
         "output.reshutter",
+        "look.light_texture",
         "look.texture_channel",
         "look.texture_matrix",
         "look.texture_mean",

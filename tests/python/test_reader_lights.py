@@ -105,33 +105,18 @@ def test_lights_in_instances_shine_in_each():
     assert [light["world_from_light"][0, 3, 0] for light in shot.read().scene.lights] == [0.0, 1.0]
 
 
-def test_what_a_light_has_beyond_what_is_lit_is_named():
+def test_lights_that_are_left_out_are_named():
     shot = Shot()
-    dome = UsdLux.DomeLight.Define(shot.stage, "/Dome")
-    dome.CreateTextureFileAttr("sky.exr")
-    UsdLux.DiskLight.Define(shot.stage, "/Disk")
-    spot = UsdLux.SphereLight.Define(shot.stage, "/Spot").GetPrim()
-    UsdLux.ShapingAPI.Apply(spot).CreateShapingConeAngleAttr(30.0)
+    UsdLux.PortalLight.Define(shot.stage, "/Portal")
+    UsdLux.GeometryLight.Define(shot.stage, "/Geometry")
+    shot.stage.DefinePrim("/Plugin", "PluginLight")
+    UsdLux.SphereLight.Define(shot.stage, "/Light").GetFiltersRel().AddTarget("/Filter")
     result = shot.read()
-    assert len(result.scene.lights) == 2
+    assert len(result.scene.lights) == 1
     warnings = messages(result, "warning")
-    assert any(w.startswith("/Dome.inputs:texture:file: found @sky.exr@; not supported yet") for w in warnings)
-    assert "/Disk: lights of type DiskLight are not supported yet; left out" in warnings
-    assert any(w.startswith("/Spot.inputs:shaping:cone:angle: not supported yet") for w in warnings)
-
-
-def test_light_linking_is_named():
-    shot = Shot()
-    UsdLux.SphereLight.Define(shot.stage, "/All")
-    for index, name in enumerate(("lightLink", "shadowLink")):
-        light = UsdLux.SphereLight.Define(shot.stage, f"/Light_{index}")
-        getattr(UsdLux.LightAPI(light), f"Get{name[0].upper()}{name[1:]}CollectionAPI")().CreateExcludesRel().AddTarget(
-            "/Hero"
-        )
-    assert messages(shot.read(), "warning") == [
-        "/Light_0.collection:lightLink: light linking is not supported yet; the light reaches everything",
-        "/Light_1.collection:shadowLink: light linking is not supported yet; the light reaches everything",
-    ]
+    assert any(w.startswith("/Portal: portals only guide how a dome is sampled") for w in warnings)
+    assert "/Geometry: lights of type GeometryLight are not supported yet; left out" in warnings
+    assert any(w.startswith("/Light.light:filters: light filters are not supported yet") for w in warnings)
 
 
 def test_a_sphere_light_that_is_an_ellipsoid_is_named():

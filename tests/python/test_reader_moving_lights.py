@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 from msbvh import _core
-from msbvh.look.light_values import SIZES, emission
+from msbvh.look.light_values import NUMBERS, emission
 from msbvh.scene.reader import ReadSettings, read_frame
 from pxr import Gf, Usd, UsdGeom, UsdLux
 from recording import DENSE_TIMES01, Shot, interpolated, messages
@@ -31,8 +31,8 @@ def ramp(attribute: Usd.Attribute, first: object, last: object) -> None:
 def check_samples(light: dict) -> None:
     times01 = light["values_times01"]
     assert (np.diff(times01) > 0).all() and times01[0] == 0.0 and times01[-1] == 1.0
-    assert light["radiances"].dtype == light["sizes"].dtype == np.float32
-    assert light["radiances"].shape == (len(times01), 3) and light["sizes"].shape == (len(times01), 4)
+    assert light["radiances"].dtype == light["numbers"].dtype == np.float32
+    assert light["radiances"].shape == (len(times01), 3) and light["numbers"].shape == (len(times01), 4)
 
 
 def test_all_of_the_emission_is_sampled():
@@ -54,7 +54,14 @@ def test_all_of_the_emission_is_sampled():
 
 @pytest.mark.parametrize(
     ("kind", "size"),
-    [("SphereLight", "radius"), ("RectLight", "width"), ("RectLight", "height"), ("DistantLight", "angle")],
+    [
+        ("SphereLight", "radius"),
+        ("RectLight", "width"),
+        ("RectLight", "height"),
+        ("DistantLight", "angle"),
+        ("DiskLight", "radius"),
+        ("CylinderLight", "length"),
+    ],
 )
 @pytest.mark.parametrize("normalize", [False, True])
 def test_sizes_are_sampled_and_normalised_at_every_time(kind: str, size: str, normalize: bool):
@@ -67,8 +74,8 @@ def test_sizes_are_sampled_and_normalised_at_every_time(kind: str, size: str, no
     ramp(grow, Gf.Vec3f(1), Gf.Vec3f(3))
     handed = only_light(shot)
     check_samples(handed)
-    names = list(SIZES)
-    for time01, sizes, radiance in zip(handed["values_times01"], handed["sizes"], handed["radiances"], strict=True):
+    names = list(NUMBERS)
+    for time01, sizes, radiance in zip(handed["values_times01"], handed["numbers"], handed["radiances"], strict=True):
         assert sizes[names.index(size)] == pytest.approx(2.0 + 2.0 * time01, rel=1e-5)
         scale = np.diag([1.5 + time01] * 3 + [1.0])
         area = _core.light_normalization(handed["kind"], tuple(sizes.tolist()), scale)
@@ -171,7 +178,7 @@ def test_a_size_that_passes_zero_stays_an_extent():
     light.GetRadiusAttr().Set(0.0, 10.0)
     light.GetRadiusAttr().Set(2.0, 11.0)
     handed = only_light(shot)
-    radii = handed["sizes"][:, 1]
+    radii = handed["numbers"][:, 1]
     assert radii.min() == pytest.approx(1e-3 * radii.max())
     assert handed.get("radiances", np.float32([[4.0]]))[:, 0] == pytest.approx(4.0)
 

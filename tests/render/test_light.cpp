@@ -245,5 +245,78 @@ TEST_CASE("a ramp of a light is seen by what moves: its streak shows the ramp") 
   }
 }
 
+// A floor under lamps of which ten are near and the rest far off or below it.
+Scene floor_under(std::size_t lamps) {
+  Scene scene;
+  scene.camera = pixel_camera(16, 16);
+  Mesh floor;
+  floor.shape.name = "/floor";
+  floor.shape.vertex_count = 4;
+  floor.shape.positions = {{-2, -2, 0}, {18, -2, 0}, {18, 18, 0}, {-2, 18, 0}};
+  floor.shape.triangles = {{0, 1, 2}, {0, 2, 3}};
+  floor.display_color.values = {{0.5f, 0.5f, 0.5f}};
+  add(scene, floor);
+  for (std::size_t i = 0; i < lamps; ++i) {
+    const Point2 place = Sampler(PixelSampler(9, std::uint32_t(i), 0), 0).pair(Dimension::kLight, 0);
+    Light lamp;
+    lamp.name = "/lamp";
+    lamp.kind = LightKind::kSphere;
+    lamp.radius = 0.2f;
+    lamp.radiance = {30, 30, 30};
+    Vec3f at{16.0f * place.x, 16.0f * place.y, 3.0f};
+    if (i >= 10)
+      at = i % 2 ? Vec3f{at.x, at.y, -3.0f} : Vec3f{300.0f * place.x + 60.0f, 300.0f * place.y, 40.0f};
+    lamp.world_from_light = {translation(at)};
+    scene.lights.push_back(lamp);
+  }
+  return scene;
+}
+
+double mean_square_error(const Scene& scene) {
+  RenderSettings settings{.width = 16, .height = 16, .spp = 2048, .seed = 5, .max_bounces = 0, .build = {}};
+  const Image truth = render(scene, settings);
+  settings.spp = 8;
+  double sum = 0.0;
+  for (settings.seed = 10; settings.seed < 18; ++settings.seed) {
+    const Image image = render(scene, settings);
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+      const double error = image.rgba[i] - truth.rgba[i];
+      sum += error * error;
+    }
+  }
+  return sum;
+}
+
+TEST_CASE("a thousand lights of which ten matter are hardly noisier than the ten alone") {
+  const double few = mean_square_error(floor_under(10)), many = mean_square_error(floor_under(1000));
+  CAPTURE(few);
+  CAPTURE(many);
+  CHECK(few > 0.0);
+  CHECK(many < 1.6 * few);
+}
+
+// What a surface receives, however many lights there are to pick from: the mean is that of asking each.
+TEST_CASE("picking lights by chance keeps the picture's mean") {
+  Scene few = floor_under(4);
+  const auto mean = [](const Image& image) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) sum += image.rgba[i];
+    return sum;
+  };
+  const RenderSettings settings{
+      .width = 16, .height = 16, .spp = 512, .seed = 2, .max_bounces = 0, .build = {}};
+  const double expected = mean(render(few, settings));
+  // The same light, from each lamp in four parts, at one place.
+  Scene many = few;
+  many.lights.clear();
+  for (const Light& light : few.lights) {
+    for (int part = 0; part < 4; ++part) {
+      many.lights.push_back(light);
+      many.lights.back().radiance = light.radiance * 0.25f;
+    }
+  }
+  CHECK(mean(render(many, settings)) == doctest::Approx(expected).epsilon(2e-3));
+}
+
 }  // namespace
 }  // namespace msbvh

@@ -205,6 +205,72 @@ TEST_CASE("so it is through every filter and shutter") {
   }
 }
 
+// Whatever a light may ask for beyond its kind.
+void add_controls(Scene& scene, std::uint32_t bits) {
+  const auto bit = [&](int i) { return (bits >> i & 1) != 0; };
+  Light tube;
+  tube.name = "/tube";
+  tube.kind = LightKind::kCylinder;
+  tube.radius = 3.0f;
+  tube.length = 30.0f;
+  tube.radiance = {4, 5, 6};
+  tube.world_from_light = {translation({kSize / 2.0f, kSize / 2.0f, 50})};
+  Light spot = tube;
+  spot.name = "/spot";
+  spot.kind = LightKind::kDisk;
+  spot.radius = 9.0f;
+  spot.cone_angle_degrees = 60.0f;
+  spot.cone_softness = 0.5f;
+  spot.focus = 2.0f;
+  spot.diffuse = 0.75f;
+  if (bit(0)) {
+    Light sky = dome({0.5f, 0.6f, 0.7f});
+    sky.name = "/sky";
+    std::vector<Vec3f> texels;
+    for (int i = 0; i < 12; ++i) texels.push_back({float(i % 5), 1, float(i % 3)});
+    sky.image = light_image("sky", ImageMap::kLatlong, 4, 3, std::move(texels));
+    sky.world_from_light = {Affine3f{}};
+    if (bit(1)) {
+      sky.segments = 1;
+      sky.world_from_light = {Affine3f{}, {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, {}}};
+    }
+    scene.lights.push_back(sky);
+  }
+  if (bit(2)) {
+    spot.shadow = {true, {0.5f, 0, 0}, 20.0f, 8.0f, 2.0f};
+    tube.shadow.enabled = false;
+  }
+  if (bit(3)) {
+    scene.meshes[0].light_group = 1;
+    for (InstanceSet& set : scene.instances) set.light_groups.assign(instance_count(set), 2);
+    tube.lit_groups = {1, 0, 1};
+    spot.lit_groups = {1, 1, 0};
+    spot.shadow_groups = {1, 0, 1};
+  }
+  scene.lights.push_back(tube);
+  scene.lights.push_back(spot);
+}
+
+TEST_CASE("the picture is the scalar path tracer's to the bit, whatever lights ask for") {
+  for (std::uint32_t bits = 0; bits < 64; ++bits) {
+    CAPTURE(bits);
+    Calls calls = calls_of(bits * 7);
+    calls.opacity = (bits >> 4 & 1) != 0;
+    calls.instances = (bits >> 5 & 1) != 0;
+    Scene made = called(calls, bits);
+    add_controls(made, bits);
+    const auto scene = std::make_shared<const Scene>(std::move(made));
+    const RenderSettings settings{.width = kSize,
+                                  .height = kSize,
+                                  .spp = 3,
+                                  .seed = bits,
+                                  .max_bounces = bits % 3,
+                                  .show_domes = bits % 5 != 0,
+                                  .build = {}};
+    CHECK(render(*scene, settings).rgba == oracle_picture(scene, settings).rgba);
+  }
+}
+
 TEST_CASE("neither the batch's size nor the number of threads changes a bit") {
   const Scene scene = called({true, true, true, false, true, true, true}, 7);
   RenderSettings settings{.width = kSize, .height = kSize, .spp = 40, .max_bounces = 2, .build = {}};

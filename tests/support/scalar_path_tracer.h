@@ -11,6 +11,7 @@
 
 #include "core/api/renderer.h"
 #include "core/film/sum_tree.h"
+#include "core/integrate/controlled_shadow.h"
 #include "core/integrate/frame.h"
 #include "core/integrate/looks.h"
 #include "core/integrate/mis.h"
@@ -38,6 +39,8 @@ class ScalarPathTracer {
       if (!find_surface(sampler, ray, depth, cone, vertex)) {
         if (depth > 0 || frame_.show_domes)
           result.radiance += throughput * frame_.lights.dome_radiance(ray.time);
+        if (depth == 0 && frame_.show_domes)
+          result.radiance += throughput * frame_.lights.image_domes_radiance(ray.dir, ray.time);
         return result;
       }
       SurfaceHit& surface = vertex.surface;
@@ -65,12 +68,18 @@ class ScalarPathTracer {
   struct Vertex {
     SurfaceHit surface;
     Bsdf bsdf;
-    float distance, width;  // of the ray that found it, and of its cone there
+    float distance = 0.0f, width = 0.0f;  // of the ray that found it, and of its cone there
+    std::uint32_t light_group = 0;
   };
   struct Scattered {
     float pdf = 0.0f;
     Vec3f weight;
   };
+
+  Vec3f seen(const Bsdf::Value& reflected, float diffuse, float mirrored) const {
+    return effects_.has(Effect::kLightControls) ? reflected.diffuse * diffuse + reflected.specular * mirrored
+                                                : reflected.both();
+  }
 
   bool specular() const { return effects_.has(Effect::kSpecular); }
 
@@ -104,7 +113,7 @@ class ScalarPathTracer {
         step_past(hit, ray);
         continue;
       }
-      vertex = {surface_at(frame_.scene(), source, hit, ray), {}, hit.t, width};
+      vertex = {surface_at(frame_.scene(), source, hit, ray), {}, hit.t, width, source.light_group()};
       if (specular() || effects_.has(Effect::kTextures)) add_look(source, hit, ray, vertex);
       return true;
     }
@@ -141,11 +150,33 @@ class ScalarPathTracer {
     return light;
   }
 
+  // What is left of light behind all that may shadow it: the textbook's product, unless the light says
+  // otherwise.
+  Vec3f reaching(const Light& light, Ray ray, const Vec3f& amount, float width) const {
+    if (!frame_.lights.has_shadow_settings()) return dimmed(ray, amount, width);
+    if (!light.shadow.enabled) return amount;
+    if (light.shadow.distance >= 0.0f) ray.tfar = std::min(ray.tfar, light.shadow.distance);
+    Hit hit;
+    float left = 1.0f, shadowed = 0.0f;
+    while (left > 0.0f && frame_.tracer.intersect(ray, hit)) {
+      const HitSource source = frame_.index.resolve(hit);
+      if (holds_group(light.shadow_groups, source.light_group())) {
+        const float absorbed = left * opacity_of(source, hit, ray, width);
+        shadowed += absorbed * shadow_strength(light.shadow, hit.t);
+        left -= absorbed;
+      }
+      step_past(hit, ray);
+    }
+    return shadowed_light(light.shadow, amount, shadowed);
+  }
+
   void add_direct_light(const Sampler& sampler, const Vertex& vertex, const Vec3f& throughput, float time,
                         std::uint32_t depth, FilmSample& result) const {
     const float random = sampler.pair(Dimension::kLightPick, depth).x;
     for (std::uint32_t i = 0; i < frame_.lights.picks(); ++i) {
-      const LightPick pick = frame_.lights.pick(i, random);
+      const LightPick pick =
+          frame_.lights.pick(i, random, vertex.surface.position, vertex.surface.shading_normal);
+      if (!holds_group(pick.light->lit_groups, vertex.light_group)) continue;
       result.radiance +=
           sampled_light(sampler.pair(Dimension::kLight, depth, i), vertex, throughput, time, pick);
       if (pick.extended) result.radiance += met_light(sampler, vertex, throughput, time, depth, pick);
@@ -163,15 +194,16 @@ class ScalarPathTracer {
     float pdf = cosine * (1.0f / kPi), weight = pdf;
     if (specular()) {
       const Bsdf::Value reflected = vertex.bsdf.at(surface.shading_normal, light.direction);
-      carried = throughput * reflected.both();
+      carried = throughput * seen(reflected, light.diffuse, light.specular);
       pdf = reflected.pdf;
       weight = 1.0f;
     }
     if (light.pdf > 0.0f) weight *= power_heuristic(pick.expected * light.pdf, pdf);
+    if (!specular()) weight *= light.diffuse;
     const Vec3f reflected = carried * light.irradiance * (weight / pick.expected);
     Ray shadow = leave(surface, light.direction, time);
     shadow.tfar = light.distance;
-    return light.casts_shadow ? dimmed(shadow, reflected, vertex.width) : reflected;
+    return light.casts_shadow ? reaching(*pick.light, shadow, reflected, vertex.width) : reflected;
   }
 
   Vec3f met_light(const Sampler& sampler, const Vertex& vertex, const Vec3f& throughput, float time,
@@ -183,9 +215,19 @@ class ScalarPathTracer {
     if (!bounce(sampler, vertex, depth, ray, next) || !(next.pdf > 0.0f)) return {};
     if (!find_light(*pick.light, vertex.surface.position, ray.dir, time, along)) return {};
     ray.tfar = along.distance;
-    const float share = power_heuristic(next.pdf, pick.expected * along.pdf) / pick.expected;
-    const Vec3f carried = specular() ? throughput * next.weight : throughput;
-    return dimmed(ray, carried * along.radiance * share, vertex.width);
+    float share = power_heuristic(next.pdf, pick.expected * along.pdf) / pick.expected;
+    Vec3f carried = throughput;
+    if (specular() && effects_.has(Effect::kLightControls)) {
+      const SurfaceHit& surface = vertex.surface;
+      carried = throughput *
+                seen(vertex.bsdf.at(surface.shading_normal, ray.dir), along.diffuse, along.specular) *
+                (1.0f / next.pdf);
+    } else if (specular()) {
+      carried = throughput * next.weight;
+    } else {
+      share *= along.diffuse;
+    }
+    return reaching(*pick.light, ray, carried * along.radiance * share, vertex.width);
   }
 
   bool bounce(const Sampler& sampler, const Vertex& vertex, std::uint32_t depth, Ray& ray,

@@ -53,11 +53,11 @@ class Places : public MotionSource {
 };
 
 LightSamples samples_at(const Times& times01, const std::function<double(double)>& emission,
-                        const LightSizes& sizes = {}, bool normalize = false) {
+                        const LightNumbers& sizes = {}, bool normalize = false) {
   LightSamples samples{times01, {}, {}, {}};
   for (const double time01 : times01) {
     samples.emission.push_back(Vec3d{1.0, 0.5, 0.0} * emission(time01));
-    samples.sizes.push_back(sizes);
+    samples.numbers.push_back(sizes);
     samples.normalize.push_back(normalize);
   }
   return samples;
@@ -67,7 +67,7 @@ double one(double) { return 1.0; }
 
 LightSwitches never_off(std::size_t times) { return {std::vector<bool>(times, true)}; }
 
-SampledLight changing(const std::function<double(double)>& emission, const LightSizes& sizes = {},
+SampledLight changing(const std::function<double(double)>& emission, const LightNumbers& sizes = {},
                       bool normalize = false) {
   const Times times01{0.0, 0.25, 0.5, 1.0};
   return {samples_at({0.0}, emission, sizes, normalize), samples_at(times01, emission, sizes, normalize),
@@ -141,7 +141,7 @@ TEST_CASE("values that are all the same are one") {
   CHECK_FALSE(changing([](double u) { return u; }).over_shutter().still());
   const Times ends{0.0, 1.0};
   LightSamples wider = samples_at(ends, one), normalized = wider, none = wider;
-  wider.sizes[1].width = 2.0;
+  wider.numbers[1].width = 2.0;
   normalized.normalize[1] = true;
   none.emission[0].x = none.emission[1].x = kNaN;
   for (const LightSamples& samples : {wider, normalized, none}) {
@@ -163,10 +163,10 @@ TEST_CASE("a light is off while it is invisible, or its instances are") {
 
 TEST_CASE("a size that passes zero stays an extent; one that is zero throughout stays zero") {
   LightSamples samples = samples_at({0.0, 0.5, 1.0}, one, {0.53, 0.0, 1.0, 0.0});
-  samples.sizes[1].radius = 2.0;
-  samples.sizes[2].width = 0.0;
+  samples.numbers[1].radius = 2.0;
+  samples.numbers[2].width = 0.0;
   const SampledLight light(samples_at({0.0}, one), samples, never_off(3));
-  const std::vector<LightSizes>& sizes = light.over_shutter().sizes;
+  const std::vector<LightNumbers>& sizes = light.over_shutter().numbers;
   CHECK(sizes[0].radius == kSmallestShare * 2.0);
   CHECK(sizes[1].radius == 2.0);
   CHECK(sizes[2].width == kSmallestShare);
@@ -176,17 +176,17 @@ TEST_CASE("a size that passes zero stays an extent; one that is zero throughout 
 
 TEST_CASE("a frame whose values are no numbers takes those of the opening") {
   LightSamples at_frame = samples_at({0.0}, one);
-  at_frame.sizes[0].radius = kNaN;
+  at_frame.numbers[0].radius = kNaN;
   const SampledLight light(at_frame, samples_at({0.0, 1.0}, [](double u) { return 3.0 + u; }), never_off(2));
   CHECK(light.at_frame().still());
   CHECK(light.at_frame().emission[0].x == 3.0);
-  CHECK(light.at_frame().sizes[0].radius == 0.5);
-  CHECK(std::isnan(SampledLight(at_frame).at_frame().sizes[0].radius));  // nothing else is known
+  CHECK(light.at_frame().numbers[0].radius == 0.5);
+  CHECK(std::isnan(SampledLight(at_frame).at_frame().numbers[0].radius));  // nothing else is known
 }
 
 TEST_CASE("numbers of values that do not agree are refused") {
   LightSamples fewer = samples_at({0.0, 1.0}, one);
-  fewer.sizes.pop_back();
+  fewer.numbers.pop_back();
   CHECK_THROWS_AS(SampledLight(samples_at({0.0}, one), fewer, never_off(2)), Error);
   CHECK_THROWS_AS(SampledLight(samples_at({0.0}, one), samples_at({0.0, 1.0}, one), never_off(1)), Error);
   CHECK_THROWS_AS(SampledLight(samples_at({}, one)), Error);
@@ -215,7 +215,7 @@ TEST_CASE("a light that changes has its own values at the frame and samples over
 
 TEST_CASE("a normalised light that scales keeps its power, where it changes and where it does not") {
   const auto scale = [](double u) { return 1.0 + u; };
-  const LightSizes sizes{0.53, 0.5, 2.0, 3.0};
+  const LightNumbers sizes{0.53, 0.5, 2.0, 3.0};
   const SampledLight still(samples_at({0.0}, one, sizes, true));
   for (const SampledLight& light : {still, changing([](double u) { return 1.0 + u; }, sizes, true)}) {
     const LightInput input = placed(LightKind::kRect, light, Places(scale));

@@ -131,6 +131,61 @@ TEST_CASE("each effect comes with the first prim that asks for it") {
   }
 }
 
+TEST_CASE("light controls and image domes say what asks for them; neutral ones ask for nothing") {
+  Scene scene = still_scene();
+  scene.lights = {light("/point", LightKind::kSphere)};
+  Light& point = scene.lights[0];
+  point.radius = 0.0f;
+  const EffectSet none{};
+  CHECK(plan_effects(scene, {.max_bounces = 0}).set == none);
+  SUBCASE("cone") {
+    point.cone_angle_degrees = 30.0f;
+    check_only(scene, Effect::kLightControls, "/point", "cone");
+    point.kind = LightKind::kDistant;  // nothing shapes it
+    point.angle_degrees = 0.0f;
+    CHECK(plan_effects(scene, {.max_bounces = 0}).set == none);
+  }
+  SUBCASE("focus") {
+    point.focus = 1.0f;
+    check_only(scene, Effect::kLightControls, "/point", "focus");
+  }
+  SUBCASE("IES profile") {
+    point.ies.profile = std::make_shared<const IesProfile>();
+    check_only(scene, Effect::kLightControls, "/point", "IES profile");
+  }
+  SUBCASE("multipliers") {
+    point.specular = 0.0f;
+    check_only(scene, Effect::kLightControls, "/point", "diffuse or specular multiplier");
+  }
+  SUBCASE("shadow settings") {
+    point.shadow.enabled = false;
+    check_only(scene, Effect::kLightControls, "/point", "shadow settings");
+  }
+  SUBCASE("links") {
+    point.lit_groups = {1, 1};
+    point.shadow_groups = {1, 1};
+    CHECK(plan_effects(scene, {.max_bounces = 0}).set == none);
+    point.shadow_groups = {1, 0};
+    check_only(scene, Effect::kLightControls, "/point", "shadow link");
+    point.lit_groups = {0, 1};
+    check_only(scene, Effect::kLightControls, "/point", "light link");
+  }
+  SUBCASE("image dome") {
+    scene.lights = {light("/sky", LightKind::kDome)};
+    scene.lights[0].image = light_image("sky", ImageMap::kLatlong, 2, 1, {{1, 1, 1}, {0, 0, 0}});
+    const EffectPlan plan = plan_effects(scene, {.max_bounces = 0});
+    CHECK(plan.set == EffectSet{}.with(Effect::kImageDome).with(Effect::kAreaLights));
+    CHECK(plan.why.back().why == "textured dome, 2 x 1 texels");
+    CHECK(effect_bytes(scene)[Effect::kImageDome] == 2 * 16 + 4);
+  }
+  SUBCASE("new kinds are area lights alone") {
+    scene.lights = {light("/tube", LightKind::kCylinder)};
+    check_only(scene, Effect::kAreaLights, "/tube", "cylinder of radius 0.5, length 1");
+    scene.lights = {light("/disk", LightKind::kDisk)};
+    check_only(scene, Effect::kAreaLights, "/disk", "disk of radius 0.5");
+  }
+}
+
 TEST_CASE("a light whose values move is a moving light, a dome as well, and its largest size counts") {
   Scene scene = still_scene();
   scene.lights = {light("/dome", LightKind::kDome), light("/sphere", LightKind::kSphere)};

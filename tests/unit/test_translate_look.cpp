@@ -98,20 +98,39 @@ TEST_CASE("emission is intensity, exposure, colour and temperature multiplied ou
 }
 
 TEST_CASE("normalisation divides by the light's area in the world") {
-  const LightSizes sizes{180.0, 2.0, 3.0, 4.0};
+  const LightNumbers sizes{180.0, 2.0, 3.0, 4.0};
   CHECK(light_normalization(LightKind::kSphere, sizes, scaled(1, 1, 1)) == doctest::Approx(16.0 * kPi));
   CHECK(light_normalization(LightKind::kSphere, sizes, scaled(3, 3, 3)) == doctest::Approx(144.0 * kPi));
   CHECK(light_normalization(LightKind::kRect, sizes, scaled(2, 5, 7)) == doctest::Approx(120.0));
   CHECK(light_normalization(LightKind::kDistant, sizes, scaled(2, 5, 7)) ==
         doctest::Approx(kPi));  // a half sphere
+  const LightNumbers tube{.radius = 2.0, .length = 3.0};
+  CHECK(light_normalization(LightKind::kDisk, sizes, scaled(2, 5, 7)) == doctest::Approx(40.0 * kPi));
+  CHECK(light_normalization(LightKind::kCylinder, tube, scaled(2, 3, 3)) == doctest::Approx(72.0 * kPi));
   CHECK(light_normalization(LightKind::kDome, sizes, scaled(2, 5, 7)) == 1.0);
   CHECK(light_normalization(LightKind::kRect, sizes, scaled(0, 1, 1)) == 1.0);
+}
+
+TEST_CASE("numbers that UsdLux clamps or ignores") {
+  LightNumbers numbers;
+  numbers.focus = -1.0;
+  numbers.cone_angle_degrees = -5.0;
+  numbers.cone_softness = 7.0;
+  const LightValues values = light_values({1.0, 2.0, 3.0}, numbers);
+  CHECK(values.radiance == Vec3f{1, 2, 3});
+  CHECK(values.focus == 0.0f);
+  CHECK(values.cone_angle_degrees == 0.0f);
+  CHECK(values.cone_softness == 1.0f);
+  numbers.cone_softness = -1.0;
+  CHECK(light_values({}, numbers).cone_softness == 0.0f);
+  numbers.diffuse = std::nan("");
+  CHECK(std::isnan(light_values({}, numbers).diffuse));
 }
 
 TEST_CASE("a normalised sphere tends to its point") {
   const Vec3d one{1.0, 1.0, 1.0};
   const double radius = 1e-3;
-  const LightSizes small{0.0, radius, 0.0, 0.0}, point{0.0, 0.0, 0.0, 0.0};
+  const LightNumbers small{0.0, radius, 0.0, 0.0}, point{0.0, 0.0, 0.0, 0.0};
   const double intensity =
       light_radiance(LightKind::kSphere, one, small, true, scaled(1, 1, 1)).x * kPi * radius * radius;
   CHECK(light_radiance(LightKind::kSphere, one, point, true, scaled(1, 1, 1)).x ==

@@ -1,8 +1,8 @@
 // Which lights a vertex of a path asks for light.
 //
-// Each of a few; of many, a few by chance, each as likely as half by what it gives and half all alike. A
-// light's share of the samples is thus at least half of what it would be if all were alike, however wrong the
-// guess of what it gives: no sample weighs more than twice as much as there.
+// Each of a few; of many, a few by chance: three quarters by what each gives to the surface there, about, one
+// quarter all alike. A light's share of the samples is thus at least a quarter of what it would be if all
+// were alike, however wrong the guess: no sample weighs more than four times as much as there.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,19 @@
 #include "core/base/box.h"
 #include "core/scene/scene.h"
 #include "core/shade/light/light.h"
+#include "core/shade/light/light_tree.h"
 
 namespace msbvh {
 
 // Lights that a vertex asks at most.
 inline constexpr std::uint32_t kLightPicks = 4;
+// The share of the picks that know nothing of what lights give.
+inline constexpr float kAlikeShare = 0.25f;
 
 struct LightPick {
   const Light* light;
   const PlacedLight* still;  // null for one that moves or changes
-  float expected;            // how many of a vertex's picks are this light, in the mean
+  float expected;            // how many of the vertex's picks are this light, in the mean
   bool extended;             // has_extent()
 };
 
@@ -33,26 +36,42 @@ class LightSampler {
 
   // At each vertex.
   std::uint32_t picks() const { return picks_; }
-  // Number `which` of them; `random` in [0, 1), the same for all picks of a vertex. Does not read it where
-  // each light is picked.
-  LightPick pick(std::uint32_t which, float random) const;
-  bool by_chance() const { return !cumulative_.empty(); }
+  // Number `which` of them; `random` in [0, 1), the same for all picks of a vertex, which is at `point` of a
+  // surface with the unit `normal`.
+  LightPick pick(std::uint32_t which, float random, const Vec3f& point, const Vec3f& normal) const;
+  // The same where each light is picked.
+  const LightPick& pick(std::uint32_t which) const { return lights_[which]; }
+  bool by_chance() const { return lights_.size() > kLightPicks; }
 
-  // The sum of all domes at a time; zero without.
+  // The sum of all constant domes at a time; zero without.
   Vec3f dome_radiance(float time) const {
     return moving_domes_.empty() ? still_dome_radiance_ : moving_dome_radiance(time);
   }
   bool has_dome() const { return has_dome_; }
+  // Of all domes with an image: what a ray to nowhere sees. They are among the picks.
+  Vec3f image_domes_radiance(const Vec3f& direction, float time) const;
+  // Whether a light has any that its shadow rays must ask for.
+  bool has_shadow_settings() const { return has_shadow_settings_; }
 
  private:
   void weigh(const Box3f& bounds);
+  // That a pick is a light, at a vertex where the tree has some importance.
+  float chance(std::uint32_t light, float importance, const Vec3f& point, const Vec3f& normal) const;
+  std::uint32_t found(float random, float importance, const Vec3f& point, const Vec3f& normal) const;
   Vec3f moving_dome_radiance(float time) const;
 
-  std::vector<LightPick> lights_;  // all but domes
+  std::vector<LightPick> lights_;  // all but constant domes
   std::vector<PlacedLight> placed_;
-  std::vector<float> cumulative_;  // of their chances; empty where each is picked
+  // Where they are picked by chance: those with a place are in the tree, the rest has the same importance
+  // everywhere.
+  LightTree tree_;
+  std::vector<std::uint32_t> placed_lights_;      // by their number in the tree
+  std::vector<std::uint32_t> distant_lights_;     // in the order of the following
+  std::vector<float> cumulative_;                 // of the importance of these
+  std::vector<std::uint32_t> place_in_its_list_;  // by light: in one of the lists above
   std::uint32_t picks_ = 0;
   bool has_dome_ = false;
+  bool has_shadow_settings_ = false;
   Vec3f still_dome_radiance_;
   std::vector<const Light*> moving_domes_;
 };

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "core/shade/light/flat.h"
+#include "core/shade/light/image.h"
 #include "core/shade/light/shapes.h"
 
 namespace msbvh {
@@ -14,32 +16,45 @@ bool sample_rect(const PlacedLight& light, const Vec3f& point, Point2 random, Li
   const LightValues& values = light.values;
   const Vec3f on_light = light.world_from_light.point(
       {(random.x - 0.5f) * values.width, (random.y - 0.5f) * values.height, 0.0f});
-  const Vec3f to_light = on_light - point;
-  const float distance_squared = dot(to_light, to_light);
-  const float projected_area_times_distance = dot(to_light, light.dark_area);
-  if (!(projected_area_times_distance > 0.0f)) return false;
-  sample.distance = std::sqrt(distance_squared);
-  sample.direction = to_light * (1.0f / sample.distance);
-  const float solid_angle = projected_area_times_distance / (distance_squared * sample.distance);
-  if (!(solid_angle < std::numeric_limits<float>::infinity())) return false;  // its area or place overflows
-  sample.irradiance = values.radiance * solid_angle;
-  sample.pdf = 1.0f / solid_angle;
-  return true;
+  return sample_area(values.radiance, light.dark_area, on_light, point, sample);
+}
+
+bool sample_image_rect(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample) {
+  const LightValues& values = light.values;
+  const LightImage& image = *light.source->image;
+  const ImagePlace place = sample_image(image, random);
+  if (!(place.density > 0.0f)) return false;
+  const Vec3f on_light =
+      light.world_from_light.point({(0.5f - place.u) * values.width, (0.5f - place.v) * values.height, 0.0f});
+  return sample_area(values.radiance * image_at(image, place.u, place.v),
+                     light.dark_area * (1.0f / place.density), on_light, point, sample);
 }
 
 bool find_rect(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along) {
   const Affine3f& m = light.world_from_light;
-  const Vec3f& area = light.dark_area;
-  const float facing = dot(direction, area);
-  if (!(facing > 0.0f)) return false;
-  const float distance = dot(m.t - point, area) / facing;
-  if (!(distance > 0.0f)) return false;
-  const Vec3f from_center = point + direction * distance - m.t;
-  const Vec3f x = m.x * light.values.width, y = m.y * light.values.height, n = cross(x, y);
-  const float half = 0.5f * dot(n, n);
-  if (std::abs(dot(cross(from_center, y), n)) > half || std::abs(dot(cross(x, from_center), n)) > half)
+  FlatPlace place;
+  if (!find_flat(m.t, m.x * light.values.width, m.y * light.values.height, light.dark_area, point, direction,
+                 place))
     return false;
-  along = {light.values.radiance, distance, distance * distance / facing};
+  const float half = 0.5f * place.scale;
+  if (std::abs(place.u) > half || std::abs(place.v) > half) return false;
+  along = {light.values.radiance, place.distance, place.pdf};
+  return true;
+}
+
+bool find_image_rect(const PlacedLight& light, const Vec3f& point, const Vec3f& direction,
+                     LightAlong& along) {
+  const Affine3f& m = light.world_from_light;
+  FlatPlace place;
+  if (!find_rect(light, point, direction, along) ||
+      !find_flat(m.t, m.x * light.values.width, m.y * light.values.height, light.dark_area, point, direction,
+                 place))
+    return false;
+  const LightImage& image = *light.source->image;
+  const float u = std::clamp(0.5f - place.u / place.scale, 0.0f, 1.0f);
+  const float v = std::clamp(0.5f - place.v / place.scale, 0.0f, 1.0f);
+  along.radiance = along.radiance * image_at(image, u, v);
+  along.pdf *= image_density(image, u, v);
   return true;
 }
 

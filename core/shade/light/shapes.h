@@ -25,6 +25,24 @@ float world_radius(float radius, const Affine3f& world_from_light);
 bool sample_rect(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample);
 bool find_rect(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along);
 Vec3f dark_area(const LightValues& values, const Affine3f& world_from_light);
+// By what its image gives.
+bool sample_image_rect(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample);
+bool find_image_rect(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along);
+
+// Uniform by area on the ellipse that the transform makes of the disk.
+bool sample_disk(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample);
+bool find_disk(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along);
+Vec3f dark_disk_area(float radius, const Affine3f& world_from_light);
+
+// Uniform along the cylinder and across it as the point sees it; under any transform.
+bool sample_cylinder(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample);
+bool find_cylinder(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along);
+
+// By what its image gives over the sphere of directions. The transform counts as the rotation, or the mirror,
+// that keeps its y axis.
+bool sample_dome(const PlacedLight& light, Point2 random, LightSample& sample);
+bool find_dome(const PlacedLight& light, const Vec3f& direction, LightAlong& along);
+Affine3f dome_rotation(const Affine3f& world_from_light);
 
 // usdrecord's light: a white diffuse surface that faces the camera has the light's colour, at any distance.
 bool sample_camera_light(const PlacedLight& light, const Camera& camera, const Vec3f& point, float time,

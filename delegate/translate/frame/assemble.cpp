@@ -7,6 +7,7 @@
 #include "delegate/translate/frame/camera_moments.h"
 #include "delegate/translate/frame/frame_implicit.h"
 #include "delegate/translate/frame/held_parts.h"
+#include "delegate/translate/frame/motions.h"
 #include "delegate/translate/frame/primvar_policy.h"
 #include "delegate/translate/sample/sampler.h"
 #include "delegate/translate/transform_samples.h"
@@ -190,6 +191,7 @@ class Assembler {
   }
 
   void add_lights() {
+    translator_.set_light_groups(input_.light_groups);
     const double frame01 = input_.shutter.clamped_frame01();
     std::size_t count = 0;
     for (const FrameLight& light : input_.lights) {
@@ -197,6 +199,10 @@ class Assembler {
       for (std::uint32_t place = 0; place < light.motion->count(); ++place) {
         LightInput placed = placed_light(light.kind, light.light, *light.motion, place, times01, frame01);
         placed.light.name = light.path;
+        static_cast<LightLook&>(placed.light) = light.look;
+        if (light.offset) {
+          for (Matrix4d& m : placed.world_from_light.matrices) m = product(*light.offset, m);
+        }
         translator_.add_light(placed);
         ++count;
       }
@@ -208,7 +214,8 @@ class Assembler {
     LightInput light;
     light.light.name = "camera light";
     light.light.kind = LightKind::kCamera;
-    static_cast<LightValues&>(light.light) = {{1.0f, 1.0f, 1.0f}, 0.0f, 0.0f, 0.0f, 0.0f};
+    static_cast<LightValues&>(light.light) = {
+        .angle_degrees = 0.0f, .radius = 0.0f, .width = 0.0f, .height = 0.0f};
     for (const CameraSample& sample : camera.samples) {
       light.world_from_light.times01.push_back(sample.time01);
       light.world_from_light.matrices.push_back(sample.world_from_camera);

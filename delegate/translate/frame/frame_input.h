@@ -14,6 +14,7 @@
 #include "delegate/translate/frame/placed_levels.h"
 #include "delegate/translate/frame/shutter.h"
 #include "delegate/translate/inputs.h"
+#include "delegate/translate/light_groups.h"
 #include "delegate/translate/look/light_samples.h"
 #include "delegate/translate/look/shader_network.h"
 #include "delegate/translate/shape/implicit_shape.h"
@@ -82,6 +83,8 @@ struct FrameLight {
   LightKind kind = LightKind::kDistant;
   SampledLight light;
   MotionPointer motion;  // one thing a place
+  LightLook look{};
+  std::optional<Matrix4d> offset{};  // comes before the motion: a dome's turn to its pole
 };
 
 // A material of which a network was found.
@@ -96,6 +99,7 @@ struct FrameInput {
   std::vector<FrameMaterial> materials{};
   std::vector<FrameGroup> groups{};
   std::vector<FrameLight> lights{};
+  LightGroups light_groups{};
   bool camera_light = true;  // usdrecord's, where there is no light
 };
 

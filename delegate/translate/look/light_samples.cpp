@@ -15,38 +15,38 @@ constexpr double kUneven = 1e-5;  // share by which squared lengths may differ
 
 void check_counts(const LightSamples& samples, const char* name) {
   const std::size_t times = samples.times01.size();
-  if (times > 0 && samples.emission.size() == times && samples.sizes.size() == times &&
+  if (times > 0 && samples.emission.size() == times && samples.numbers.size() == times &&
       samples.normalize.size() == times)
     return;
   throw Error(std::string(name) + ": found " + std::to_string(times) + " times, " +
               std::to_string(samples.emission.size()) + " emissions, " +
-              std::to_string(samples.sizes.size()) + " sizes and " +
+              std::to_string(samples.numbers.size()) + " sets of numbers and " +
               std::to_string(samples.normalize.size()) +
               " flags; expected one of each a time, and a time at least");
 }
 
-bool is_finite(const LightSizes& sizes) {
-  return std::isfinite(sizes.angle_degrees) && std::isfinite(sizes.radius) && std::isfinite(sizes.width) &&
-         std::isfinite(sizes.height);
+bool is_finite(const LightNumbers& numbers) {
+  return std::ranges::all_of(kLightNumbers,
+                             [&](const LightNumber& each) { return std::isfinite(numbers.*each.number); });
 }
 
 // At its first time.
 bool starts_finite(const LightSamples& samples) {
-  return is_finite(samples.emission.front()) && is_finite(samples.sizes.front());
+  return is_finite(samples.emission.front()) && is_finite(samples.numbers.front());
 }
 
 void keep_first(LightSamples& samples) {
   samples.times01.resize(1);
   samples.emission.resize(1);
-  samples.sizes.resize(1);
+  samples.numbers.resize(1);
   samples.normalize.resize(1);
 }
 
-void keep_above_zero(std::vector<LightSizes>& sizes, double LightSizes::*size) {
+void keep_above_zero(std::vector<LightNumbers>& sizes, double LightNumbers::*size) {
   double largest = 0.0;
-  for (const LightSizes& each : sizes) largest = std::max(largest, each.*size);
+  for (const LightNumbers& each : sizes) largest = std::max(largest, each.*size);
   if (largest == 0.0) return;  // of no size throughout
-  for (LightSizes& each : sizes) {
+  for (LightNumbers& each : sizes) {
     if (each.*size == 0.0) each.*size = kSmallestShare * largest;
   }
 }
@@ -57,7 +57,7 @@ bool all_alike(const Values& values) {
 }
 
 bool all_alike(const LightSamples& samples) {
-  return all_alike(samples.emission) && all_alike(samples.sizes) && all_alike(samples.normalize);
+  return all_alike(samples.emission) && all_alike(samples.numbers) && all_alike(samples.normalize);
 }
 
 // Of one thing, at each of the times.
@@ -70,22 +70,17 @@ std::vector<Matrix4d> matrices_at(const MotionSource& motion, std::uint32_t whic
   return matrices;
 }
 
-LightValues values_of(const Vec3d& radiance, const LightSizes& sizes) {
-  return {Vec3f(radiance), float(sizes.angle_degrees), float(sizes.radius), float(sizes.width),
-          float(sizes.height)};
-}
-
 // The same at more times, for what depends on the transform.
 LightSamples repeated(const LightSamples& still, std::span<const double> times01) {
   const std::size_t times = times01.size();
   return {{times01.begin(), times01.end()},
           std::vector<Vec3d>(times, still.emission.front()),
-          std::vector<LightSizes>(times, still.sizes.front()),
+          std::vector<LightNumbers>(times, still.numbers.front()),
           std::vector<bool>(times, still.normalize.front())};
 }
 
 Vec3d radiance_at(LightKind kind, const LightSamples& samples, std::size_t time, const Matrix4d& place) {
-  return light_radiance(kind, samples.emission[time], samples.sizes[time], samples.normalize[time], place);
+  return light_radiance(kind, samples.emission[time], samples.numbers[time], samples.normalize[time], place);
 }
 
 TransformSamples transform_of(std::span<const double> times01, std::span<const Matrix4d> places) {
@@ -100,10 +95,10 @@ void add_values(LightKind kind, const LightSamples& samples, std::span<const Mat
   std::vector<Vec3d> radiances;
   for (std::size_t t = 0; t < places.size(); ++t)
     radiances.push_back(radiance_at(kind, samples, t, places[t]));
-  if (all_alike(radiances) && all_alike(samples.sizes)) return;
+  if (all_alike(radiances) && all_alike(samples.numbers)) return;
   input.values_times01 = samples.times01;
   for (std::size_t t = 0; t < places.size(); ++t)
-    input.values.push_back(values_of(radiances[t], samples.sizes[t]));
+    input.values.push_back(light_values(radiances[t], samples.numbers[t]));
 }
 
 }  // namespace
@@ -142,10 +137,8 @@ SampledLight::SampledLight(LightSamples at_frame, LightSamples over_shutter, con
   for (std::size_t t = 0; t < times; ++t) {
     if (!switches.on(t, over_shutter_.times01[t])) over_shutter_.emission[t] = {};
   }
-  for (double LightSizes::*size :
-       {&LightSizes::angle_degrees, &LightSizes::radius, &LightSizes::width, &LightSizes::height}) {
-    keep_above_zero(over_shutter_.sizes, size);
-  }
+  for (std::size_t i = 0; i < kLightSizes; ++i)
+    keep_above_zero(over_shutter_.numbers, kLightNumbers[i].number);
   if (!starts_finite(
           at_frame_)) {  // The frame lies outside of the shutter, or the samples show the fault too.
     at_frame_ = over_shutter_;
@@ -169,7 +162,7 @@ LightInput placed_light(LightKind kind, const SampledLight& light, const MotionS
   const LightSamples& values = over.still() ? over : light.at_frame();
   LightInput input;
   LightValues& own = input.light;
-  own = values_of(radiance_at(kind, values, 0, at_frame), values.sizes.front());
+  own = light_values(radiance_at(kind, values, 0, at_frame), values.numbers.front());
   input.light.kind = kind;
   input.world_from_light = transform_of(times01, places);
   if (!over.still()) {

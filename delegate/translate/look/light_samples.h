@@ -19,9 +19,9 @@ inline constexpr double kSmallestShare = 1e-3;
 // A light's inputs at T times of the shutter, increasing; one where nothing changes.
 struct LightSamples {
   std::vector<double> times01;
-  std::vector<Vec3d> emission;    // light_emission(): before normalisation
-  std::vector<LightSizes> sizes;  // stage units
-  std::vector<bool> normalize;    // inputs:normalize
+  std::vector<Vec3d> emission;  // light_emission(): before normalisation
+  std::vector<LightNumbers> numbers;
+  std::vector<bool> normalize;  // inputs:normalize
 
   // Nothing but the transform may change.
   bool still() const { return times01.size() == 1; }

@@ -1,6 +1,7 @@
 // What lights' inputs mean, and what they give over the shutter (delegate/translate/look).
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -8,6 +9,8 @@
 #include <tuple>
 #include <vector>
 
+#include "delegate/translate/look/ies_file.h"
+#include "delegate/translate/look/light_picture.h"
 #include "delegate/translate/look/light_radiance.h"
 #include "delegate/translate/look/light_samples.h"
 #include "delegate/usd/bindings/arguments.h"
@@ -24,12 +27,14 @@ namespace {
 
 using namespace msbvh::translate;
 
-using Four = std::tuple<double, double, double, double>;
 using Rgb = std::tuple<double, double, double>;
 
-LightSizes sizes_from(const Four& sizes) {
-  const auto [angle, radius, width, height] = sizes;
-  return {angle, radius, width, height};
+// In the order of kLightNumbers; those at the end may be left out.
+LightNumbers numbers_from(const std::vector<double>& given) {
+  if (given.size() > kLightNumbers.size()) throw nb::value_error("numbers: found too many");
+  LightNumbers numbers;
+  for (std::size_t i = 0; i < given.size(); ++i) numbers.*kLightNumbers[i].number = given[i];
+  return numbers;
 }
 
 Matrix4d matrix_from(nb::handle matrix, const char* name) {
@@ -50,13 +55,14 @@ std::vector<T> vector_from(nb::handle values, const char* name, std::initializer
   return {all.begin(), all.end()};
 }
 
-LightSamples samples_from(nb::handle times01, nb::handle emission, nb::handle sizes,
+LightSamples samples_from(nb::handle times01, nb::handle emission, nb::handle numbers,
                           std::vector<bool> normalize) {
   const std::size_t times = normalize.size();
   return {vector_from<double>(times01, "times01", {times}),
           vector_from<Vec3d>(emission, "emission", {times, 3}),
-          vector_from<LightSizes>(sizes, "sizes", {times, 4}), std::move(normalize)};
+          vector_from<LightNumbers>(numbers, "numbers", {times, kLightNumbers.size()}), std::move(normalize)};
 }
+static_assert(sizeof(LightNumbers) == kLightNumbers.size() * sizeof(double));
 
 std::vector<double> switch_times(nb::handle shown) {
   const std::optional<std::vector<VisibleInterval>> intervals = visible_from(shown);
@@ -72,19 +78,26 @@ nb::dict keywords_of(const LightInput& input) {
   keywords["radius"] = light.radius;
   keywords["width"] = light.width;
   keywords["height"] = light.height;
+  keywords["length"] = light.length;
+  keywords["focus"] = light.focus;
+  keywords["cone_angle_degrees"] = light.cone_angle_degrees;
+  keywords["cone_softness"] = light.cone_softness;
+  keywords["diffuse"] = light.diffuse;
+  keywords["specular"] = light.specular;
   const TransformSamples& transform = input.world_from_light;
   keywords["times01"] = owned_array<double>(transform.times01, {transform.times01.size()});
   keywords["world_from_light"] = owned_array<double>(transform.matrices, {transform.matrices.size(), 4, 4});
   if (input.values.empty()) return keywords;
   std::vector<Vec3f> radiances;
-  std::vector<std::array<float, 4>> sizes;
+  std::vector<std::array<float, kLightNumbers.size()>> numbers;
   for (const LightValues& values : input.values) {
     radiances.push_back(values.radiance);
-    sizes.push_back({values.angle_degrees, values.radius, values.width, values.height});
+    for (auto& row = numbers.emplace_back(); const LightNumber& each : kLightNumbers)
+      row[std::size_t(&each - kLightNumbers.data())] = values.*each.value;
   }
   keywords["values_times01"] = owned_array<double>(input.values_times01, {input.values_times01.size()});
   keywords["radiances"] = owned_array<float>(radiances, {radiances.size(), 3});
-  keywords["sizes"] = owned_array<float>(sizes, {sizes.size(), 4});
+  keywords["numbers"] = owned_array<float>(numbers, {numbers.size(), kLightNumbers.size()});
   return keywords;
 }
 
@@ -95,21 +108,17 @@ nb::dict placed(const std::string& kind, const SampledLight& light, nb::handle m
 }
 
 void bind_values(nb::module_& m) {
-  const LightSizes defaults;
-  nb::dict sizes;
-  sizes["angle"] = defaults.angle_degrees;
-  sizes["radius"] = defaults.radius;
-  sizes["width"] = defaults.width;
-  sizes["height"] = defaults.height;
-  m.attr("LIGHT_SIZES") = sizes;
+  nb::dict numbers;
+  for (const LightNumber& each : kLightNumbers) numbers[each.input] = LightNumbers{}.*each.number;
+  m.attr("LIGHT_NUMBERS") = numbers;
   m.def("light_emission", &emission, "intensity"_a, "exposure"_a, "color"_a, "temperature"_a);
   m.def(
       "light_normalization",
-      [](const std::string& kind, const Four& given, nb::handle world_from_light) {
-        return light_normalization(light_kind_from(kind), sizes_from(given),
+      [](const std::string& kind, const std::vector<double>& given, nb::handle world_from_light) {
+        return light_normalization(light_kind_from(kind), numbers_from(given),
                                    matrix_from(world_from_light, "world_from_light"));
       },
-      "kind"_a, "sizes"_a, "world_from_light"_a);
+      "kind"_a, "numbers"_a, "world_from_light"_a);
   m.def(
       "is_similarity", [](nb::handle matrix) { return is_similarity(matrix_from(matrix, "matrix")); },
       "matrix"_a);
@@ -119,11 +128,11 @@ void bind_samples(nb::module_& m) {
   nb::class_<LightSamples>(m, "LightSamples")
       .def(
           "__init__",
-          [](LightSamples* self, nb::handle times01, nb::handle emission, nb::handle sizes,
+          [](LightSamples* self, nb::handle times01, nb::handle emission, nb::handle numbers,
              std::vector<bool> normalize) {
-            new (self) LightSamples(samples_from(times01, emission, sizes, std::move(normalize)));
+            new (self) LightSamples(samples_from(times01, emission, numbers, std::move(normalize)));
           },
-          "times01"_a, "emission"_a, "sizes"_a, "normalize"_a);
+          "times01"_a, "emission"_a, "numbers"_a, "normalize"_a);
   nb::class_<SampledLight>(m, "SampledLight")
       .def(nb::init<LightSamples>(), "at_frame"_a)
       .def(
@@ -135,10 +144,73 @@ void bind_samples(nb::module_& m) {
           "at_frame"_a, "over_shutter"_a, "visible"_a, "shown"_a.none());
 }
 
+using ProfilePointer = std::shared_ptr<const IesProfile>;
+
+LightPicture picture_from(const std::string& name, const std::string& map, nb::handle texels) {
+  const auto array = nb::cast<nb::ndarray<nb::numpy, const float, nb::ndim<3>, nb::c_contig>>(texels);
+  if (array.shape(2) != 3) throw nb::value_error("texels: expected float32[H, W, 3]");
+  const auto* first = reinterpret_cast<const Vec3f*>(array.data());
+  return light_picture(name, image_map_from(map), std::uint32_t(array.shape(1)),
+                       std::uint32_t(array.shape(0)), {first, first + array.shape(0) * array.shape(1)});
+}
+
+Vec3f float_color_from(const Rgb& rgb) { return Vec3f(color_from(rgb)); }
+
+// LightLook's settings, each a property, so that the reader says only what a light has.
+void bind_light_look(nb::module_& m) {
+  nb::class_<LightPicture>(m, "LightPicture")
+      .def_prop_ro(
+          "size",
+          [](const LightPicture& picture) { return std::tuple(picture.image->width, picture.image->height); })
+      .def_ro("mended", &LightPicture::mended);
+  m.def("light_picture", &picture_from, "name"_a, "map"_a, "texels"_a);
+  nb::class_<IesProfile>(m, "IesProfile").def_ro("power", &IesProfile::power);
+  m.def(
+      "ies_profile",
+      [](nb::bytes text) {
+        return std::make_shared<const IesProfile>(parse_ies({text.c_str(), text.size()}));
+      },
+      "text"_a);
+  nb::class_<LightLook>(m, "LightLook")
+      .def(nb::init<>())
+      .def(
+          "set_image", [](LightLook& look, const LightPicture& picture) { look.image = picture.image; },
+          "picture"_a)
+      .def(
+          "set_focus_tint",
+          [](LightLook& look, const Rgb& tint) { look.focus_tint = float_color_from(tint); }, "tint"_a)
+      .def(
+          "set_ies",
+          [](LightLook& look, ProfilePointer profile, float angle_scale, bool normalize) {
+            look.ies = {std::move(profile), angle_scale, normalize};
+          },
+          "profile"_a, "angle_scale"_a, "normalize"_a)
+      .def(
+          "set_shadow",
+          [](LightLook& look, bool enable, const Rgb& color, float distance, float falloff, float gamma) {
+            look.shadow = {enable, float_color_from(color), distance, falloff, gamma};
+          },
+          "enable"_a, "color"_a, "distance"_a, "falloff"_a, "falloff_gamma"_a)
+      .def(
+          "set_links",
+          [](LightLook& look, const std::vector<bool>& lit, const std::vector<bool>& shadowed) {
+            look.lit_groups.assign(lit.begin(), lit.end());
+            look.shadow_groups.assign(shadowed.begin(), shadowed.end());
+          },
+          "lit"_a, "shadowed"_a)
+      .def_prop_ro("has_image", [](const LightLook& look) { return look.image != nullptr; })
+      .def_prop_ro("has_ies", [](const LightLook& look) { return look.ies.profile != nullptr; })
+      .def_prop_ro("links", [](const LightLook& look) {
+        return std::tuple(std::vector<bool>(look.lit_groups.begin(), look.lit_groups.end()),
+                          std::vector<bool>(look.shadow_groups.begin(), look.shadow_groups.end()));
+      });
+}
+
 }  // namespace
 
 void bind_lights(nb::module_& m) {
   bind_values(m);
+  bind_light_look(m);
   bind_samples(m);
   m.def("switch_times01", &switch_times, "shown"_a.none());
   m.def(

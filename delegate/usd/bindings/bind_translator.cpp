@@ -6,10 +6,12 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
+#include <nanobind/stl/unordered_map.h>
 #include <nanobind/stl/vector.h>
 #include <tuple>
 #include <utility>
 
+#include "delegate/translate/look/light_radiance.h"
 #include "delegate/translate/translator.h"
 #include "delegate/usd/bindings/arguments.h"
 #include "delegate/usd/bindings/bindings.h"
@@ -227,17 +229,21 @@ double pixels_per_unit(const Translator& translator, const nb::kwargs& keywords)
   return translator.pixels_per_unit(input, bounds);
 }
 
-// Radiance and sizes (angle in degrees, radius, width, height) at times; none: still.
+// Radiance and numbers (as LIGHT_NUMBERS has them) at times; none: still.
 void add_light_samples(Arguments& arguments, LightInput& input) {
   if (arguments.optional("values_times01").is_none()) return;
   const std::span<const double> times01 = arguments.times("values_times01");
   const AnyArray radiances =
       checked_array<float>(arguments.required("radiances"), "radiances", {times01.size(), 3});
-  const AnyArray sizes = checked_array<float>(arguments.required("sizes"), "sizes", {times01.size(), 4});
+  constexpr std::size_t kCount = kLightNumbers.size();
+  const AnyArray numbers =
+      checked_array<float>(arguments.required("numbers"), "numbers", {times01.size(), kCount});
   input.values_times01.assign(times01.begin(), times01.end());
   for (std::size_t i = 0; i < times01.size(); ++i) {
-    const std::span<const float> size = elements<float>(sizes).subspan(4 * i, 4);
-    input.values.push_back({elements<Vec3f>(radiances)[i], size[0], size[1], size[2], size[3]});
+    LightValues& values = input.values.emplace_back();
+    values.radiance = elements<Vec3f>(radiances)[i];
+    for (std::size_t n = 0; n < kCount; ++n)
+      values.*kLightNumbers[n].value = elements<float>(numbers)[kCount * i + n];
   }
 }
 
@@ -252,6 +258,20 @@ void add_light(Translator& translator, const nb::kwargs& keywords) {
   light.radius = arguments.value<float>("radius", "a float");
   light.width = arguments.value<float>("width", "a float");
   light.height = arguments.value<float>("height", "a float");
+  const auto number = [&](const char* name, float& value) {
+    if (!arguments.optional(name).is_none()) value = arguments.value<float>(name, "a float");
+  };
+  number("length", light.length);
+  number("focus", light.focus);
+  number("cone_angle_degrees", light.cone_angle_degrees);
+  number("cone_softness", light.cone_softness);
+  number("diffuse", light.diffuse);
+  number("specular", light.specular);
+  const nb::object look = arguments.optional("look");
+  if (!look.is_none()) {
+    if (!nb::isinstance<LightLook>(look)) arguments.fail("look", look, "a LightLook");
+    static_cast<LightLook&>(light) = *nb::inst_ptr<LightLook>(look);
+  }
   input.world_from_light = transform_from(arguments, "times01", "world_from_light");
   add_light_samples(arguments, input);
   arguments.expect_no_more();
@@ -347,6 +367,7 @@ void bind_translator(nb::module_& m) {
       .def("add_material", &Translator::add_material, nb::arg("look"),
            nb::arg("displacement").none() = nb::none())
       .def("add_light", &add_light)
+      .def("set_light_groups", &Translator::set_light_groups, nb::arg("groups"))
       .def_prop_ro("empty", &Translator::empty)
       .def_prop_ro("empty_meshes", &Translator::empty_meshes)
       .def("diagnostics", &Translator::diagnostics, nb::rv_policy::copy)

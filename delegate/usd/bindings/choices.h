@@ -31,8 +31,18 @@ inline LightKind light_kind_from(const std::string& name) {
   if (name == "dome") return LightKind::kDome;
   if (name == "sphere") return LightKind::kSphere;
   if (name == "rect") return LightKind::kRect;
+  if (name == "disk") return LightKind::kDisk;
+  if (name == "cylinder") return LightKind::kCylinder;
   if (name == "camera") return LightKind::kCamera;
-  bad_choice("kind", name, "distant, dome, sphere, rect or camera");
+  bad_choice("kind", name, "distant, dome, sphere, rect, disk, cylinder or camera");
+}
+
+inline ImageMap image_map_from(const std::string& name) {
+  if (name == "rect") return ImageMap::kRect;
+  if (name == "latlong") return ImageMap::kLatlong;
+  if (name == "angular") return ImageMap::kAngular;
+  if (name == "mirroredBall") return ImageMap::kMirroredBall;
+  bad_choice("map", name, "rect, latlong, angular or mirroredBall");
 }
 
 }  // namespace msbvh::python

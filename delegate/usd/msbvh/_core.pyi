@@ -8,7 +8,7 @@ Times are ``time01``: 0 is the shutter's opening, 1 its closing. Matrices follow
 (p' = p M), in stage space. Colours are linear Rec.709.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, Required, TypeAlias, TypedDict, Unpack
 
 import numpy as np
@@ -35,14 +35,19 @@ from ._core_frame import lenses_of as lenses_of
 from ._core_inputs import InstanceLevel as InstanceLevel
 from ._core_inputs import MeshInput as MeshInput
 from ._core_look import ASPECT_POLICIES as ASPECT_POLICIES
-from ._core_look import LIGHT_SIZES as LIGHT_SIZES
+from ._core_look import LIGHT_NUMBERS as LIGHT_NUMBERS
+from ._core_look import IesProfile as IesProfile
+from ._core_look import LightLook as LightLook
+from ._core_look import LightPicture as LightPicture
 from ._core_look import LightSamples as LightSamples
 from ._core_look import Optics as Optics
 from ._core_look import SampledLight as SampledLight
+from ._core_look import ies_profile as ies_profile
 from ._core_look import image_height as image_height
 from ._core_look import is_similarity as is_similarity
 from ._core_look import light_emission as light_emission
 from ._core_look import light_normalization as light_normalization
+from ._core_look import light_picture as light_picture
 from ._core_look import light_times01 as light_times01
 from ._core_look import placed_light as placed_light
 from ._core_look import switch_times01 as switch_times01
@@ -345,7 +350,7 @@ class Translator:
         self,
         *,
         name: str,
-        kind: Literal["distant", "dome", "sphere", "rect", "camera"],
+        kind: Literal["distant", "dome", "sphere", "rect", "disk", "cylinder", "camera"],
         radiance: Rgb,
         angle_degrees: float,
         radius: float,
@@ -355,11 +360,20 @@ class Translator:
         world_from_light: F64,
         values_times01: F64 | None = None,
         radiances: F32 | None = None,
-        sizes: F32 | None = None,
+        numbers: F32 | None = None,
+        length: float = 1.0,
+        focus: float = 0.0,
+        cone_angle_degrees: float = 180.0,
+        cone_softness: float = 0.0,
+        diffuse: float = 1.0,
+        specular: float = 1.0,
+        look: LightLook | None = None,
     ) -> None:
         """``world_from_light`` [T, 4, 4] at times01 [T]. Where a light's values change inside the shutter,
-        ``radiances`` [V, 3] and ``sizes`` [V, 4] (angle_degrees, radius, width, height) at
-        ``values_times01`` [V] are taken instead of the still ones. Two samples within 2e-6 make a jump."""
+        ``radiances`` [V, 3] and ``numbers`` [V, 10] (LIGHT_NUMBERS) at ``values_times01`` [V] are taken
+        instead of the still ones. Two samples within 2e-6 make a jump."""
+    def set_light_groups(self, groups: Mapping[str, int]) -> None:
+        """Of prims by their paths, or instances by what places them: see LightLook.set_links. Of all others 0."""
     @property
     def empty(self) -> bool:
         """Whether there is nothing that could be seen."""

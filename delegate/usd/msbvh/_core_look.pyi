@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ._core_sample import MotionSource
 
+F32 = NDArray[np.float32]
 F64 = NDArray[np.float64]
 Window = tuple[float, float, float, float]
 Rgb = tuple[float, float, float]
@@ -39,24 +40,67 @@ class Optics:
 def image_height(width: int, aspect_ratio: float) -> int:
     """By usdrecord's rule: rounded down, never below one pixel."""
 
-LIGHT_SIZES: dict[str, float]
-"""Inputs by which lights differ in size (angle, radius, width, height), with the values of those that have none. Degrees
-and stage units."""
+LIGHT_NUMBERS: dict[str, float]
+"""Inputs of lights that are numbers and may change inside the shutter, by their names behind ``inputs:``, with the values
+of lights that have none: sizes (angle, radius, width, height, length), shaping, multipliers. Degrees and stage units."""
 
 def light_emission(intensity: float, exposure: float, color: Rgb, temperature: Rgb) -> Rgb:
     """intensity * 2^exposure * color * the black body's colour."""
 
-def light_normalization(kind: str, sizes: tuple[float, float, float, float], world_from_light: F64) -> float:
-    """What inputs:normalize divides by. ``sizes``: angle in degrees, radius, width, height."""
+def light_normalization(kind: str, numbers: Sequence[float], world_from_light: F64) -> float:
+    """What inputs:normalize divides by. ``numbers``: in the order of LIGHT_NUMBERS; the last ones may be left out."""
 
 def is_similarity(matrix: F64) -> bool:
     """Whether float64[4, 4] scales lengths evenly and keeps angles; true of NaN, which others report."""
 
+class LightPicture:
+    """The image of a dome or a rect light, with what it takes to sample it."""
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height, of a smaller one where it was too large."""
+    @property
+    def mended(self) -> int:
+        """Texels that were not finite: NaN counts as 0, infinity as 65504."""
+
+def light_picture(name: str, map: str, texels: F32) -> LightPicture:
+    """``texels`` float32[H, W, 3], linear, the uppermost row first. ``map``: rect, latlong, angular or mirroredBall.
+    Raises Error where there are none."""
+
+class IesProfile:
+    """How the light of a luminaire is spread over directions."""
+
+    @property
+    def power(self) -> float:
+        """The mean intensity over the directions that the file covers, the sphere or a half of it."""
+
+def ies_profile(text: bytes) -> IesProfile:
+    """Of an LM-63 file. Raises Error, which says what is wrong."""
+
+class LightLook:
+    """What of a light does not change over the shutter."""
+
+    def __init__(self) -> None: ...
+    def set_image(self, picture: LightPicture) -> None: ...
+    def set_focus_tint(self, tint: Rgb) -> None: ...
+    def set_ies(self, profile: IesProfile, angle_scale: float, normalize: bool) -> None: ...
+    def set_shadow(self, enable: bool, color: Rgb, distance: float, falloff: float, falloff_gamma: float) -> None:
+        """UsdLux's ShadowAPI."""
+    def set_links(self, lit: Sequence[bool], shadowed: Sequence[bool]) -> None:
+        """By light group: whether it illuminates it, and is shadowed by it; empty: all."""
+    @property
+    def has_image(self) -> bool: ...
+    @property
+    def has_ies(self) -> bool: ...
+    @property
+    def links(self) -> tuple[list[bool], list[bool]]: ...
+
 class LightSamples:
     """A light's inputs at T times of the shutter."""
 
-    def __init__(self, times01: F64, emission: F64, sizes: F64, normalize: Sequence[bool]) -> None:
-        """float64[T], increasing; [T, 3], by light_emission(); [T, 4], in the order of LIGHT_SIZES; and as many flags."""
+    def __init__(self, times01: F64, emission: F64, numbers: F64, normalize: Sequence[bool]) -> None:
+        """float64[T], increasing; [T, 3], by light_emission(); [T, 10], in the order of LIGHT_NUMBERS; and as many
+        flags."""
 
 class SampledLight:
     """The values of a light over the shutter, wherever it stands."""

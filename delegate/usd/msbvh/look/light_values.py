@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from pxr import Usd, UsdGeom, UsdLux
 
-from .._core import LIGHT_SIZES, LightSamples, SampledLight, light_emission, switch_times01, value_times
+from .._core import LIGHT_NUMBERS, LightSamples, SampledLight, light_emission, switch_times01, value_times
 from ..motion.times import Shutter, breakpoints_of
 from ..stage.value_types import BOOL, FLOAT, FLOAT3, TOKEN, Kind
 from ..stage.values import Unreadable, might_vary, required, value
 
-SIZES = LIGHT_SIZES
+NUMBERS = LIGHT_NUMBERS
 
 
 def number(attribute: Usd.Attribute, code: Usd.TimeCode) -> float:
@@ -85,7 +85,7 @@ def _times(
 
 def _value_attributes(prim: Usd.Prim) -> list[Usd.Attribute]:
     light = UsdLux.LightAPI(prim)
-    sizes = [prim.GetAttribute(f"inputs:{name}") for name in SIZES]
+    numbers = [prim.GetAttribute(f"inputs:{name}") for name in NUMBERS]
     return [
         light.GetIntensityAttr(),
         light.GetExposureAttr(),
@@ -93,7 +93,7 @@ def _value_attributes(prim: Usd.Prim) -> list[Usd.Attribute]:
         light.GetEnableColorTemperatureAttr(),
         light.GetColorTemperatureAttr(),
         light.GetNormalizeAttr(),
-        *(attribute for attribute in sizes if attribute),
+        *(attribute for attribute in numbers if attribute),
     ]
 
 
@@ -102,11 +102,11 @@ def _read(prim: Usd.Prim, times01: list[float], codes: list[Usd.TimeCode]) -> Li
     return LightSamples(
         np.array(times01),
         np.array([emission(light, code) for code in codes]),
-        np.stack([_size(prim, name, codes) for name in SIZES], axis=1),
+        np.stack([_number(prim, name, codes) for name in NUMBERS], axis=1),
         [bool(value(light.GetNormalizeAttr(), code, BOOL)) for code in codes],
     )
 
 
-def _size(prim: Usd.Prim, name: str, codes: list[Usd.TimeCode]) -> list[float]:
+def _number(prim: Usd.Prim, name: str, codes: list[Usd.TimeCode]) -> list[float]:
     attribute = prim.GetAttribute(f"inputs:{name}")
-    return [number(attribute, code) if attribute else SIZES[name] for code in codes]
+    return [number(attribute, code) if attribute else NUMBERS[name] for code in codes]

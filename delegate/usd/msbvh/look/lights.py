@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Usd, UsdLux
+from pxr import Usd, UsdLux
 
 from .._core import is_similarity, light_times01, placed_light
 from ..motion.context import FrameContext
-from ..motion.held_values import any_but, values_within
 from ..motion.transforms import Motion
 from ..motion.turns import report_too_fast
-from ..stage.value_types import ASSET, BOOL
-from ..stage.values import Unreadable, might_vary, value
+from ..stage.values import Unreadable
+from .light_links import Links
+from .light_look import light_look, pole_turn
 from .light_values import Switches, sample_light
 
 SUPPORTED_LIGHTS = {
@@ -22,7 +22,11 @@ SUPPORTED_LIGHTS = {
     "DomeLight_1": "dome",
     "SphereLight": "sphere",
     "RectLight": "rect",
+    "DiskLight": "disk",
+    "CylinderLight": "cylinder",
 }
+_TOP_IS_Z = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+"""A quarter turn about x, for row vectors: +y to +z, +z to -y."""
 
 
 def is_light(prim: Usd.Prim) -> bool:
@@ -36,6 +40,7 @@ def add_lights(
     switches: Switches,
     motion: Motion,
     context: FrameContext,
+    links: Links,
 ) -> int:
     """Hands a light down once for each of the motion's places, over the shutter. Returns how many: none, with
     a warning, if it is unsupported.
@@ -45,16 +50,17 @@ def add_lights(
     kind = SUPPORTED_LIGHTS.get(str(prim.GetTypeName()))
     path = str(prim.GetPath())
     if kind is None:
-        context.diagnostics.group(
-            path, "", f"lights of type {prim.GetTypeName() or 'none'} are not supported yet; left out"
-        )
+        context.diagnostics.group(path, "", _left_out(prim))
         return 0
     try:
         light = sample_light(prim, switches, context.shutter)
     except Unreadable as fault:
         context.diagnostics.error(path, fault.attribute, f"{fault.message}; the light is left out")
         return 0
-    _warn_of_the_rest(prim, context)
+    if prim.GetRelationship("light:filters").GetTargets():
+        context.diagnostics.group(path, "light:filters", "light filters are not supported yet; lit without them")
+    look = light_look(prim, kind, links, context)
+    turned = kind == "dome" and pole_turn(prim, context)
     frame01 = context.shutter.frame01
     if kind == "sphere" and not all(map(is_similarity, motion.at_time(frame01))):
         message = "found a transform that shears or scales unevenly; lit as the sphere of equal volume"
@@ -62,49 +68,17 @@ def add_lights(
     times01 = light_times01(motion, context.held)
     for index in range(motion.count):
         report_too_fast(motion.turns(index), path, context.diagnostics)
-        translator.add_light(name=path, kind=kind, **placed_light(kind, light, motion, index, times01, frame01))
+        placed = placed_light(kind, light, motion, index, times01, frame01)
+        if turned:
+            placed["world_from_light"] = _TOP_IS_Z @ placed["world_from_light"]
+        translator.add_light(name=path, kind=kind, look=look, **placed)
     return motion.count
 
 
-def _warn_of_the_rest(prim: Usd.Prim, context: FrameContext) -> None:
-    """Names what a supported light has authored beyond what is drawn."""
-    path = str(prim.GetPath())
-    texture = prim.GetAttribute("inputs:texture:file")
-    textures = []
-    if texture and (value(texture, context.code, ASSET) or might_vary(texture)):
-        found = values_within(texture, context.shutter)
-        textures = [asset for asset in found if isinstance(asset, Sdf.AssetPath) and asset]
-    if textures:
-        message = f"found @{textures[0].path}@; not supported yet, lit by the plain colour"
-        context.diagnostics.warning(path, texture.GetName(), message)
-    for name, neutral in (
-        ("inputs:shaping:cone:angle", 90.0),
-        ("inputs:shaping:focus", 0.0),
-        ("inputs:shaping:ies:file", Sdf.AssetPath()),
-        ("inputs:diffuse", 1.0),
-        ("inputs:shadow:enable", True),
-    ):
-        attribute = prim.GetAttribute(name)
-        if not attribute or not attribute.HasAuthoredValue():
-            continue
-        if any_but(neutral, attribute, context.shutter):
-            context.diagnostics.group(path, name, "not supported yet; lit without it")
-    for name in ("lightLink", "shadowLink"):
-        if _is_restricted(Usd.CollectionAPI(prim, name)):
-            message = "light linking is not supported yet; the light reaches everything"
-            context.diagnostics.group(path, f"collection:{name}", message)
-    if prim.GetRelationship("light:filters").GetTargets():
-        context.diagnostics.group(path, "light:filters", "light filters are not supported yet; lit without them")
-
-
-def _is_restricted(collection: Usd.CollectionAPI) -> bool:
-    """Whether a light's collection may leave out prims; by default it holds all."""
-    targets = (collection.GetIncludesRel(), collection.GetExcludesRel())
-    return (
-        any(relationship and relationship.GetTargets() for relationship in targets)
-        or value(collection.GetIncludeRootAttr(), Usd.TimeCode.Default(), BOOL) is False
-        or collection.GetMembershipExpressionAttr().HasAuthoredValue()
-    )
+def _left_out(prim: Usd.Prim) -> str:
+    if prim.GetTypeName() == "PortalLight":
+        return "portals only guide how a dome is sampled; left out, which changes no more than the noise"
+    return f"lights of type {prim.GetTypeName() or 'none'} are not supported yet; left out"
 
 
 def camera_light(times01: np.ndarray, world_from_camera: np.ndarray) -> dict:

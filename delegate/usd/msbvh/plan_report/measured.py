@@ -33,6 +33,8 @@ _OWN_STAGES: dict[str, Callable[[_core.StageSamples], bool]] = {
 """Effects with work of their own. Of opacity the part of shadow rays is left out, of area lights the sampling of those that
 are not met by chance: both are in "direct"."""
 _PART_OF_STAGES: dict[str, Callable[[_core.StageSamples], bool]] = {
+    "image dome": lambda row: row["stage"] in ("direct", "area lights"),
+    "light controls": lambda row: row["stage"] in ("direct", "area lights"),
     "lens": lambda row: row["stage"] == "generate",
     "camera motion": lambda row: row["stage"] == "generate",
     "specular": lambda row: row["stage"] == "looks",

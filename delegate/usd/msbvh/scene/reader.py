@@ -11,12 +11,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from pxr import Tf, Usd, UsdGeom
+from pxr import Sdf, Tf, Usd, UsdGeom
 
 from .._core import EDGE_LENGTHS, MOST_PLACES, SILHOUETTES, InstanceLevel, MeshInput, PixelSize, RefinementCache
 from ..base.crash_line import crash_line
 from ..base.errors import Diagnostics, SceneError
 from ..camera.render_camera import Blur, RenderCamera, optics, read_camera
+from ..look.light_links import Links
 from ..look.light_values import Switches
 from ..look.lights import add_lights, camera_light
 from ..look.materials import Materials
@@ -346,7 +347,34 @@ class _FrameReader:
             name: ("vertex", taken(indices, each), None) for name, each in found.items() if each is not None
         } or None
 
+    def _links(self, placements: list[Placement]) -> Links:
+        """With the light groups of all that is drawn, which the translator gets."""
+        groups = self._traversal.groups
+        links = Links(part.prim for group in groups.values() for part in group.lights)
+        if not links.any:
+            return links
+        found = {str(part.prim.GetPath()): links.group(part.prim.GetPath()) for part in groups[WORLD].shapes}
+        for placement in placements[1:]:
+            found[placement.path] = self._group_of(placement, links)
+        self._translator.set_light_groups(groups=found)
+        return links
+
+    def _group_of(self, placement: Placement, links: Links) -> int:
+        """Of instances that are placed together, which links may tell apart."""
+        instances = [
+            part for group in self._traversal.groups.values() for part in group.instances.get(placement.key, [])
+        ]
+        found = {links.group(part.prim.GetPath()) for part in instances} or {links.group(Sdf.Path(placement.path))}
+        if len(found) > 1:
+            message = (
+                "light links that tell instances of one prototype apart are not supported yet; all lights reach it"
+            )
+            self._context.diagnostics.group(placement.path, "", message)
+            return 0
+        return found.pop()
+
     def _add_lights(self, placements: list[Placement]) -> None:
+        links = self._links(placements)
         for placement in placements:
             group = self._traversal.groups[placement.key]
             for part in group.lights:
@@ -355,7 +383,7 @@ class _FrameReader:
                 motion = motion.inside(placement.motion)
                 switches = Switches(part.blinking, placement.visible)
                 with leaving_out(part.prim, self._context.code):
-                    self._light_count += add_lights(self._translator, part.prim, switches, motion, self._context)
+                    self._light_count += add_lights(self._translator, part.prim, switches, motion, self._context, links)
         if self._light_count == 0 and not self._settings.disable_camera_light:
             self._translator.add_light(**camera_light(self._camera.times01, self._camera.world_from_camera))
 

@@ -1,25 +1,16 @@
-#include "core/scene/check.h"
+#include "core/scene/check_material.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "core/base/error.h"
+#include "core/scene/gate.h"
 
 namespace msbvh {
 
-void expect(bool holds, const std::string& part, const std::string& attribute, const std::string& found,
-            const std::string& expected) {
-  if (!holds) throw Error(part + ": " + attribute + ": found " + found + "; expected " + expected);
-}
-
-void expect_index(std::size_t index, std::size_t size, const std::string& part,
-                  const std::string& attribute) {
-  expect(index < size, part, attribute, "index " + std::to_string(index),
-         "less than " + std::to_string(size));
-}
-
 namespace {
+
+using namespace gate;
 
 // What a material reads from elsewhere.
 void check_reads(const Material& material, const Scene& scene, const std::string& part) {
