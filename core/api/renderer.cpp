@@ -277,6 +277,10 @@ std::vector<TextureFault> Renderer::texture_faults() const {
   return data.textures ? data.textures->faults() : std::vector<TextureFault>{};
 }
 
+const std::string& Renderer::texture_name(TextureId texture) const {
+  return committed().scene->textures.at(texture).name;
+}
+
 const EffectPlan& Renderer::plan() const { return committed().plan; }
 const RenderStatistics& Renderer::statistics() const { return committed().statistics; }
 

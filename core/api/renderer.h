@@ -93,6 +93,7 @@ class Renderer {
 
   // Textures that could not be read until now, each once; their fallbacks were drawn.
   std::vector<TextureFault> texture_faults() const;
+  const std::string& texture_name(TextureId texture) const;
   // The names behind hashes of a Cryptomatte, core/film/name_hash.h; throws Error where none is asked for.
   std::vector<std::pair<std::string, std::uint32_t>> crypto_manifest(
       Aov aov, std::span<const std::uint32_t> hashes) const;

@@ -150,7 +150,8 @@ void begin_aovs(const Frame& frame, PathBatch& batch) {
   const std::size_t paths = batch.slot.size();
   if (frame.aovs.light()) {
     batch.light.assign(paths, {});
-    for (std::vector<Vec3f>* each : {&batch.specular, &batch.sorted, &batch.sorted_specular})
+    for (std::vector<Vec3f>* each : {&batch.specular, &batch.scattered_share, &batch.light_share,
+                                     &batch.credited, &batch.sorted, &batch.sorted_specular})
       each->assign(paths, {});
   }
   if (!frame.aovs.cost()) return;

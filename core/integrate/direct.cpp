@@ -1,6 +1,7 @@
 #include "core/integrate/direct.h"
 
 #include "core/integrate/controlled_shadow.h"
+#include "core/integrate/light_parts.h"
 #include "core/integrate/mis.h"
 #include "core/integrate/shadow.h"
 #include "core/plan/effect_variant.h"
@@ -33,6 +34,7 @@ class DirectLight {
     if constexpr (kSpecular) {
       const Bsdf::Value reflected = batch_.bsdfs[place].at(surface.shading_normal, light.direction);
       throughput = throughput * seen(reflected, light.diffuse, light.specular);
+      note_share(reflected, path);
       pdf = reflected.pdf;
       weight = 1.0f;
     }
@@ -66,8 +68,10 @@ class DirectLight {
       const SurfaceHit& surface = batch_.surfaces[place];
       const Bsdf::Value reflected = batch_.bsdfs[place].at(surface.shading_normal, shadow.dir);
       throughput = throughput * seen(reflected, along.diffuse, along.specular) * (1.0f / pdf);
+      note_share(reflected, path);
     } else if constexpr (kSpecular) {
       throughput = throughput * batch_.scatter_weight[place];
+      if (splits_light()) batch_.light_share[path] = batch_.scattered_share[path];
     }
     add_shadow(pick, shadow, path, throughput * along.radiance * weight);
   }
@@ -80,6 +84,12 @@ class DirectLight {
   static Vec3f seen(const Bsdf::Value& reflected, float diffuse, float specular) {
     if constexpr (!kControls) return reflected.both();
     return reflected.diffuse * diffuse + reflected.specular * specular;
+  }
+
+  // For AOVs: what specular lobes of the first surface reflect of the light at hand.
+  bool splits_light() const { return batch_.depth == 0 && !batch_.light.empty(); }
+  void note_share(const Bsdf::Value& reflected, PathIndex path) const {
+    if (splits_light()) batch_.light_share[path] = specular_share(reflected.specular, reflected.both());
   }
 
   bool illuminates(const LightPick& pick, std::uint32_t place) const {
@@ -130,6 +140,15 @@ void trace_light_shadows(const Frame& frame, PathBatch& batch) {
   trace_shadows<shadow_effects(kOn)>(frame, batch);
 }
 
+// Of one ray to a light for each path, and what it says beside its light.
+template <EffectSet kOn>
+void trace_and_credit(const Frame& frame, PathBatch& batch) {
+  trace_light_shadows<kOn>(frame, batch);
+  if constexpr (kOn.has(Effect::kSpecular)) {
+    if (batch.depth == 0 && !batch.light.empty()) credit_specular(batch, batch.light_share);
+  }
+}
+
 template <EffectSet kOn>
 void add_direct_light(const Frame& frame, PathBatch& batch) {
   for (std::uint32_t which = 0; which < frame.lights.picks(); ++which) {
@@ -137,11 +156,11 @@ void add_direct_light(const Frame& frame, PathBatch& batch) {
     const DirectLight<kOn> light(frame, batch, which);
     batch.drawn.draw(batch.sampler, batch.shaded_paths, Draw(Dimension::kLight, batch.depth, which));
     for (std::size_t i = 0; i < batch.shaded.size(); ++i) light.sample(batch.shaded[i], batch.drawn[i]);
-    trace_light_shadows<kOn>(frame, batch);
+    trace_and_credit<kOn>(frame, batch);
     if constexpr (kOn.has(Effect::kAreaLights)) {
       batch.mark.enter(Stage::kAreaLights, batch.depth);
       for (const std::uint32_t place : batch.shaded) light.find(place);
-      trace_light_shadows<kOn>(frame, batch);
+      trace_and_credit<kOn>(frame, batch);
     }
   }
 }

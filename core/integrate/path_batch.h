@@ -93,9 +93,11 @@ struct PathBatch {
   std::vector<CostSum> costs;
   std::vector<CryptoSample> crypto;
   std::vector<LightParts<float>> light;
-  // Of radiance, what specular lobes of the first surface reflected: lobes add to it as they add to radiance.
-  // Empty where nobody asks.
+  // Of radiance, what specular lobes of the first surface reflected (light_parts.h). Empty where nobody asks.
   std::vector<Vec3f> specular;
+  // That share of what comes by the first surface's scattered ray, and by the ray to a light at hand.
+  std::vector<Vec3f> scattered_share, light_share;
+  std::vector<Vec3f> credited;                 // of radiance, what `specular` has been given its share of
   std::vector<Vec3f> sorted, sorted_specular;  // what of both `light` has
   std::vector<std::uint16_t> shutter_slice;    // where the shutter is kept in slices
 

@@ -1,5 +1,6 @@
 #include "core/integrate/scatter.h"
 
+#include "core/integrate/light_parts.h"
 #include "core/integrate/looks.h"
 #include "core/integrate/shadow.h"
 #include "core/plan/effect_variant.h"
@@ -34,6 +35,8 @@ void scatter_by_lobes(PathBatch& batch) {
     const bool above = dot(sample.direction, surface.geometric_normal) > 0.0f;
     batch.scatter_pdf[place] = above ? sample.pdf : 0.0f;
     batch.scatter_weight[place] = sample.weight;
+    if (batch.depth == 0 && !batch.light.empty())
+      batch.scattered_share[batch.active[place]] = specular_share(sample.specular, sample.weight);
     batch.scattered[place] = leave(surface, sample.direction, batch.rays[place].time);
   }
 }

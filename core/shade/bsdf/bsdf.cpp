@@ -134,7 +134,8 @@ BsdfSample Bsdf::sample(const Vec3f& normal, float lobe, Point2 random) const {
   }
   const Value value = at_local(in);
   if (!(value.pdf > 0.0f)) return {};
-  return {Basis(normal)(in), value.pdf, value.both() * (1.0f / value.pdf)};
+  const float per_pdf = 1.0f / value.pdf;
+  return {Basis(normal)(in), value.pdf, value.both() * per_pdf, value.specular * per_pdf};
 }
 
 }  // namespace msbvh

@@ -26,6 +26,7 @@ struct BsdfSample {
   Vec3f direction;
   float pdf = 0.0f;  // per steradian; 0: none
   Vec3f weight;      // reflected over incoming radiance times cosine, over pdf
+  Vec3f specular;    // of the weight, what specular lobes give
 };
 
 // Of one place, for light that leaves it in one direction. Directions are unit vectors in the world.

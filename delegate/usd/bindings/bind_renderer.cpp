@@ -313,12 +313,20 @@ nb::dict statistics(const Renderer& renderer) {
   return result;
 }
 
+// (texture as authored, file, reason) of each.
+nb::list texture_faults(const Renderer& renderer) {
+  nb::list faults;
+  for (const TextureFault& fault : renderer.texture_faults())
+    faults.append(nb::make_tuple(renderer.texture_name(fault.texture), fault.file, fault.reason));
+  return faults;
+}
+
 void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width, std::uint32_t height,
                   std::uint32_t spp, std::uint32_t seed, std::uint32_t max_bounces, std::uint32_t threads,
                   bool show_domes, const std::string& builder, const std::string& layout,
                   const std::string& refit, bool keep_topology, const std::vector<std::string>& aovs,
                   const std::string& sampler, float split_budget, bool sample_stages,
-                  const FilmSettings& film) {
+                  const FilmSettings& film, double texture_memory_mb) {
   RenderSettings settings{.width = width,
                           .height = height,
                           .spp = spp,
@@ -336,6 +344,7 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
   settings.aovs = aovs_from(aovs);
   settings.sample_stages = sample_stages;
   settings.film = film;
+  settings.textures.memory_limit_bytes = static_cast<std::uint64_t>(texture_memory_mb * 1048576.0);
   settings.film.origin = scene.origin;
   commit(self, scene.scene, std::move(settings));
 }
@@ -365,14 +374,15 @@ void bind_renderer(nb::module_& m) {
                  nb::arg("keep_topology") = defaults.build.keep_topology,
                  nb::arg("aovs") = std::vector<std::string>(), nb::arg("sampler") = "sobol",
                  nb::arg("split_budget") = defaults.build.spatial_split_budget,
-                 nb::arg("sample_stages") = defaults.sample_stages, nb::arg("film") = FilmSettings());
+                 nb::arg("sample_stages") = defaults.sample_stages, nb::arg("film") = FilmSettings(),
+                 nb::arg("texture_memory_mb") = double(defaults.textures.memory_limit_bytes >> 20));
   };
   nb::class_<Renderer> renderer(m, "Renderer");
   def_with_settings(
       renderer, "__init__",
       &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, bool,
             const std::string&, const std::string&, const std::string&, bool, const std::vector<std::string>&,
-            const std::string&, float, bool, const FilmSettings&>);
+            const std::string&, float, bool, const FilmSettings&, double>);
   def_with_settings(renderer, "commit", &commit_scene);
   renderer.def("render", &render, nb::arg("progress") = nb::none())
       .def("render_with_aovs", &render_with_aovs, nb::arg("progress") = nb::none())
@@ -384,6 +394,7 @@ void bind_renderer(nb::module_& m) {
       .def("probe", &probe, nb::kw_only(), nb::arg("rays"), nb::arg("seed"), nb::arg("progress") = nb::none())
       .def("ray_costs", &ray_costs, nb::kw_only(),
            nb::arg("camera_samples") = RayCostSettings{}.camera_samples, nb::arg("progress") = nb::none())
+      .def_prop_ro("texture_faults", &texture_faults)
       .def_prop_ro("plan", &plan)
       .def_prop_ro("statistics", &statistics);
 }

@@ -412,6 +412,8 @@ class RenderSettings(TypedDict, total=False):
     sample_stages: bool
     """Whether statistics say what threads were found at: ``stages``."""
     film: FilmSettings
+    texture_memory_mb: float
+    """Of texels that are kept, at most."""
 
 def aov_names() -> tuple[str, ...]:
     """Of what a pixel can tell beside its colour: core/film/aov.h says what each means."""
@@ -476,6 +478,9 @@ class Renderer:
 
         The same on any number of threads, but for build_share. Without the GIL; ``progress`` as of render().
         """
+    @property
+    def texture_faults(self) -> list[tuple[str, str, str]]:
+        """(texture as authored, file, reason) of those that could not be read until now; their fallbacks were drawn."""
     @property
     def plan(self) -> list[tuple[str, str, str]]:
         """(effect, prim, why)."""

@@ -33,6 +33,7 @@ RENDER_NAMES = (
     "refit",
     "sampler",
     "split_budget",
+    "texture_memory_mb",
 )
 """Options that are fields of RenderSettings."""
 RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")

@@ -75,6 +75,16 @@ RENDER: Sequence[Decorator] = (
         " at random, for comparisons; noisier at the same cost.",
     ),
     click.option(
+        "--texture-memory",
+        "texture_memory_mb",
+        type=click.FloatRange(16.0, 1048576.0),
+        callback=finite,
+        default=1024.0,
+        show_default=True,
+        metavar="MB",
+        help="Memory for what is read of textures. Less: parts are read again and again. The picture is the same.",
+    ),
+    click.option(
         "--layout",
         type=click.Choice(("full", "compact")),
         default="full",

@@ -62,6 +62,8 @@ class RenderSettings:
     sample_stages: bool = False
     """Whether the renderer's statistics say what its threads were found at."""
     film: Film = Film()
+    texture_memory_mb: float = 1024.0
+    """Of texels that are kept, at most: core/texture/texture_cache.h."""
 
 
 @dataclass(frozen=True)
@@ -256,6 +258,7 @@ def _record_frame(
         renderer = kept.trees.renderer(result)
     stats.plan = plan_entries(renderer)
     outcome = _traced(renderer, settings, ends - writing_seconds(camera.width * camera.height, len(files)), stats)
+    _tell_texture_faults(renderer, reporter)
     pixels, aovs = outcome.pixels, {name: outcome.aovs[name] for name in settings.render.aovs}
     if settings.ray_costs:
         with stats.timed("ray_costs"):
@@ -302,6 +305,11 @@ def _traced(renderer: _core.Renderer, settings: RecordSettings, ends: float, sta
             outcome = Outcome(pixels, aovs, settings.render.spp, None, {}, slices)
     stats.render = {**renderer.statistics, **outcome.statistics}
     return outcome
+
+
+def _tell_texture_faults(renderer: _core.Renderer, reporter: Reporter) -> None:
+    for name, file, reason in renderer.texture_faults:
+        reporter.warning(f"texture @{name}@: {file}: {reason}; drawn as its fallback")
 
 
 def report(diagnostics: Diagnostics, reporter: Reporter) -> None:
