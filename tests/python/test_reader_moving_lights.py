@@ -32,7 +32,7 @@ def check_samples(light: dict) -> None:
     times01 = light["values_times01"]
     assert (np.diff(times01) > 0).all() and times01[0] == 0.0 and times01[-1] == 1.0
     assert light["radiances"].dtype == light["numbers"].dtype == np.float32
-    assert light["radiances"].shape == (len(times01), 3) and light["numbers"].shape == (len(times01), 4)
+    assert light["radiances"].shape == (len(times01), 3) and light["numbers"].shape == (len(times01), len(NUMBERS))
 
 
 def test_all_of_the_emission_is_sampled():
