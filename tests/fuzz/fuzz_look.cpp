@@ -115,6 +115,15 @@ ShaderInput fuzzed_input(FuzzedData& data, std::uint32_t nodes) {
                           "roughness",
                           "clearcoat",
                           "specularColor",
+                          "base_color",
+                          "base",
+                          "emission",
+                          "opacity",
+                          "specular_roughness",
+                          "uvtiling",
+                          "texcoord",
+                          "index",
+                          "value",
                           "normal"});
   input.value = fuzzed_shader_value(data);
   for (std::uint32_t n = data.rarely() ? data.below(4) : 0; n > 0; --n)
@@ -125,16 +134,31 @@ ShaderInput fuzzed_input(FuzzedData& data, std::uint32_t nodes) {
   return input;
 }
 
+std::string fuzzed_identifier(FuzzedData& data, bool surface, bool materialx) {
+  if (!materialx && surface) return "UsdPreviewSurface";
+  if (!materialx) {
+    return data.word({"UsdUVTexture", "UsdPrimvarReader_float", "UsdPrimvarReader_float2",
+                      "UsdPrimvarReader_float3", "UsdPrimvarReader_string", "UsdTransform2d",
+                      "UsdPreviewSurface", ""});
+  }
+  if (surface) {
+    return data.word({"ND_standard_surface_surfaceshader", "ND_open_pbr_surface_surfaceshader",
+                      "ND_UsdPreviewSurface_surfaceshader"});
+  }
+  return data.word({"ND_image_color3", "ND_tiledimage_float", "ND_normalmap", "ND_extract_color3",
+                    "ND_separate3_color3", "ND_constant_color3", "ND_dot_float", "ND_convert_float_color3",
+                    "ND_geompropvalue_vector2", "ND_texcoord_vector2", "ND_UsdUVTexture_23",
+                    "ND_UsdPrimvarReader_float", "ND_UsdTransform2d"});
+}
+
 ShaderNetwork fuzzed_network(FuzzedData& data) {
   ShaderNetwork network;
   network.path = "/Look";
   const std::uint32_t nodes = 1 + data.below(6);
+  const bool materialx = data.rarely();
   for (std::uint32_t i = 0; i < nodes; ++i) {
     ShaderNode node{"/Look/N" + std::to_string(i), ""};
-    node.identifier = i == 0 ? "UsdPreviewSurface"
-                             : data.word({"UsdUVTexture", "UsdPrimvarReader_float", "UsdPrimvarReader_float2",
-                                          "UsdPrimvarReader_float3", "UsdPrimvarReader_string",
-                                          "UsdTransform2d", "UsdPreviewSurface", ""});
+    node.identifier = fuzzed_identifier(data, i == 0, materialx);
     for (std::uint32_t n = data.below(7); n > 0; --n) node.inputs.push_back(fuzzed_input(data, nodes));
     network.nodes.push_back(std::move(node));
   }

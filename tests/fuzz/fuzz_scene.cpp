@@ -51,6 +51,21 @@ void dress(Look& look, FuzzedData& data, std::size_t materials) {
   if (data.wrong()) look.material = data.number32();
 }
 
+// What a material reads, from what the scene has and from what it has not.
+void add_reads(Material& material, Scene& scene, FuzzedData& data) {
+  if (scene.textures.empty()) {
+    scene.textures = {{.name = "a.png", .tiles = {{0, 0, {"/a.png"}}}}};
+    scene.primvar_names = {"st", "wet"};
+  }
+  TextureRead read{.texture = data.wrong() ? 1u : 0u, .coordinates = data.below(data.wrong() ? 3 : 2)};
+  if (data.wrong()) read.matrix[data.below(4)] = data.real32();
+  material.texture_reads = {read};
+  const auto input = [&] { return SurfaceInput(data.below(10)); };
+  const std::uint8_t channel = data.wrong() ? 3 : 0;
+  material.driven = {{input(), DrivenInput::Source::kTexture, data.wrong() ? 1u : 0u, channel, data.coin()},
+                     {input(), DrivenInput::Source::kPrimvar, data.below(2)}};
+}
+
 void add_materials(Scene& scene, FuzzedData& data) {
   for (std::uint32_t n = data.below(3); n > 0; --n) {
     Material material;
@@ -60,6 +75,8 @@ void add_materials(Scene& scene, FuzzedData& data) {
     material.opacity = data.wrong() ? data.real32() : float(data.unit());
     material.opacity_from_display_opacity = data.coin();
     material.opacity_threshold = data.coin() ? 0.0f : float(data.unit());
+    material.roughness = data.wrong() ? data.real32() : float(data.unit());
+    if (data.coin()) add_reads(material, scene, data);
     scene.materials.push_back(material);
   }
 }

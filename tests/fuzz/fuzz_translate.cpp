@@ -64,7 +64,7 @@ void add_all(Translator& translator, FuzzedData& data, Arrays& arrays) {
       if (std::isnan(displacement->constant)) displacement->constant = 0.0;
       if (data.coin()) displacement->primvar = "height";
     }
-    translator.add_material(fuzzed_material(data), displacement);
+    translator.add_material(fuzzed_look(data), displacement);
   }
   for (std::uint32_t n = data.below(3); n > 0; --n)
     translator.add_mesh(fuzzed_mesh_input(data, arrays, materials));

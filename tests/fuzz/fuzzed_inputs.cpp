@@ -325,4 +325,15 @@ Material fuzzed_material(FuzzedData& data) {
   return material;
 }
 
+SurfaceLook fuzzed_look(FuzzedData& data) {
+  SurfaceLook look(fuzzed_material(data));
+  if (!data.coin()) return look;
+  look.primvars = {{"height", 1}, {"st", 2}};
+  look.textures = {{.name = "a.png", .tiles = {{0, 0, {"/a.png"}}}}};
+  look.material.driven = {{SurfaceInput::kRoughness, DrivenInput::Source::kPrimvar, data.below(2)},
+                          {SurfaceInput::kOpacity, DrivenInput::Source::kTexture, 0, 3}};
+  look.material.texture_reads = {{.coordinates = data.coin() ? PrimvarName(data.below(2)) : kNoPrimvar}};
+  return look;
+}
+
 }  // namespace msbvh::fuzz

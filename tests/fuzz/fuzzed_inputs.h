@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "delegate/translate/inputs.h"
+#include "delegate/translate/look/surface_look.h"
 #include "tests/fuzz/fuzzed_data.h"
 
 namespace msbvh::fuzz {
@@ -29,5 +30,7 @@ translate::InstancesInput fuzzed_instances(FuzzedData& data, Arrays& arrays, std
                                            std::uint32_t materials);
 translate::LightInput fuzzed_light_input(FuzzedData& data);
 Material fuzzed_material(FuzzedData& data);
+// That may read the primvar that fuzzed meshes have, and a texture by it.
+translate::SurfaceLook fuzzed_look(FuzzedData& data);
 
 }  // namespace msbvh::fuzz

@@ -22,6 +22,13 @@ def Scope "Looks" {{
             float inputs:opacity = 1
             float inputs:opacityThreshold = 0
             normal3f inputs:normal = (0, 0, 1)
+            int inputs:useSpecularWorkflow = 0
+            float inputs:metallic = 0
+            float inputs:roughness = 0.5
+            float inputs:ior = 1.5
+            float inputs:clearcoat = 0
+            float inputs:clearcoatRoughness = 0.01
+            token inputs:opacityMode = "transparent"
             float inputs:displacement = 0
             token outputs:surface
             token outputs:displacement

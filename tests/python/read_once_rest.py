@@ -233,6 +233,11 @@ def _materials() -> None:
         ("emissiveColor", (Gf.Vec3f(1), Gf.Vec3f(0))),
         ("opacity", (1.0, 0.0)),
         ("opacityThreshold", (0.0, 1.0)),
+        ("metallic", (0.0, 1.0)),
+        ("roughness", (0.0, 1.0)),
+        ("ior", (1.0, 1.5)),
+        ("clearcoat", (0.0, 1.0)),
+        ("clearcoatRoughness", (0.0, 1.0)),
     ):
         shot = Shot(SHUTTER)
         mesh = row_of_squares(shot)
@@ -244,13 +249,13 @@ def _materials() -> None:
 
 
 @case("inputs:normal")
-def _unsupported_inputs() -> None:
+def _constant_normal() -> None:
     shot = Shot(SHUTTER)
     bind(row_of_squares(shot), glowing(shot, "/Look", RED))
     shader = UsdShade.Shader.Get(shot.stage, "/Look/Surface")
     normal = shader.CreateInput("normal", Sdf.ValueTypeNames.Normal3f).GetAttr()
     set_in_turn(normal, ((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)), (9.0, 10.1, 10.4))
-    named(shot, "/Look/Surface.inputs:normal", "not supported")
+    named(shot, "/Look/Surface.inputs:normal", "changes within the shutter", "held")
 
 
 @case("inputs:displacement")

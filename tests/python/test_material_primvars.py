@@ -293,3 +293,16 @@ def test_the_same_through_a_material_of_another_purpose() -> None:
     api.Bind(shot.material, UsdShade.Tokens.fallbackStrength, UsdShade.Tokens.full)
     assert shot.read(material_purpose="full").scene.primvars("/Mesh").keys() == {"st"}
     assert shot.read(material_purpose="preview").scene.primvars("/Mesh") == {}
+
+
+def test_patches_of_a_displaced_surface_have_one_value_a_point() -> None:
+    shot = Reading()
+    shot.surface.CreateInput("displacement", TYPES.Float).Set(0.1)
+    shot.material.CreateDisplacementOutput().ConnectToSource(shot.surface.ConnectableAPI(), "displacement")
+    mesh = shot.mesh("/Mesh")
+    mesh.GetSubdivisionSchemeAttr().Set("catmullClark")
+    add_primvar(shot.bind(mesh), "st", TYPES.TexCoord2fArray, "faceVarying", SQUARE)
+    as_triangles = shot.read(displacement="tessellate").scene.primvars("/Mesh")["st"]
+    as_patches = shot.read(displacement="patches").scene.primvars("/Mesh")["st"]
+    assert (as_triangles[0], as_patches[0]) == ("faceVarying", "vertex")
+    assert as_patches[2].min() >= 0 and as_patches[2].max() <= 1

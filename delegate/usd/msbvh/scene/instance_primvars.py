@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from pxr import Usd, UsdGeom, UsdShade
 
 from ..look.networks import primvar_names
@@ -19,10 +21,12 @@ class InstancePrimvars:
         self._of_materials: dict[str, frozenset[str]] = {}
         self._of_prototypes: dict[str, frozenset[str]] = {}
 
-    def sources(self, instance: Usd.Prim, inherited: frozenset[str], context: FrameContext) -> tuple[str, ...]:
-        """The paths of the attributes that they come from. `inherited`: names of properties that have opinions above.
-        Nothing is looked through for an instance that has and inherits none."""
-        names = {name for name in {*inherited, *instance.GetAuthoredPropertyNames()} if _is_named(name)}
+    def sources(
+        self, instance: Usd.Prim, authored: frozenset[str], inherited: frozenset[str], context: FrameContext
+    ) -> tuple[str, ...]:
+        """The paths of the attributes that they come from. `authored`, `inherited`: names of properties that have opinions
+        at the instance, and above. Nothing is looked through where there are no such primvars."""
+        names = named_primvars(authored) | named_primvars(inherited)
         if not names:
             return ()
         read = self._read_by(instance, context) | self._read_in(instance.GetPrototype(), context)
@@ -49,5 +53,8 @@ class InstancePrimvars:
         return self._of_materials[path]
 
 
-def _is_named(name: str) -> bool:
-    return name.startswith("primvars:") and not name.startswith(_OTHERS) and not name.endswith(":indices")
+@lru_cache(maxsize=4096)
+def named_primvars(names: frozenset[str]) -> frozenset[str]:
+    """Of the names of properties, those of primvars that only materials which ask for them read."""
+    found = (name for name in names if name.startswith("primvars:") and not name.startswith(_OTHERS))
+    return frozenset(name for name in found if not name.endswith(":indices"))

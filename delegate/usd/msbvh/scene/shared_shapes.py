@@ -29,12 +29,13 @@ from ..motion.transform_faults import report_unusable
 from ..motion.transforms import Motion, XformCaches
 from ..motion.visibility import common_intervals, visible_intervals
 from .implicit import IMPLICIT_TYPES, SIDE_COUNTS, stray
+from .instance_primvars import named_primvars
 from .instances import Level, Placement, matrix_level
 from .material_primvars import leave_undisplaced
 from .part import Part
 from .point_instancers import no_values
 from .shape_sizes import sides_in_pixels
-from .simple_shapes import COLOUR, OPACITY, Alike, Simple, SimpleShapes
+from .simple_shapes import Alike, Simple, SimpleShapes
 
 
 @dataclass(frozen=True)
@@ -116,7 +117,7 @@ class SharedShapes:
     def _reads_its_own(self, simple: Simple) -> bool:
         """Whether its material reads primvars that it has, so that it cannot share a mesh."""
         part = simple.part
-        if not simple.binds or not any(_is_named(name) for name in part.authored | part.inherited):
+        if not simple.binds or not (named_primvars(part.authored) or named_primvars(part.inherited)):
             return False
         return any(
             part.authors(f"primvars:{name}") for name, _ in self._materials.reads(self._materials.bound_to(part.prim))
@@ -280,11 +281,6 @@ class SharedShapes:
             paths=paths,
             report_whole=whole,
         )
-
-
-def _is_named(name: str) -> bool:
-    """Whether a property is a primvar that only materials which ask for it read."""
-    return name.startswith("primvars:") and name not in (COLOUR, OPACITY)
 
 
 def _repeated(crowd: Crowd, inner: np.ndarray, indices: np.ndarray, outer: Placement) -> Crowd:

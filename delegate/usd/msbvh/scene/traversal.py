@@ -377,7 +377,7 @@ class Traversal:
             str(material.GetPath()) if material else "",
             primvar_source(prim, "displayColor"),
             primvar_source(prim, "displayOpacity"),
-            self._context.cache(InstancePrimvars).sources(prim, state.inherited, self._context),
+            self._context.cache(InstancePrimvars).sources(prim, state.authored, state.inherited, self._context),
             self._context.cache(Skeletons).inherited_binding(prim),
             draw_mode(prim),
             state.scales,
