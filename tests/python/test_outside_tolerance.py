@@ -97,8 +97,10 @@ def written(folder: Path, text: str, *, x: float = 0.01, name: str = "scene") ->
     return str(path)
 
 
-OF_THE_PICTURE = tuple(name for name in _core.aov_names() if name not in ("nodeVisits", "primitiveTests", "seconds"))
-"""AOVs that do not depend on trees."""
+OF_LIGHT = {"noise", "directDiffuse", "directSpecular", "indirectDiffuse", "indirectSpecular"}
+OF_TREES = {"nodeVisits", "primitiveTests", "seconds"}
+OF_CAMERA_RAYS = tuple(name for name in _core.aov_names() if name not in OF_LIGHT | OF_TREES)
+"""AOVs of what camera rays find alone."""
 
 
 def read(scene: str, factor: float, frame: float | None = 1.0, **settings: Any) -> ReadResult:
@@ -114,7 +116,7 @@ def keys(result: ReadResult, path: str) -> int:
 def rendered(result: ReadResult, seed: int = 0, spp: int = 16) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     camera = result.camera
     settings = {"width": camera.width, "height": camera.height, "spp": spp, "seed": seed, "max_bounces": 0}
-    return _core.Renderer(result.scene, **settings, aovs=OF_THE_PICTURE).render_with_aovs()
+    return _core.Renderer(result.scene, **settings, aovs=OF_CAMERA_RAYS).render_with_aovs()
 
 
 def same_to_the_camera(one: dict[str, np.ndarray], other: dict[str, np.ndarray]) -> None:

@@ -125,7 +125,8 @@ TEST_CASE("a Cryptomatte's coverage sums up to alpha, by the prims that are seen
     const std::vector<float>& values = image.aovs[0].values;
     for (std::size_t pixel = 0; pixel < 2; ++pixel) {
       double sum = 0.0;
-      for (std::size_t rank = 0; rank < kCryptoRanks; ++rank) sum += double(values[12 * pixel + 2 * rank + 1]);
+      for (std::size_t rank = 0; rank < kCryptoRanks; ++rank)
+        sum += double(values[12 * pixel + 2 * rank + 1]);
       CHECK(sum == doctest::Approx(image.rgba[4 * pixel + 3]).epsilon(1e-6));
     }
     const auto id = std::bit_cast<std::uint32_t>(values[2]);  // the second of pixel 0
