@@ -168,6 +168,8 @@ void plan_opacity(const Scene& scene, Planner& planner) {
     if (found(shown.name, least_opacity(scene, shown.id))) return;
   }
   for (const InstanceSet& set : scene.instances) {
+    if (!set.display_opacity.empty() && found(set.name, *std::ranges::min_element(set.display_opacity)))
+      return;
     std::vector<std::uint32_t> materials = set.materials;
     std::ranges::sort(materials);
     materials.erase(std::unique(materials.begin(), materials.end()), materials.end());

@@ -128,6 +128,9 @@ std::uint32_t material_index(const HitSource& source, const Hit& hit) {
 
 float opacity_at(const Scene& scene, const HitSource& source, const Hit& hit, float time) {
   const Material* material = material_of<kKnownEffects>(scene, source, hit);
+  if (source.instances && !source.instances->display_opacity.empty() &&
+      (!material || material->opacity_from_display_opacity))
+    return rendered_opacity(material, source.instances->display_opacity[source.instance]);
   if (!reads_display_opacity(*source.look, material)) return constant_opacity(material);
   return rendered_opacity(material, value_at<kKnownEffects>(source.look->display_opacity, source, hit, time));
 }

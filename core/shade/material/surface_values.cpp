@@ -26,7 +26,7 @@ struct Channels {
   float number(const DrivenInput& input) const { return values[input.channel]; }
   Vec3f color(const DrivenInput& input) const {
     if (input.grey) return {number(input), number(input), number(input)};
-    return {values[0], values[1], values[2]};
+    return {values[input.channel], values[input.channel + 1u], values[input.channel + 2u]};
   }
 };
 
