@@ -219,14 +219,15 @@ LightSamples fuzzed_light(FuzzedData& data, std::vector<double> times01) {
   light.times01 = std::move(times01);
   for (std::size_t i = 0; i < light.times01.size(); ++i) {
     light.emission.push_back({data.real(), data.real(), data.real()});
-    light.sizes.push_back({data.real(), data.real(), data.real(), data.real()});
+    LightNumbers& numbers = light.numbers.emplace_back();
+    for (const LightNumber& each : kLightNumbers) numbers.*each.number = data.real();
     light.normalize.push_back(data.coin());
   }
   return light;
 }
 
 void sample_lights(FuzzedData& data) {
-  const LightKind kind = LightKind(data.below(5));
+  const LightKind kind = LightKind(data.below(7));
   const std::vector<double> authored = inner_times01(data, 5), switched = inner_times01(data, 3);
   const std::vector<ValueTime> times = value_times(authored, switched);
   std::vector<double> times01;

@@ -162,7 +162,7 @@ void add_lights(Scene& scene, FuzzedData& data) {
   for (std::uint32_t n = data.below(3); n > 0; --n) {
     Light& light = scene.lights.emplace_back();
     light.name = "/light";
-    light.kind = LightKind(data.below(5));
+    light.kind = LightKind(data.below(7));
     light.segments = data.wrong() ? 3 : data.one_of({0u, 1u, 4u});
     const auto values = [&] {
       LightValues v;
@@ -171,9 +171,18 @@ void add_lights(Scene& scene, FuzzedData& data) {
       v.angle_degrees = float(360.0 * data.unit());
       v.width = float(data.unit());
       v.height = data.wrong() ? data.real32() : float(data.unit());
+      v.length = float(data.unit());
+      v.cone_angle_degrees = data.coin() ? 180.0f : float(180.0 * data.unit());
+      v.focus = data.coin() ? 0.0f : std::abs(data.real32());
+      v.diffuse = float(data.unit());
       return v;
     };
     static_cast<LightValues&>(light) = values();
+    if (light.kind == LightKind::kDome && data.coin())
+      light.image =
+          light_image("image", ImageMap(1 + data.below(3)), 2, 1, {{float(data.unit()), 0, 1}, {1, 0, 0}});
+    light.shadow.distance = data.coin() ? -1.0f : float(data.unit());
+    light.shadow.falloff = data.coin() ? -1.0f : float(data.unit());
     for (std::uint32_t i = 0; i < key_count(light.segments); ++i)
       light.world_from_light.push_back(data.map());
     for (std::uint32_t i = 0; i < key_count(light.segments) && data.coin(); ++i)

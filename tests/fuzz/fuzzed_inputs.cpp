@@ -290,7 +290,7 @@ InstancesInput fuzzed_instances(FuzzedData& data, Arrays& arrays, std::uint32_t 
 LightInput fuzzed_light_input(FuzzedData& data) {
   LightInput input;
   input.light.name = "/light";
-  input.light.kind = LightKind(data.below(5));
+  input.light.kind = LightKind(data.below(7));
   const auto values = [&] {
     LightValues v;
     v.radiance = {data.real32(), float(data.unit()), float(data.unit())};
@@ -299,6 +299,9 @@ LightInput fuzzed_light_input(FuzzedData& data) {
     v.angle_degrees = data.coin() ? float(data.unit()) : data.real32();
     v.width = data.coin() ? 1.0f : data.real32();
     v.height = data.coin() ? 1.0f : data.real32();
+    v.length = data.coin() ? 1.0f : data.real32();
+    v.cone_angle_degrees = data.coin() ? 180.0f : data.real32();
+    v.focus = data.coin() ? 0.0f : data.real32();
     return v;
   };
   static_cast<LightValues&>(input.light) = values();

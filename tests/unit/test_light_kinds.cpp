@@ -1,85 +1,18 @@
 // Each kind of light: how directions are sampled against the density that is said of them, and irradiance
 // against closed forms, for a surface at the origin that faces +z.
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <doctest/doctest.h>
-#include <functional>
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/base/lerp.h"
-#include "core/integrate/sampler.h"
 #include "core/shade/light/image.h"
-#include "core/shade/light/light.h"
 #include "core/shade/light/light_sampler.h"
-#include "core/shade/light/shaping.h"
-#include "core/shade/warp.h"
+#include "tests/unit/light_probe.h"
 
 namespace msbvh {
 namespace {
-
-constexpr std::uint32_t kSamples = 1u << 16;
-constexpr double kPiD = 3.14159265358979323846;
-
-Point2 random_pair(std::uint32_t i) { return Sampler(PixelSampler(3, i, 0), 0).pair(Dimension::kLight, 0); }
-
-Affine3f at(const Vec3f& position) { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, position}; }
-
-// Shines down at the origin from above.
-Light light_of(LightKind kind, const Affine3f& world_from_light) {
-  Light light;
-  light.kind = kind;
-  light.radiance = {3.0f, 1.0f, 0.5f};
-  light.world_from_light = {world_from_light};
-  return light;
-}
-
-std::shared_ptr<const LightImage> picture(ImageMap map, std::uint32_t width, std::uint32_t height,
-                                          const std::function<float(float u, float v)>& red) {
-  std::vector<Vec3f> texels;
-  for (std::uint32_t y = 0; y < height; ++y) {
-    for (std::uint32_t x = 0; x < width; ++x) {
-      const float value = red((float(x) + 0.5f) / float(width), (float(y) + 0.5f) / float(height));
-      texels.push_back({value, 0.5f * value, 0.25f});
-    }
-  }
-  return light_image("picture", map, width, height, std::move(texels));
-}
-
-float lumpy(float u, float v) {
-  return 1.0f + 3.0f * u * u + (v < 0.3f ? 4.0f : 0.0f) + 0.5f * std::sin(9.0f * v);
-}
-
-// One of each kind that has an extent, large as seen from the origin and askew.
-std::vector<Light> extended_lights() {
-  const Affine3f askew{{1.2f, 0.3f, 0.1f}, {-0.2f, 0.9f, 0.4f}, {0.3f, -0.2f, 1.1f}, {0.4f, -0.3f, 1.5f}};
-  std::vector<Light> lights;
-  for (const LightKind kind : {LightKind::kDistant, LightKind::kSphere, LightKind::kRect, LightKind::kDisk}) {
-    lights.push_back(light_of(kind, askew));
-    lights.back().angle_degrees = 70.0f;
-    lights.back().radius = 0.9f;
-    lights.back().width = 2.0f;
-    lights.back().height = 1.5f;
-  }
-  Light tube = light_of(LightKind::kCylinder, askew);
-  tube.radius = 0.6f;
-  tube.length = 2.5f;
-  lights.push_back(tube);
-  Light screen = lights[2];
-  screen.image = picture(ImageMap::kRect, 7, 5, lumpy);
-  lights.push_back(screen);
-  for (const ImageMap map : {ImageMap::kLatlong, ImageMap::kAngular, ImageMap::kMirroredBall}) {
-    Light dome = light_of(LightKind::kDome, {{0, 0.6f, 0.8f}, {1, 0, 0}, {0, 0.8f, -0.6f}, {}});
-    dome.image = picture(map, 9, 8, lumpy);
-    lights.push_back(dome);
-  }
-  return lights;
-}
-
-Vec3f on_sphere(double z, double angle) {
-  const double r = std::sqrt(std::max(0.0, 1.0 - z * z));
-  return {float(r * std::cos(angle)), float(r * std::sin(angle)), float(z)};
-}
+using namespace light_probe;
 
 double pdf_along(const Light& light, const Vec3f& direction) {
   LightAlong along;
@@ -164,46 +97,6 @@ TEST_CASE("lights: what is sampled is what a ray in that direction finds") {
     CHECK(found > 2000);
     CHECK(close >= found - found / 100);  // the rest crosses from texel to texel
   }
-}
-
-struct Estimate {
-  double mean, sigma;
-};
-
-Estimate irradiance(const Light& light, float time = 0.0f) {
-  double sum = 0, squares = 0;
-  for (std::uint32_t i = 0; i < kSamples; ++i) {
-    LightSample sample;
-    double value = 0;
-    if (sample_light(light, {}, {}, time, random_pair(i), sample))
-      value = double(sample.irradiance.x) * std::max(0.0f, sample.direction.z);
-    sum += value;
-    squares += value * value;
-  }
-  const double mean = sum / kSamples;
-  return {mean, std::sqrt(std::max(0.0, squares / kSamples - mean * mean) / kSamples)};
-}
-
-void check_irradiance(const Light& light, double expected, float time = 0.0f) {
-  const Estimate found = irradiance(light, time);
-  CAPTURE(found.mean);
-  CAPTURE(expected);
-  CHECK(std::abs(found.mean - expected) <= 4.5 * found.sigma + 1e-4 * std::abs(expected));
-}
-
-// By all directions, through find_light().
-double gathered(const Light& light, float time = 0.0f) {
-  constexpr int kRows = 600, kColumns = 1200;
-  double sum = 0.0;
-  for (int i = 0; i < kRows; ++i) {
-    const double z = (i + 0.5) / kRows;
-    for (int j = 0; j < kColumns; ++j) {
-      LightAlong along;
-      if (find_light(light, {}, on_sphere(z, 2 * kPiD * (j + 0.5) / kColumns), time, along))
-        sum += z * along.radiance.x;
-    }
-  }
-  return sum * 2 * kPiD / (double(kRows) * kColumns);
 }
 
 TEST_CASE("lights: sampling and finding estimate the same irradiance") {
@@ -366,98 +259,6 @@ TEST_CASE("rect image: (0, 0) is the corner at +x and +y, as UsdLuxRectLight has
   CHECK(along.radiance.x == doctest::Approx(3.0));
   REQUIRE(find_light(screen, {}, normalize(Vec3f{-0.5f, 0.5f, 1}), 0.0f, along));
   CHECK(along.radiance.x == 0.0f);
-}
-
-// A point light above the origin, off its axis by an angle.
-Light spot(double off_axis_degrees) {
-  const double a = off_axis_degrees * kPiD / 180.0;
-  Light light = light_of(LightKind::kSphere, {{float(std::cos(a)), 0, float(-std::sin(a))},
-                                              {0, 1, 0},
-                                              {float(std::sin(a)), 0, float(std::cos(a))},
-                                              {0, 0, 1}});
-  light.radius = 0.0f;
-  return light;
-}
-
-double given(const Light& light) {
-  LightSample sample;
-  return sample_light(light, {}, {}, 0.0f, {0.5f, 0.5f}, sample) ? double(sample.irradiance.x) : 0.0;
-}
-
-TEST_CASE("shaping: a cone's hard and soft edge, and focus, by UsdLux's formulas") {
-  Light light = spot(20.0);
-  CHECK(given(light) == doctest::Approx(3.0));
-  light.cone_angle_degrees = 21.0f;
-  CHECK(given(light) == doctest::Approx(3.0));
-  light.cone_angle_degrees = 19.0f;
-  CHECK(given(light) == 0.0);
-  light.cone_angle_degrees = 30.0f;
-  light.cone_softness = 0.5f;  // from 15 degrees on: t = 1/3
-  CHECK(given(light) == doctest::Approx(3.0 * (1.0 - (3.0 / 9.0 - 2.0 / 27.0))).epsilon(1e-4));
-  light.cone_softness = 1.0f;
-  CHECK(given(light) == doctest::Approx(3.0 * (1.0 - (3.0 * 4.0 / 9.0 - 2.0 * 8.0 / 27.0))).epsilon(1e-4));
-  light = spot(60.0);
-  light.focus = 2.0f;
-  CHECK(given(light) == doctest::Approx(3.0 * 0.25).epsilon(1e-4));
-  light.focus_tint = {1.0f, 0.0f, 0.0f};
-  CHECK(given(light) == doctest::Approx(3.0).epsilon(1e-4));
-  light = spot(120.0);  // behind: focus takes the absolute value
-  light.focus = 1.0f;
-  CHECK(given(light) == doctest::Approx(1.5).epsilon(1e-4));
-  light.cone_angle_degrees = 90.0f;
-  CHECK(given(light) == 0.0);
-}
-
-TEST_CASE("shaping: an extended light's samples and finds are shaped alike") {
-  for (Light light : extended_lights()) {
-    light.cone_angle_degrees = 60.0f;
-    light.cone_softness = 0.4f;
-    light.focus = 1.5f;
-    CAPTURE(int(light.kind));
-    const Estimate sampled = irradiance(light);
-    const double all = gathered(light);
-    CHECK(std::abs(sampled.mean - all) <= 4.5 * sampled.sigma + 2e-3 * all);
-  }
-}
-
-TEST_CASE("shaping: an IES profile by both angles, its scale and its power") {
-  auto profile = std::make_shared<IesProfile>();
-  profile->vertical = {0, 90};
-  profile->horizontal = {0, 180, 360};
-  profile->candela = {10, 0, 20, 0, 10, 0};
-  profile->power = 5.0f;
-  CHECK(ies_intensity(*profile, 45.0f, 0.0f) == doctest::Approx(5.0));
-  CHECK(ies_intensity(*profile, 45.0f, 90.0f) == doctest::Approx(7.5));
-  CHECK(ies_intensity(*profile, 45.0f, 270.0f) == doctest::Approx(7.5));
-  CHECK(ies_intensity(*profile, 90.5f, 0.0f) == 0.0f);
-  Light light = spot(30.0);
-  light.ies.profile = profile;
-  const double plain = given(light);
-  CHECK(plain == doctest::Approx(3.0 * (20.0 * 60.0 / 90.0)).epsilon(1e-3));
-  light.ies.normalize = true;
-  CHECK(given(light) == doctest::Approx(plain / 5.0).epsilon(1e-5));
-  light.ies.normalize = false;
-  light.ies.angle_scale = 0.5f;  // 30 degrees read at 60
-  CHECK(given(light) == doctest::Approx(3.0 * (20.0 * 30.0 / 90.0)).epsilon(1e-3));
-  light.ies.angle_scale = -2.0f;  // (30 - 180) / 2 + 180 = 105: beyond
-  CHECK(given(light) == 0.0);
-}
-
-TEST_CASE("multipliers come with the sample; a light without controls has them at 1") {
-  Light light = light_of(LightKind::kDisk, at({0, 0, 2}));
-  light.diffuse = 0.25f;
-  light.specular = 3.0f;
-  LightSample sample;
-  REQUIRE(sample_light(light, {}, {}, 0.0f, {0.5f, 0.5f}, sample));
-  CHECK(sample.diffuse == 0.25f);
-  CHECK(sample.specular == 3.0f);
-  LightAlong along;
-  REQUIRE(find_light(light, {}, sample.direction, 0.0f, along));
-  CHECK(along.diffuse == 0.25f);
-  LightSample plain;
-  REQUIRE(sample_light<true, false>(light, {}, {}, 0.0f, {0.5f, 0.5f}, plain));
-  CHECK(plain.diffuse == 1.0f);
-  CHECK(plain.irradiance == sample.irradiance);
 }
 
 TEST_CASE("image domes are picked as lights, and seen by rays to nowhere") {
