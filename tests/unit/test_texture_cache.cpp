@@ -41,7 +41,8 @@ TexelColor read_texel(const TextureCache& cache, int x, int y, int width, int he
 }
 
 float noise(int x, int y, int channel) {
-  std::uint32_t bits = static_cast<std::uint32_t>(x * 73856093 ^ y * 19349663 ^ channel * 83492791);
+  std::uint32_t bits = static_cast<std::uint32_t>(x) * 73856093u ^ static_cast<std::uint32_t>(y) * 19349663u ^
+                       static_cast<std::uint32_t>(channel) * 83492791u;
   for (int i = 0; i < 3; ++i) bits = (bits ^ bits >> 15) * 0x2c1b3c6du;
   return static_cast<float>(bits >> 8) / 16777216.0f;
 }
