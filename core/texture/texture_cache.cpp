@@ -71,7 +71,8 @@ struct TextureCache::Data {
     return tile != nullptr && tile->source->open() ? tile->source : nullptr;
   }
   const Tile* tile_of(TextureId texture, TextureQuery& query) const;
-  TexelColor look_up(TextureId texture, const TextureQuery& query, OIIO::TextureSystem::Perthread* thread) const;
+  TexelColor look_up(TextureId texture, const TextureQuery& query,
+                     OIIO::TextureSystem::Perthread* thread) const;
   bool all_equal(const TexelSource& source, TexelColor& value) const;
 
   std::vector<ImageTexture> textures;
@@ -125,7 +126,7 @@ const Tile* TextureCache::Data::tile_of(TextureId texture, TextureQuery& query) 
 }
 
 TexelColor TextureCache::Data::look_up(TextureId id, const TextureQuery& asked,
-                                 OIIO::TextureSystem::Perthread* thread) const {
+                                       OIIO::TextureSystem::Perthread* thread) const {
   const ImageTexture& texture = textures[id];
   if (!std::isfinite(asked.s) || !std::isfinite(asked.t)) return texture.fallback;
   TextureQuery query = asked;

@@ -16,7 +16,8 @@ TextureCache::~TextureCache() = default;
 
 bool can_read_textures() { return false; }
 
-void TextureCache::read(TextureId texture, std::span<const TextureQuery>, std::span<TexelColor> result) const {
+void TextureCache::read(TextureId texture, std::span<const TextureQuery>,
+                        std::span<TexelColor> result) const {
   std::fill(result.begin(), result.end(), data_->textures[texture].fallback);
 }
 
