@@ -61,6 +61,8 @@ print(m.version('OpenImageIO'), os.path.dirname(u.find_spec('OpenImageIO').origi
     INTERFACE_LINK_LIBRARIES OpenImageIO::OpenImageIO_Util)
   set(msbvh_textures_missing "" PARENT_SCOPE)
   set(MSBVH_OPENIMAGEIO_FOLDER ${module}/lib PARENT_SCOPE)
+  set(MSBVH_OPENIMAGEIO_LIBRARY ${library} PARENT_SCOPE)
+  set(MSBVH_OPENIMAGEIO_UTIL_LIBRARY ${util} PARENT_SCOPE)
   message(STATUS "Textures: OpenImageIO ${version}, ${library}")
 endfunction()
 
