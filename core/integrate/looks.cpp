@@ -146,10 +146,9 @@ void find_opacities(const Frame& frame, std::span<const Ray> rays, std::span<con
     if (read) reads.read(*frame.textures, material, reads.hits, read);
     for (std::size_t k = 0; k < run.size(); ++k) {
       const std::uint32_t i = static_cast<std::uint32_t>(run[k]);
-      SurfaceValues values(material);
-      drive(material, reads.hits[k].source, hits[i], rays[i].time,
-            read ? reads.texels(k) : std::span<const TexelColor>{}, values);
-      opacities[i] = rendered_opacity(&material, values.opacity);
+      const std::span<const TexelColor> texels = read ? reads.texels(k) : std::span<const TexelColor>{};
+      opacities[i] = rendered_opacity(
+          &material, driven_opacity(material, reads.hits[k].source, hits[i], rays[i].time, texels));
     }
   });
 }

@@ -158,7 +158,12 @@ void add_looks(Scene& scene, bool driven) {
     const auto primvar = DrivenInput::Source::kPrimvar;
     scene.materials[0].driven = {{SurfaceInput::kRoughness, primvar, 0, 0, false},
                                  {SurfaceInput::kDiffuseColor, primvar, 1, 0, false}};
-    scene.materials[2].driven = {{SurfaceInput::kOpacity, primvar, 0, 1, false}};
+    // A file that is not there: its fallback is drawn, read beside an opacity that no texture drives.
+    scene.textures = {
+        {.name = "none.png", .tiles = {{0, 0, {"none.png"}}}, .fallback = {0.3f, 0.2f, 0.6f, 1.0f}}};
+    scene.materials[2].texture_reads = {{.texture = 0, .coordinates = 0}};
+    scene.materials[2].driven = {{SurfaceInput::kOpacity, primvar, 0, 1, false},
+                                 {SurfaceInput::kSpecularColor, DrivenInput::Source::kTexture, 0, 0, false}};
   }
   for (Mesh& mesh : scene.meshes) {
     const std::size_t triangles = mesh.shape.triangles.size();

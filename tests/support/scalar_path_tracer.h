@@ -94,9 +94,8 @@ class ScalarPathTracer {
     const MaterialHit one{source, &hit, &ray, -normalize(ray.dir), width};
     MaterialReads reads;
     if (frame_.textures) reads.read(*frame_.textures, *material, {&one, 1});
-    SurfaceValues values(*material);
-    drive(*material, source, hit, ray.time, texels_of(*material, reads), values);
-    return rendered_opacity(material, values.opacity);
+    return rendered_opacity(material,
+                            driven_opacity(*material, source, hit, ray.time, texels_of(*material, reads)));
   }
 
   static std::span<const TexelColor> texels_of(const Material& material, const MaterialReads& reads) {

@@ -96,15 +96,32 @@ std::optional<Vec3f> primvar_at(const HitSource& source, const Hit& hit, Primvar
   return std::nullopt;
 }
 
+namespace {
+
+void drive_one(const Material& material, const DrivenInput& input, const HitSource& source, const Hit& hit,
+               float time, std::span<const TexelColor> texels, SurfaceValues& values) {
+  if (input.source == DrivenInput::Source::kTexture) {
+    set(input, scaled(material.texture_reads[input.index], texels[input.index]), values);
+  } else if (const std::optional<Vec3f> found = primvar_at(source, hit, input.index, time)) {
+    set(input, {{found->x, found->y, found->z, 0.0f}}, values);
+  }
+}
+
+}  // namespace
+
 void drive(const Material& material, const HitSource& source, const Hit& hit, float time,
            std::span<const TexelColor> texels, SurfaceValues& values) {
+  for (const DrivenInput& input : material.driven)
+    drive_one(material, input, source, hit, time, texels, values);
+}
+
+float driven_opacity(const Material& material, const HitSource& source, const Hit& hit, float time,
+                     std::span<const TexelColor> texels) {
+  SurfaceValues values(material);
   for (const DrivenInput& input : material.driven) {
-    if (input.source == DrivenInput::Source::kTexture) {
-      set(input, scaled(material.texture_reads[input.index], texels[input.index]), values);
-    } else if (const std::optional<Vec3f> found = primvar_at(source, hit, input.index, time)) {
-      set(input, {{found->x, found->y, found->z, 0.0f}}, values);
-    }
+    if (input.input == SurfaceInput::kOpacity) drive_one(material, input, source, hit, time, texels, values);
   }
+  return values.opacity;
 }
 
 SurfaceLook look_of(const Material& material, const SurfaceValues& values) {

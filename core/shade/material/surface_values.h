@@ -40,6 +40,9 @@ std::optional<Vec3f> primvar_at(const HitSource& source, const Hit& hit, Primvar
 // before scale and bias. displayColor and displayOpacity are not looked at: `values` has them already.
 void drive(const Material& material, const HitSource& source, const Hit& hit, float time,
            std::span<const TexelColor> texels, SurfaceValues& values);
+// The opacity alone: the texels of the read that drives it, if one does, are all that is read.
+float driven_opacity(const Material& material, const HitSource& source, const Hit& hit, float time,
+                     std::span<const TexelColor> texels);
 
 // What reflects there. Values are clamped to where they mean something.
 SurfaceLook look_of(const Material& material, const SurfaceValues& values);
