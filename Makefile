@@ -6,7 +6,7 @@ SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help setup render test lint sanitize fuzz bench accuracy stability soak clean FORCE
+.PHONY: help setup render test lint sanitize fuzz bench accuracy stability gallery soak clean FORCE
 
 PYTHON ?= python3
 JOBS ?= $(shell nproc)
@@ -135,6 +135,10 @@ accuracy: setup  ## what each step of accuracy costs on six scenes: to docs/accu
 # Embree as in `make bench`. Needs a clean tree. OPTIONS: `--probes` or `--mutants` makes one section anew.
 stability: setup  ## rays that get out of moving shapes, ours and Embree's, and deliberate defects: to docs/stability.md
 	@$(BIN)/python docs/make_stability.py $(OPTIONS)
+
+# OPTIONS: `--scenes FOLDER`, `--only GLOB`, `--again`. What is there already is not rendered again.
+gallery: setup  ## the public scenes in ../shared/scenes, to one contact sheet: out/gallery/gallery.png
+	@$(BIN)/python docs/make_gallery.py $(OPTIONS)
 
 # Each check is remembered by commit: the same command goes on after an interruption. OPTIONS: `--list`, `--only GLOB`.
 soak: setup $(STAMPS)/fuzzers  ## every long check whole, for hours; goes on where it was interrupted; result in docs/soak.md
