@@ -33,8 +33,9 @@ class DirectLight {
     float pdf = cosine * (1.0f / kPi), weight = pdf;  // the cosine over pi is both, of what is diffuse
     if constexpr (kSpecular) {
       const Bsdf::Value reflected = batch_.bsdfs[place].at(surface.shading_normal, light.direction);
-      throughput = throughput * seen(reflected, light.diffuse, light.specular);
-      note_share(reflected, path);
+      const Bsdf::Value under = seen(reflected, light.diffuse, light.specular);
+      throughput = throughput * under.both();
+      note_share(under, path);
       pdf = reflected.pdf;
       weight = 1.0f;
     }
@@ -67,8 +68,9 @@ class DirectLight {
       // What the ray carries, lobe by lobe.
       const SurfaceHit& surface = batch_.surfaces[place];
       const Bsdf::Value reflected = batch_.bsdfs[place].at(surface.shading_normal, shadow.dir);
-      throughput = throughput * seen(reflected, along.diffuse, along.specular) * (1.0f / pdf);
-      note_share(reflected, path);
+      const Bsdf::Value under = seen(reflected, along.diffuse, along.specular);
+      throughput = throughput * under.both() * (1.0f / pdf);
+      note_share(under, path);
     } else if constexpr (kSpecular) {
       throughput = throughput * batch_.scatter_weight[place];
       if (splits_light()) batch_.light_share[path] = batch_.scattered_share[path];
@@ -81,9 +83,9 @@ class DirectLight {
                         kControls = kOn.has(Effect::kLightControls), kSpecular = kOn.has(Effect::kSpecular);
 
   // Under a light that each kind of lobe may take more or less of.
-  static Vec3f seen(const Bsdf::Value& reflected, float diffuse, float specular) {
-    if constexpr (!kControls) return reflected.both();
-    return reflected.diffuse * diffuse + reflected.specular * specular;
+  static Bsdf::Value seen(const Bsdf::Value& reflected, float diffuse, float specular) {
+    if constexpr (!kControls) return reflected;
+    return {reflected.diffuse * diffuse, reflected.specular * specular, reflected.pdf};
   }
 
   // For AOVs: what specular lobes of the first surface reflect of the light at hand.

@@ -1,4 +1,4 @@
-// What OpenImageIO's cache is told a texture file is: tiles of texels in the rendering space, at every level
+// A texture file as OpenImageIO's cache sees it: tiles of texels in the rendering space, at every level
 // of a pyramid. Its own ways of doing so do not serve: it converts colours in the file's precision, 8 bits
 // too; it makes levels from texels that were not converted; and for that it passes its memory limit.
 #pragma once

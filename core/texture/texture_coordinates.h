@@ -28,7 +28,7 @@ inline float near_unit_square(float coordinate, TextureWrap wrap) {
 // over the footprint, about (a standard deviation of 0.25 of its width, where that has 0.29).
 inline constexpr float kFilterWidth = 0.5f;
 
-// What the library is told of one component of a footprint's axes.
+// One component of a footprint's axes as OpenImageIO takes it.
 inline float filter_extent(float extent) {
   return std::isfinite(extent) ? std::clamp(kFilterWidth * extent, -kFarthest, kFarthest) : 0.0f;
 }

@@ -130,7 +130,7 @@ TEST_CASE("light takes both ways alike") {
 }
 
 // Pearson's chi-square over cells of equal solid angle; the density's share of each by midpoints.
-TEST_CASE("directions are sampled with the density that is told") {
+TEST_CASE("directions are sampled with the density that at() gives") {
   constexpr int kZ = 16, kPhi = 24, kFine = 24;
   constexpr std::uint32_t kCount = 200000;
   for (const SurfaceLook& look :

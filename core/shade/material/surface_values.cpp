@@ -19,6 +19,10 @@ Vec3f interpolated(const Primvar<Vec3f>& primvar, const HitSource& source, const
   return interpolate(primvar, source.mesh->shape, hit.triangle, b, time);
 }
 
+float unit(float value) { return std::clamp(value, 0.0f, 1.0f); }
+Vec3f unit(const Vec3f& c) { return {unit(c.x), unit(c.y), unit(c.z)}; }
+Vec3f not_negative(const Vec3f& c) { return {std::max(0.0f, c.x), std::max(0.0f, c.y), std::max(0.0f, c.z)}; }
+
 // What an input takes from four channels.
 struct Channels {
   std::array<float, 4> values;
@@ -42,7 +46,7 @@ void set(const DrivenInput& input, const Channels& from, SurfaceValues& values) 
       values.diffuse_color = from.color(input);
       return;
     case SurfaceInput::kEmissiveColor:
-      values.emissive_color = from.color(input);
+      values.emissive_color = not_negative(from.color(input));
       return;
     case SurfaceInput::kSpecularColor:
       values.specular_color = from.color(input);
@@ -71,10 +75,6 @@ void set(const DrivenInput& input, const Channels& from, SurfaceValues& values) 
       return;
   }
 }
-
-float unit(float value) { return std::clamp(value, 0.0f, 1.0f); }
-Vec3f unit(const Vec3f& c) { return {unit(c.x), unit(c.y), unit(c.z)}; }
-Vec3f not_negative(const Vec3f& c) { return {std::max(0.0f, c.x), std::max(0.0f, c.y), std::max(0.0f, c.z)}; }
 
 // Of light that meets the boundary to air head-on.
 float reflectance_of(float ior) {
