@@ -35,6 +35,11 @@ class Links:
         key = tuple(bool(query.IsPathIncluded(path)) for _, _, query in self._queries)
         return self._groups.setdefault(key, len(self._groups))
 
+    def group_of_all(self, paths: Iterable[Sdf.Path]) -> int | None:
+        """Of prims that stand for each other; None where links tell them apart."""
+        found = {self.group(path) for path in paths}
+        return found.pop() if len(found) == 1 else None
+
     def of(self, light: Usd.Prim) -> tuple[list[bool], list[bool]]:
         """Whether it illuminates each group, and is shadowed by it; empty: all. After all prims have a group."""
         return self._held(light, "lightLink"), self._held(light, "shadowLink")

@@ -360,18 +360,15 @@ class _FrameReader:
         return links
 
     def _group_of(self, placement: Placement, links: Links) -> int:
-        """Of instances that are placed together, which links may tell apart."""
-        instances = [
-            part for group in self._traversal.groups.values() for part in group.instances.get(placement.key, [])
-        ]
-        found = {links.group(part.prim.GetPath()) for part in instances} or {links.group(Sdf.Path(placement.path))}
-        if len(found) > 1:
+        """Of instances that are placed together."""
+        placed = [part for each in self._traversal.groups.values() for part in each.instances.get(placement.key, [])]
+        found = links.group_of_all([part.prim.GetPath() for part in placed] or [Sdf.Path(placement.path)])
+        if found is None:
             message = (
                 "light links that tell instances of one prototype apart are not supported yet; all lights reach it"
             )
             self._context.diagnostics.group(placement.path, "", message)
-            return 0
-        return found.pop()
+        return found or 0
 
     def _add_lights(self, placements: list[Placement]) -> None:
         links = self._links(placements)
