@@ -4,8 +4,8 @@
 #include <array>
 
 #include "core/shade/camera.h"
+#include "core/shade/material/surface_values.h"
 #include "core/shade/point_motion.h"
-#include "core/shade/primvar.h"
 
 namespace msbvh {
 namespace {
@@ -49,28 +49,12 @@ std::int32_t element_of(const HitSource& source, std::uint32_t triangle) {
   return static_cast<std::int32_t>(of.empty() ? triangle : of[triangle]);
 }
 
-Vec3f value_at(const Primvar<Vec3f>& primvar, const HitSource& source, const Hit& hit, float time) {
-  if (source.curves) return interpolate(primvar, source.curves->shape, hit.triangle, hit.u, time);
-  if (source.points) return interpolate(primvar, source.points->shape, hit.triangle, time);
-  const Barycentrics b = Barycentrics::of(hit.u, hit.v);
-  if (source.mesh) return interpolate(primvar, source.mesh->shape, hit.triangle, b, time);
-  const GridMesh& shape = source.grids->shape;
-  return interpolate(primvar, shape, shape.triangle(hit.triangle), b, time);
-}
-
 // Of the instance's, else of the geometry's; 0 where neither has it.
 std::array<float, 2> st_at(const Scene& scene, const HitSource& source, const Hit& hit, float time) {
   const auto name = std::ranges::find(scene.primvar_names, "st");
   if (name == scene.primvar_names.end()) return {};
   const auto st = static_cast<PrimvarName>(name - scene.primvar_names.begin());
-  if (source.instances) {
-    const auto own = std::ranges::find(source.instances->primvars, st, &InstancePrimvar::name);
-    if (own != source.instances->primvars.end())
-      return {own->values[source.instance].x, own->values[source.instance].y};
-  }
-  const auto found = std::ranges::find(source.look->primvars, st, &SurfacePrimvar::name);
-  if (found == source.look->primvars.end() || !found->primvar.authored()) return {};
-  const Vec3f value = value_at(found->primvar, source, hit, time);
+  const Vec3f value = primvar_at(source, hit, st, time).value_or(Vec3f{});
   return {value.x, value.y};
 }
 

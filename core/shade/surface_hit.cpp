@@ -1,8 +1,8 @@
 #include "core/shade/surface_hit.h"
 
 #include "core/scene/opacity.h"
-#include "core/shade/primvar.h"
 #include "core/shade/round_surface.h"
+#include "core/shade/value_at.h"
 #include "core/shade/world_triangle.h"
 
 namespace msbvh {
@@ -14,19 +14,6 @@ Vec3f instance_color(const InstanceSet& set, std::size_t instance, float time) {
   const Vec3f first = set.display_color[at.key * count + instance];
   if (set.color_segments == 0) return first;
   return lerp(first, set.display_color[(at.key + 1) * count + instance], at.w);
-}
-
-template <EffectSet kEffects, typename T>
-T value_at(const Primvar<T>& primvar, const HitSource& source, const Hit& hit, float time) {
-  if (kEffects.has(Effect::kCurves) && source.curves)
-    return interpolate(primvar, source.curves->shape, hit.triangle, hit.u, time);
-  if (kEffects.has(Effect::kPoints) && source.points)
-    return interpolate(primvar, source.points->shape, hit.triangle, time);
-  if (kEffects.has(Effect::kDisplacement) && source.grids) {
-    const GridMesh& shape = source.grids->shape;
-    return interpolate(primvar, shape, shape.triangle(hit.triangle), Barycentrics::of(hit.u, hit.v), time);
-  }
-  return interpolate(primvar, source.mesh->shape, hit.triangle, Barycentrics::of(hit.u, hit.v), time);
 }
 
 // The instance's, else the geometry's, else `fallback`.

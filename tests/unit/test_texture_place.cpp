@@ -47,6 +47,9 @@ TEST_CASE("coordinates at a hit, and how they change a unit of the world") {
   check_near(place.s_gradient, {3, 0, 0});
   check_near(place.t_gradient, {0, -0.25f, 0});
   CHECK(!place_on(triangle_with(0, 1, 1), 1).has_value());
+  Scene unauthored = triangle_with(0, 1, 1);
+  unauthored.meshes[0].primvars[0].primvar.values.clear();
+  CHECK(!place_on(unauthored).has_value());
 }
 
 TEST_CASE("under an instance coordinates change with its size") {

@@ -3,21 +3,10 @@
 #include <algorithm>
 
 #include "core/shade/bsdf/microfacet.h"
-#include "core/shade/primvar.h"
+#include "core/shade/value_at.h"
 
 namespace msbvh {
 namespace {
-
-Vec3f interpolated(const Primvar<Vec3f>& primvar, const HitSource& source, const Hit& hit, float time) {
-  if (source.curves) return interpolate(primvar, source.curves->shape, hit.triangle, hit.u, time);
-  if (source.points) return interpolate(primvar, source.points->shape, hit.triangle, time);
-  const Barycentrics b = Barycentrics::of(hit.u, hit.v);
-  if (source.grids) {
-    const GridMesh& shape = source.grids->shape;
-    return interpolate(primvar, shape, shape.triangle(hit.triangle), b, time);
-  }
-  return interpolate(primvar, source.mesh->shape, hit.triangle, b, time);
-}
 
 float unit(float value) { return std::clamp(value, 0.0f, 1.0f); }
 Vec3f unit(const Vec3f& c) { return {unit(c.x), unit(c.y), unit(c.z)}; }
@@ -91,7 +80,8 @@ std::optional<Vec3f> primvar_at(const HitSource& source, const Hit& hit, Primvar
     }
   }
   for (const SurfacePrimvar& primvar : source.look->primvars) {
-    if (primvar.name == name) return interpolated(primvar.primvar, source, hit, time);
+    if (primvar.name == name && primvar.primvar.authored())
+      return value_at(primvar.primvar, source, hit, time);
   }
   return std::nullopt;
 }
