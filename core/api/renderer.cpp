@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <mutex>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "core/api/background.h"
 #include "core/api/scene_trees.h"
+#include "core/api/timed_render.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
@@ -24,6 +26,7 @@ namespace {
 constexpr std::uint32_t kMaxResolution = 1u << 16;
 constexpr std::uint32_t kMaxSpp = 1u << 20;
 constexpr std::uint32_t kMaxBounces = 1024;
+constexpr float kMostClamp = 1e6f;
 
 // At the keys of the shutter, between which it does not reach further.
 Box3f bounds_of(const Bvh& world) {
@@ -38,6 +41,12 @@ void expect_range(const char* setting, std::uint32_t found, std::uint32_t least,
               "; expected " + std::to_string(least) + " to " + std::to_string(most));
 }
 
+void expect_number(const char* setting, float found, float least, float most) {
+  if (found >= least && found <= most) return;
+  throw Error(std::string("render settings: ") + setting + ": found " + std::to_string(found) +
+              "; expected " + std::to_string(least) + " to " + std::to_string(most));
+}
+
 void check(const RenderSettings& settings) {
   expect_range("width", settings.width, 1, kMaxResolution);
   expect_range("height", settings.height, 1, kMaxResolution);
@@ -45,6 +54,10 @@ void check(const RenderSettings& settings) {
   expect_range("max_bounces", settings.max_bounces, 0, kMaxBounces);
   expect_range("batch_paths", settings.batch_paths, 1, kMaxBatchPaths);
   check(settings.film);
+  check(settings.noise);
+  expect_range("min_spp", settings.noise.min_spp, 1, kMaxSpp);
+  expect_number("texture_rate", settings.texture_rate, 1.0f / 64.0f, 64.0f);
+  expect_number("clamp_indirect", settings.clamp_indirect, 0.0f, kMostClamp);
   if (settings.sample_stages && !kKnownStageMarks) {
     throw Error(
         "render settings: sample_stages: found true; expected false, since MSBVH_OMIT_EFFECTS left "
@@ -80,7 +93,9 @@ Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const
           settings.film.frame_time,
           settings.film.origin,
           asked.crypto() ? CryptoNames(scene) : CryptoNames(),
-          settings.film.shutter_slices};
+          settings.film.shutter_slices,
+          settings.texture_rate,
+          settings.clamp_indirect};
 }
 
 Tracer tracer_of(const Bvh& world, const RenderSettings& settings) {
@@ -111,8 +126,7 @@ class FewerPixels {
 };
 
 // What a render leaves beside its picture.
-struct Traced {
-  TraceModes rays;
+struct Traced : AreaTraced {
   StageCounts stages;  // of settings.sample_stages
 };
 
@@ -129,8 +143,10 @@ struct Renderer::Data {
 
   void build(SceneTrees* previous);
   // Of `samples` of each pixel of `frame`, which is this data's in some size. Adds to `traced`.
-  Image render(const Frame& drawn, SampleRange samples, const ProgressFunction& progress,
-               Traced& traced) const;
+  Image render(const Frame& drawn, SampleRange samples, const NoiseGoal& noise,
+               const ProgressFunction& progress, Traced& traced) const;
+  Image empty_image(const Frame& drawn) const;
+  void note(const Traced& traced, std::uint32_t samples, double seconds);
 
  private:
   void render_tiles(const TileJob& job, Image& image, std::atomic<std::size_t>& finished_tiles,
@@ -154,11 +170,11 @@ void Renderer::Data::render_tiles(const TileJob& job, Image& image, std::atomic<
   Arena(settings.threads).execute([&] {
     parallel_for(grid.count(), [&](std::size_t i) {
       std::unique_ptr<TileWorkspace> workspace = workspaces.take();
-      const TraceModes rays = render_tile(job, grid.tile(i), *workspace, image);
+      const AreaTraced of_tile = render_tile(job, grid.tile(i), *workspace, image);
       workspaces.give_back(std::move(workspace));
       {
         const std::scoped_lock lock(summing);
-        traced.rays += rays;
+        static_cast<AreaTraced&>(traced) += of_tile;
       }
       ++finished_tiles;
     });
@@ -166,18 +182,31 @@ void Renderer::Data::render_tiles(const TileJob& job, Image& image, std::atomic<
   if (sampler) traced.stages = sampler->stop();
 }
 
-Image Renderer::Data::render(const Frame& drawn, SampleRange samples, const ProgressFunction& progress,
-                             Traced& traced) const {
+Image Renderer::Data::empty_image(const Frame& drawn) const {
   Image image{drawn.width, drawn.height, {}, {}, {}};
   const std::size_t pixels = std::size_t(drawn.width) * drawn.height;
   image.rgba.resize(4 * pixels);
   for (const Aov aov : settings.aovs) image.aovs.emplace_back(aov, pixels);
   image.slices.resize(4 * pixels * drawn.shutter_slices);
+  return image;
+}
+
+void Renderer::Data::note(const Traced& traced, std::uint32_t samples, double seconds) {
+  statistics.trace_seconds = seconds;
+  statistics.stages = traced.stages;
+  statistics.rays = traced.rays;
+  statistics.camera_rays = traced.samples;
+  statistics.spp = samples;
+}
+
+Image Renderer::Data::render(const Frame& drawn, SampleRange samples, const NoiseGoal& noise,
+                             const ProgressFunction& progress, Traced& traced) const {
+  Image image = empty_image(drawn);
   const double tiles = static_cast<double>(TileGrid(drawn.width, drawn.height).count());
   std::atomic<std::size_t> finished_tiles = 0;
   std::atomic<bool> cancelled = false;
 
-  const TileJob job{drawn, samples, settings.batch_paths, cancelled};
+  const TileJob job{drawn, samples, settings.batch_paths, cancelled, noise};
   Background work([&] { render_tiles(job, image, finished_tiles, traced); });
   try {
     while (!work.finished_within(kProgressInterval)) {
@@ -214,7 +243,13 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
 }
 
 Image Renderer::render(const ProgressFunction& progress) {
-  return render({0, committed().settings.spp}, progress);
+  Data& data = committed();
+  Traced traced;
+  const Stopwatch watch;
+  const SampleRange samples{0, data.settings.spp};
+  Image image = data.render(*data.frame, samples, data.settings.noise, progress, traced);
+  data.note(traced, samples.count, watch.seconds());
+  return image;
 }
 
 Image Renderer::render(SampleRange samples, const ProgressFunction& progress) {
@@ -223,12 +258,21 @@ Image Renderer::render(SampleRange samples, const ProgressFunction& progress) {
   expect_range("samples", samples.count, 1, kMaxSpp);
   Traced traced;
   const Stopwatch watch;
-  Image image = data.render(*data.frame, samples, progress, traced);
-  data.statistics.trace_seconds = watch.seconds();
-  data.statistics.stages = traced.stages;
-  data.statistics.rays = traced.rays;
-  data.statistics.camera_rays = std::uint64_t(image.width) * image.height * samples.count;
+  Image image = data.render(*data.frame, samples, {}, progress, traced);
+  data.note(traced, samples.count, watch.seconds());
   return image;
+}
+
+Image Renderer::render_within(double seconds, const ProgressFunction& progress) {
+  Data& data = committed();
+  if (!(seconds > 0.0) || std::isinf(seconds))
+    throw Error("time limit: found " + std::to_string(seconds) + "; expected a finite number above 0");
+  Traced traced;
+  const Stopwatch watch;
+  TimedPicture timed =
+      render_timed(*data.frame, data.settings, seconds, data.empty_image(*data.frame), progress, traced);
+  data.note(traced, timed.samples, watch.seconds());
+  return std::move(timed.image);
 }
 
 Image Renderer::preview(std::uint32_t width, std::uint32_t height, const ProgressFunction& progress) {
@@ -237,7 +281,7 @@ Image Renderer::preview(std::uint32_t width, std::uint32_t height, const Progres
   expect_range("height of a preview", height, 1, data.settings.height);
   const FewerPixels fewer(*data.frame, width, height);
   Traced unused;
-  return data.render(*data.frame, {0, 1}, progress, unused);
+  return data.render(*data.frame, {0, 1}, {}, progress, unused);
 }
 
 Renderer::Data& Renderer::committed() const {

@@ -15,6 +15,7 @@
 #include "core/cost/ray_costs.h"
 #include "core/film/film_settings.h"
 #include "core/film/image.h"
+#include "core/film/noise_goal.h"
 #include "core/film/sum_tree.h"
 #include "core/integrate/sampler.h"
 #include "core/integrate/stage_samples.h"
@@ -30,6 +31,7 @@ struct RenderSettings {
   std::uint32_t width = 960;
   std::uint32_t height = 540;
   std::uint32_t spp = 64;  // samples a pixel; noise falls with its square root, time grows with it
+  NoiseGoal noise{};       // where it decides, spp is the most
   Sampling sampling = Sampling::kSobol;
   std::uint32_t seed = 0;         // same seed, same bits, on any number of threads (one instruction set)
   std::uint32_t max_bounces = 2;  // 0: direct light only
@@ -39,7 +41,9 @@ struct RenderSettings {
   // picture.
   std::uint32_t batch_paths = 4096;
   TextureSettings textures{};
-  std::vector<Aov> aovs{};  // beside colour and alpha
+  float texture_rate = 1.0f;    // times the widths that textures are filtered over
+  float clamp_indirect = 0.0f;  // most indirect light of a path, against fireflies: loses light; 0: off
+  std::vector<Aov> aovs{};      // beside colour and alpha
   // Of the kernels; none: the best that the processor has. Pictures of two sets differ in their last bits.
   std::optional<InstructionSet> instruction_set{};
   bool sample_stages = false;  // fills RenderStatistics::stages. Does not change the picture
@@ -48,11 +52,12 @@ struct RenderSettings {
 };
 
 struct RenderStatistics {
-  BvhStatistics accel;      // sums over all trees
-  std::uint64_t trees = 0;  // bottom-level trees and the world's
-  TraceModes rays;          // camera, bounce and shadow rays
-  std::uint64_t camera_rays = 0;
-  StageCounts stages;  // what threads were found at, where settings ask for it
+  BvhStatistics accel;            // sums over all trees
+  std::uint64_t trees = 0;        // bottom-level trees and the world's
+  TraceModes rays;                // camera, bounce and shadow rays
+  std::uint64_t camera_rays = 0;  // samples of the picture, of all pixels
+  std::uint32_t spp = 0;  // that render the same picture again: fewer than asked for where time was over
+  StageCounts stages;     // what threads were found at, where settings ask for it
   double build_seconds = 0.0;
   double trace_seconds = 0.0;
 };
@@ -72,8 +77,13 @@ class Renderer {
   void commit(std::shared_ptr<const Scene> scene, const RenderSettings& settings);
   // All the others throw Error before commit(). Cancelled: within a tile of the progress function's false.
   Image render(const ProgressFunction& progress = {});
+  // With as many samples as there is time for, at most settings.spp: whole blocks of them
+  // (core/film/sum_tree.h), at least one. statistics().spp says how many. Where settings.noise decides, that
+  // is the most of any pixel.
+  Image render_within(double seconds, const ProgressFunction& progress = {});
   // Some of each pixel's samples, also beyond settings.spp. Two ranges side by side, weighted by their
   // counts, have the mean of all at once: so samples can be added to a picture without another noise.
+  // settings.noise decides nothing here.
   Image render(SampleRange samples, const ProgressFunction& progress = {});
 
   // A first look: one sample a pixel of the same picture in fewer pixels, with the same AOVs. Not a part of

@@ -128,6 +128,7 @@ std::vector<std::string> channel_names(Aov aov, const std::string& layer);
 
 class AovSet {
  public:
+  constexpr bool empty() const { return bits_ == 0; }
   constexpr bool has(Aov aov) const { return (bits_ >> static_cast<unsigned>(aov) & 1) != 0; }
   constexpr void add(Aov aov) { bits_ |= 1u << static_cast<unsigned>(aov); }
   template <typename... Aovs>

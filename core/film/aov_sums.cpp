@@ -141,6 +141,13 @@ void AovSums::end_sample() {
   moments_.end_sample();
 }
 
+void AovSums::trim() {
+  seen_.trim();
+  light_.trim();
+  cost_.trim();
+  moments_.trim();
+}
+
 AovTotals AovSums::total(std::size_t pixel) const {
   AovTotals totals;
   totals.count = seen_.count();

@@ -165,6 +165,7 @@ class AovSums {
   void end_sample();
 
   AovTotals total(std::size_t pixel) const;
+  void trim();  // as SumTrees'
 
  private:
   AovSet asked_;

@@ -39,6 +39,13 @@ class SumTrees {
     if (++count_ % kBlockSamples == 0) close_block();
   }
 
+  // Gives back the memory of nodes that are not whole, which close_block() would use again.
+  void trim() {
+    for (std::size_t level = 0; level < whole_.size(); ++level) {
+      if ((blocks() >> level & 1) == 0) whole_[level] = {};
+    }
+  }
+
   // Over all samples: the nodes of the tree that are whole, the youngest first, then their elders.
   Sum total(std::size_t pixel) const {
     Sum sum = open_[pixel];

@@ -49,12 +49,13 @@ RayCone camera_cone(const Frame& frame, float time) {
   const Camera& camera = frame.scene().camera;
   const float place = time * float(camera.window.size() - 1);
   const ScreenWindow& window = camera.window[static_cast<std::size_t>(place)];
-  const float width = kFootprint * std::abs(window.right - window.left) / float(frame.width);
+  const float width =
+      frame.texture_rate * kFootprint * std::abs(window.right - window.left) / float(frame.width);
   return camera.projection == Projection::kOrthographic ? RayCone{width, 0.0f} : RayCone{0.0f, width};
 }
 
-RayCone scattered_cone(const RayCone& cone, float distance, float pdf) {
-  const float spread = kScatteredFootprint / std::sqrt(pdf);
+RayCone scattered_cone(const Frame& frame, const RayCone& cone, float distance, float pdf) {
+  const float spread = frame.texture_rate * kScatteredFootprint / std::sqrt(pdf);
   return {cone.width_at(distance), std::min(kWidestSpread, std::max(cone.spread, spread))};
 }
 

@@ -12,7 +12,7 @@ namespace msbvh {
 void begin_cones(const Frame& frame, PathBatch& batch);
 RayCone camera_cone(const Frame& frame, float time);
 // Of a ray that is scattered with that density.
-RayCone scattered_cone(const RayCone& cone, float distance, float pdf);
+RayCone scattered_cone(const Frame& frame, const RayCone& cone, float distance, float pdf);
 
 // `order`: the places in the queue of those that are on a surface, by their materials (in the upper half).
 // Sets the surfaces' colours and normals, where textures or primvars drive them, and how they reflect, where

@@ -100,6 +100,7 @@ struct PathBatch {
   std::vector<Vec3f> credited;                 // of radiance, what `specular` has been given its share of
   std::vector<Vec3f> sorted, sorted_specular;  // what of both `light` has
   std::vector<std::uint16_t> shutter_slice;    // where the shutter is kept in slices
+  std::vector<Vec3f> direct;                   // radiance without indirect light, where that is clamped
 
   // Paths under way, and by their places in this queue: their ray, its hit, and what was hit.
   std::uint32_t depth = 0;  // vertices behind them

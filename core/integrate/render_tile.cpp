@@ -3,84 +3,36 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/base/stopwatch.h"
-#include "core/integrate/accumulate.h"
-#include "core/integrate/shutter_slices.h"
-#include "core/integrate/trace_paths.h"
-
 namespace msbvh {
 namespace {
 
-template <typename Body>
-void for_pixels(const Tile& tile, const Image& image, const Body& body) {
-  std::size_t in_tile = 0;
-  for (std::uint32_t y = tile.y0; y < tile.y1; ++y) {
-    for (std::uint32_t x = tile.x0; x < tile.x1; ++x) body(in_tile++, std::size_t(y) * image.width + x);
+// Squares of so many pixels along an edge.
+std::vector<Tile> cut(const Tile& tile, std::uint32_t edge) {
+  std::vector<Tile> parts;
+  for (std::uint32_t y = tile.y0; y < tile.y1; y += edge) {
+    for (std::uint32_t x = tile.x0; x < tile.x1; x += edge)
+      parts.push_back({x, y, std::min(tile.x1, x + edge), std::min(tile.y1, y + edge)});
   }
-}
-
-// `seconds`: that a pixel took; read for the AOV of that name alone.
-void resolve(const Tile& tile, const TileWorkspace& workspace, double seconds, Image& image) {
-  const SumTrees<FilmSum>& sums = workspace.sums;
-  for_pixels(tile, image, [&](std::size_t in_tile, std::size_t pixel) {
-    sums.total(in_tile).resolve(sums.count(), &image.rgba[4 * pixel]);
-  });
-  if (image.aovs.empty()) return;
-  for_pixels(tile, image, [&](std::size_t in_tile, std::size_t pixel) {
-    AovTotals totals = workspace.aov_sums.total(in_tile);
-    totals.seconds = seconds;
-    for (AovImage& aov : image.aovs) aov.set(pixel, totals);
-  });
-}
-
-void resolve_slices(const Tile& tile, const TileWorkspace& workspace, std::uint32_t slices, Image& image) {
-  const std::size_t pixels = std::size_t(image.width) * image.height;
-  for_pixels(tile, image, [&](std::size_t in_tile, std::size_t pixel) {
-    for (std::size_t slice = 0; slice < slices; ++slice) {
-      const FilmSum sum = workspace.slice_sums.total(in_tile * slices + slice);
-      sum.resolve(workspace.slice_sums.count(), &image.slices[4 * (slice * pixels + pixel)]);
-    }
-  });
-}
-
-TraceModes render_part(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image) {
-  const Stages& stages = job.frame.stages;
-  const Stopwatch watch;
-  const std::uint32_t pixels = tile.pixels(), most = std::max(1u, job.batch_paths / pixels);
-  TraceModes traced;
-  workspace.sums.reset(pixels);
-  if (!image.aovs.empty()) workspace.aov_sums.reset(job.frame.aovs, pixels);
-  const std::uint32_t slices = job.frame.shutter_slices;
-  workspace.slice_sums.reset(std::size_t(pixels) * slices);
-  const std::uint32_t end = job.samples.first + job.samples.count;
-  for (SampleRange samples{job.samples.first, 0}; samples.first < end; samples.first += samples.count) {
-    if (job.cancelled.load(std::memory_order_relaxed)) return traced;
-    samples.count = std::min(most, end - samples.first);
-    stages.generate(job.frame, tile, samples, workspace.batch);
-    stages.begin_aovs(job.frame, workspace.batch);
-    if (slices > 0) begin_slices(slices, workspace.batch);
-    trace_paths(job.frame, workspace.batch);
-    accumulate(workspace.batch, pixels, workspace.sums);
-    stages.accumulate(workspace.batch, pixels, samples.first, workspace.aov_sums);
-    if (slices > 0) accumulate_slices(workspace.batch, pixels, slices, workspace.slice_sums);
-    traced += workspace.batch.traced;
-  }
-  resolve(tile, workspace, watch.seconds() / pixels, image);
-  if (slices > 0) resolve_slices(tile, workspace, slices, image);
-  return traced;
+  return parts;
 }
 
 }  // namespace
 
-TraceModes render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image) {
-  if (!job.frame.aovs.has(Aov::kSeconds)) return render_part(job, tile, workspace, image);
+std::vector<Tile> areas_of(const TileJob& job, const Tile& tile) {
+  if (job.noise.decides()) return cut(tile, kNoiseSquare);
   // Pixel by pixel: in a batch of many nobody can tell which took how long.
-  TraceModes traced;
-  for_pixels(tile, image, [&](std::size_t, std::size_t pixel) {
-    const auto x = static_cast<std::uint32_t>(pixel % image.width),
-               y = static_cast<std::uint32_t>(pixel / image.width);
-    traced += render_part(job, {x, y, x + 1, y + 1}, workspace, image);
-  });
+  if (job.frame.aovs.has(Aov::kSeconds)) return cut(tile, 1);
+  return {tile};
+}
+
+AreaTraced render_tile(const TileJob& job, const Tile& tile, TileWorkspace& workspace, Image& image) {
+  AreaTraced traced;
+  PixelArea& area = workspace.area;
+  for (const Tile& pixels : areas_of(job, tile)) {
+    area.begin(job, pixels);
+    if (!area.advance(job, job.samples.count, workspace.batch, traced)) break;
+    area.resolve(job.frame, image);
+  }
   return traced;
 }
 

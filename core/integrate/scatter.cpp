@@ -71,13 +71,14 @@ void scatter_where_read(const Frame& frame, PathBatch& batch) {
 
 // Returns how many go on.
 template <EffectSet kOn>
-std::size_t move_on(PathBatch& batch) {
+std::size_t move_on(const Frame& frame, PathBatch& batch) {
   std::size_t count = 0;
   for (const std::uint32_t place : batch.shaded) {
     if (!(batch.scatter_pdf[place] > 0.0f)) continue;
     const PathIndex path = batch.active[place];
     if constexpr (kOn.has(Effect::kTextures)) {
-      batch.cones[path] = scattered_cone(batch.cones[path], batch.hits[place].t, batch.scatter_pdf[place]);
+      batch.cones[path] =
+          scattered_cone(frame, batch.cones[path], batch.hits[place].t, batch.scatter_pdf[place]);
     }
     if constexpr (kOn.has(Effect::kSpecular))
       batch.throughput[path] = batch.throughput[path] * batch.scatter_weight[place];
@@ -93,7 +94,7 @@ template <EffectSet kOn>
 void go_on(const Frame& frame, PathBatch& batch) {
   std::size_t count = 0;
   if (kOn.has(Effect::kIndirectLight) && batch.depth < frame.max_bounces) {
-    count = move_on<kOn>(batch);
+    count = move_on<kOn>(frame, batch);
   } else if constexpr (kOn.has(Effect::kDomeLight)) {
     add_dome<kOn>(frame, batch);
   }

@@ -131,6 +131,7 @@ void apply(const PassSettings& wanted, Settings& settings) {
   const translate::OwnSettings& own = wanted.own;
   settings.depth_of_field = wanted.depth_of_field;
   take(settings.render.spp, own.samples);
+  take(settings.render.noise.target, own.noise);
   take(settings.render.seed, own.seed);
   take(settings.render.max_bounces, own.max_bounces);
   take(settings.translate.motion_tolerance_pixels, own.motion_tolerance);

@@ -94,6 +94,15 @@ bool apply_layout(Settings& settings, const VtValue& value) {
   return false;
 }
 
+bool apply_noise(Settings& settings, const VtValue& value) {
+  const VtValue number = VtValue::Cast<double>(value);
+  if (!number.IsHolding<double>()) return false;
+  const double target = number.UncheckedGet<double>();
+  if (!(target >= 0.0 && target <= kLargestNoiseTarget)) return false;
+  settings.render.noise.target = float(target);
+  return true;
+}
+
 bool apply_dome_visibility(Settings& settings, const VtValue& value) {
   const VtValue flag = VtValue::Cast<bool>(value);
   if (!flag.IsHolding<bool>()) return false;
@@ -112,6 +121,8 @@ const std::vector<Setting>& all_settings() {
   static const std::vector<Setting> all{
       {"Samples per pixel", keys->convergedSamplesPerPixel, VtValue(int(standard.spp)),
        count(render(&RenderSettings::spp), 1), "an integer of at least 1"},
+      {"Noise (0: every pixel takes all samples)", TfToken("msbvh:noise"),
+       VtValue(double(standard.noise.target)), apply_noise, "a number from 0 to 1"},
       {"Seed", TfToken("msbvh:seed"), VtValue(int(standard.seed)), count(render(&RenderSettings::seed), 0),
        "an integer of at least 0"},
       {"Bounces", TfToken("msbvh:maxBounces"), VtValue(int(standard.max_bounces)),

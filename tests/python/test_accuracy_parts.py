@@ -25,7 +25,7 @@ from msbvh.cli.record_command import record_command
 from msbvh.output.flip import flip_map
 
 EVERYTHING = SceneFacts(
-    effects=frozenset(("subdivision", "displacement", "curves", "indirect light")),
+    effects=frozenset(("subdivision", "displacement", "curves", "indirect light", "textures")),
     moves=True,
     moves_outside=True,
     cut=True,
@@ -133,6 +133,7 @@ def test_a_still_scene_turns_no_knob_of_motion() -> None:
         "displacement",
         "curves",
         "max-bounces",
+        "texture-rate",
         "refit",
     }
 

@@ -85,6 +85,7 @@ MODULE_HOMES = {
         "cli.hydra_info_command",
         "cli.main",
         "cli.motion_command",
+        "cli.noise_options",
         "cli.option_types",
         "cli.options",
         "cli.plan_command",
@@ -106,6 +107,7 @@ MODULE_HOMES = {
     },
     "PyOpenColorIO": {"look.color"},
     "jinja2": {"accuracy_report.page"},
+    "pyoidn": {"output.denoise"},
     "matplotlib": {
         "accuracy_report.canvas",
         "accuracy_report.labels",

@@ -107,20 +107,21 @@ Image oracle_picture(const std::shared_ptr<const Scene>& scene, const RenderSett
   for (const Box3f& b : world.root_bounds) bounds.grow(b);
   std::optional<TextureCache> textures;
   if (!scene->textures.empty()) textures.emplace(scene->textures, settings.textures);
-  const Frame frame{SceneIndex(*scene),
-                    LightSampler(*scene, bounds),
-                    world,
-                    Tracer(world),
-                    settings.width,
-                    settings.height,
-                    settings.seed,
-                    settings.max_bounces,
-                    settings.show_domes,
-                    settings.sampling,
-                    textures ? &*textures : nullptr,
-                    choose_stages({}, settings.sampling, world),
-                    FilterSampler(settings.film.filter),
-                    ShutterSampler(settings.film.shutter_curve, settings.film.rolling)};
+  Frame frame{SceneIndex(*scene),
+              LightSampler(*scene, bounds),
+              world,
+              Tracer(world),
+              settings.width,
+              settings.height,
+              settings.seed,
+              settings.max_bounces,
+              settings.show_domes,
+              settings.sampling,
+              textures ? &*textures : nullptr,
+              choose_stages({}, settings.sampling, world),
+              FilterSampler(settings.film.filter),
+              ShutterSampler(settings.film.shutter_curve, settings.film.rolling)};
+  frame.clamp_indirect = settings.clamp_indirect;
   return scalar_picture(frame, settings.spp);
 }
 
@@ -191,6 +192,7 @@ TEST_CASE("what reflects otherwise than diffusely is the scalar path tracer's to
                                   .seed = bits,
                                   .max_bounces = bits % 4,
                                   .show_domes = bits % 5 != 0,
+                                  .clamp_indirect = bits % 2 == 0 ? 0.0f : 0.05f,
                                   .build = {}};
     const std::vector<float> picture = render(*shared, settings).rgba;
     CHECK(picture == oracle_picture(shared, settings).rgba);

@@ -5,9 +5,11 @@
 // surfaces, lights and samples with the renderer (they have tests of their own) and none of its stages.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "core/api/renderer.h"
 #include "core/film/sum_tree.h"
@@ -30,7 +32,20 @@ class ScalarPathTracer {
   explicit ScalarPathTracer(const Frame& frame)
       : frame_(frame), effects_(plan_effects(frame.scene(), {}).set) {}
 
-  FilmSample trace(const Sampler& sampler, Ray ray) const {
+  FilmSample trace(const Sampler& sampler, const Ray& ray) const {
+    std::optional<Vec3f> direct;
+    FilmSample result = path(sampler, ray, direct);
+    const float most = frame_.clamp_indirect;
+    if (!(most > 0.0f) || !direct) return result;
+    const Vec3f indirect = result.radiance - *direct;
+    const float largest = std::max({indirect.x, indirect.y, indirect.z});
+    if (largest > most) result.radiance = *direct + indirect * (most / largest);
+    return result;
+  }
+
+ private:
+  // Sets `direct` to what there is of light before the first that is indirect, where any could be.
+  FilmSample path(const Sampler& sampler, Ray ray, std::optional<Vec3f>& direct) const {
     FilmSample result;
     Vec3f throughput{1.0f, 1.0f, 1.0f};
     RayCone cone = camera_cone(frame_, ray.time);
@@ -46,6 +61,7 @@ class ScalarPathTracer {
       SurfaceHit& surface = vertex.surface;
       if (depth == 0) result.alpha = 1.0f;
       result.radiance += throughput * surface.emission;
+      if (depth == 1) direct = result.radiance;
       if (!specular()) throughput = throughput * surface.albedo;
       if (throughput == Vec3f{} || surface.albedo == Vec3f{} ||
           !clear_origin(frame_.surroundings(), ray, surface.origin))
@@ -54,7 +70,7 @@ class ScalarPathTracer {
       Scattered next;
       if (!bounce(sampler, vertex, depth, ray, next) || !(next.pdf > 0.0f)) return result;
       if (specular()) throughput = throughput * next.weight;
-      cone = scattered_cone(cone, vertex.distance, next.pdf);
+      cone = scattered_cone(frame_, cone, vertex.distance, next.pdf);
       if (depth == frame_.max_bounces) {
         if (frame_.lights.has_dome())
           result.radiance += dimmed(ray, throughput * frame_.lights.dome_radiance(ray.time), vertex.width);
@@ -63,7 +79,6 @@ class ScalarPathTracer {
     }
   }
 
- private:
   // A surface on the way.
   struct Vertex {
     SurfaceHit surface;

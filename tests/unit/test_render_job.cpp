@@ -139,6 +139,24 @@ TEST_CASE("a job shows more and more samples, and ends converged") {
   CHECK(sink.shown.rgba == first.rgba);
 }
 
+TEST_CASE("where noise decides, a job ends with the picture that a renderer makes at once") {
+  for (const std::uint32_t spp : {16u, 200u}) {
+    RenderSettings settings = small_settings(spp);
+    settings.noise.target = 0.01f;
+    settings.aovs = {Aov::kSampleCount};
+    LastPicture sink;
+    RenderJob job(sink);
+    job.start(quad_scene(), settings);
+    sink.wait();
+    Renderer renderer;
+    renderer.commit(quad_scene(), settings);
+    const Image whole = renderer.render();
+    CHECK(sink.shown.aovs[0].values == whole.aovs[0].values);
+    if (spp > 32) CHECK(sink.shown.rgba == whole.rgba);
+    CHECK(sink.samples.back() == spp);
+  }
+}
+
 TEST_CASE("a job that is stopped or paused shows nothing more, and one that fails says why") {
   const std::shared_ptr<const Scene> scene = quad_scene();
   LastPicture sink;

@@ -349,6 +349,7 @@ TEST_CASE("our own settings are read by name, type and range") {
   const OwnSettings own = own_settings({{"msbvh:samplesPerPixel", std::int64_t(16)},
                                         {"msbvh:seed", std::int64_t(4294967295)},
                                         {"msbvh:motionTolerance", 0.5},
+                                        {"msbvh:noise", 0.05},
                                         {"msbvh:edgeLength", std::int64_t(2)},
                                         {"msbvh:segments", std::int64_t(8)},
                                         {"msbvh:builder", std::string("mbvh")},
@@ -358,6 +359,7 @@ TEST_CASE("our own settings are read by name, type and range") {
   CHECK(own.samples == 16);
   CHECK(own.seed == 4294967295);
   CHECK(own.motion_tolerance == 0.5);
+  CHECK(own.noise == 0.05);
   CHECK(own.edge_length == 2.0);
   CHECK(own.segments == 8);
   CHECK(own.builder == "mbvh");
@@ -368,6 +370,8 @@ TEST_CASE("our own settings are read by name, type and range") {
         {NamedSetting{"msbvh:seed", {}, "int[]"}, "found int[]"},
         {NamedSetting{"msbvh:seed", true}, "found true"},
         {NamedSetting{"msbvh:motionTolerance", std::nan("")}, "a finite number"},
+        {NamedSetting{"msbvh:noise", -0.5}, "found -0.5, expected a number from 0 to 1"},
+        {NamedSetting{"msbvh:noise", std::nan("")}, "from 0 to 1"},
         {NamedSetting{"msbvh:segments", std::int64_t(12)}, "a power of two"},
         {NamedSetting{"msbvh:builder", std::string("bvh8")}, "found 'bvh8', expected one of msbvh"},
         {NamedSetting{"msbvh:sampels", std::int64_t(1)}, "unknown"}}) {

@@ -1,5 +1,6 @@
 #include "delegate/translate/frame/render_job.h"
 
+#include <algorithm>
 #include <exception>
 #include <utility>
 
@@ -169,10 +170,28 @@ void RenderJob::show_preview() {
   show(enlarged(small, settings_.width, settings_.height), 0, false);
 }
 
+// Where noise decides, as many as every pixel has.
+std::uint32_t RenderJob::samples_shown() const {
+  const NoiseGoal& noise = settings_.noise;
+  return noise.decides() ? std::min(settings_.spp, noise.least_samples()) : settings_.spp;
+}
+
+// All samples once more, as many of each pixel as its noise asks for. None are left then.
+bool RenderJob::render_to_noise() {
+  const Image picture = renderer_.render([&](double done) { return go_on(done); });
+  show(picture, settings_.spp, true);
+  const std::scoped_lock lock(mutex_);
+  status_.samples = settings_.spp;
+  status_.fraction = 1.0;
+  status_.converged = true;
+  status_.statistics = renderer_.statistics();
+  return false;
+}
+
 // Whether there are samples left.
 bool RenderJob::step() {
-  const SampleRange range = next_samples(sum_.samples(), settings_.spp);
-  if (range.count == 0) return false;
+  const SampleRange range = next_samples(sum_.samples(), samples_shown());
+  if (range.count == 0) return settings_.noise.decides() && render_to_noise();
   const Image picture = renderer_.render(
       range, [&](double done) { return go_on((range.first + done * range.count) / settings_.spp); });
   const RenderStatistics& found = renderer_.statistics();

@@ -81,6 +81,8 @@ class RenderJob {
   void show(const Image& picture, std::uint32_t samples, bool last);
   bool go_on(double done);
   bool step();
+  std::uint32_t samples_shown() const;
+  bool render_to_noise();
   bool cancelled() const;
   void wait_while_paused();
 

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <span>
 #include <string_view>
 #include <type_traits>
 
 #include "core/build/settings.h"
+#include "core/film/noise_goal.h"
 #include "core/motion/track.h"
 #include "delegate/translate/look/shader_values.h"
 
@@ -33,13 +35,14 @@ constexpr WholeNumber kWholeNumbers[] = {
     {"segments", &OwnSettings::segments, 0, std::int64_t(kMaxSegments), true},
 };
 
-struct Length {
+struct RealNumber {
   std::string_view name;
   std::optional<double> OwnSettings::*member;
-  double least;
+  double least, most = std::numeric_limits<double>::max();
 };
-constexpr Length kLengths[] = {{"motionTolerance", &OwnSettings::motion_tolerance, kLeastTolerance},
-                               {"edgeLength", &OwnSettings::edge_length, 0.0}};
+constexpr RealNumber kRealNumbers[] = {{"motionTolerance", &OwnSettings::motion_tolerance, kLeastTolerance},
+                                       {"edgeLength", &OwnSettings::edge_length, 0.0},
+                                       {"noise", &OwnSettings::noise, 0.0, kLargestNoiseTarget}};
 
 struct Choice {
   std::string_view name;
@@ -96,10 +99,13 @@ std::string take(const WholeNumber& known, const SettingValue& value, OwnSetting
   return message("an integer from ", known.least, " to ", known.most);
 }
 
-std::string take(const Length& known, const SettingValue& value, OwnSettings& into) {
+std::string take(const RealNumber& known, const SettingValue& value, OwnSettings& into) {
   const std::optional<double> found = number(value);
-  if (!found || !std::isfinite(*found) || *found < known.least)
-    return message("a finite number of at least ", known.least);
+  if (!found || !std::isfinite(*found) || *found < known.least || *found > known.most) {
+    const bool open = known.most == std::numeric_limits<double>::max();
+    return open ? message("a finite number of at least ", known.least)
+                : message("a number from ", known.least, " to ", known.most);
+  }
   into.*known.member = *found;
   return {};
 }
@@ -136,7 +142,7 @@ OwnSettings own_settings(const std::vector<NamedSetting>& settings, const std::s
     const std::string_view name = std::string_view(setting.name).substr(kNamespace.size());
     std::string expected;
     const bool known = taken_by(kWholeNumbers, name, setting.value, own, expected) ||
-                       taken_by(kLengths, name, setting.value, own, expected) ||
+                       taken_by(kRealNumbers, name, setting.value, own, expected) ||
                        taken_by(by_name, name, setting.value, own, expected);
     if (!known) {
       log.warn(setting.name, "unknown; ignored");

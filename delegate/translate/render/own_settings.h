@@ -17,6 +17,7 @@ struct OwnSettings {
   std::optional<std::int64_t> samples;  // msbvh:samplesPerPixel, at least 1
   std::optional<std::int64_t> seed, max_bounces;
   std::optional<double> motion_tolerance, edge_length;  // pixels
+  std::optional<double> noise;                          // msbvh:noise, 0 (off) to 1
   std::optional<std::int64_t> segments;                 // 0 or a power of two
   std::optional<std::string> interpolation, builder, layout;
 };

@@ -139,6 +139,7 @@ void bind_specs(nb::module_& m) {
       .def_ro("seed", &OwnSettings::seed)
       .def_ro("max_bounces", &OwnSettings::max_bounces)
       .def_ro("motion_tolerance", &OwnSettings::motion_tolerance)
+      .def_ro("noise", &OwnSettings::noise)
       .def_ro("edge_length", &OwnSettings::edge_length)
       .def_ro("segments", &OwnSettings::segments)
       .def_ro("interpolation", &OwnSettings::interpolation)

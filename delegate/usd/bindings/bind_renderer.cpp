@@ -5,6 +5,7 @@
 #include <future>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -144,9 +145,10 @@ nb::tuple render_with_aovs(Renderer& renderer, const nb::object& progress) {
       without_gil(progress, [&](const ProgressFunction& report) { return renderer.render(report); }));
 }
 
-nb::tuple render_sliced(Renderer& renderer, const nb::object& progress) {
-  Image image =
-      without_gil(progress, [&](const ProgressFunction& report) { return renderer.render(report); });
+nb::tuple render_sliced(Renderer& renderer, const nb::object& progress, std::optional<double> seconds) {
+  Image image = without_gil(progress, [&](const ProgressFunction& report) {
+    return seconds ? renderer.render_within(*seconds, report) : renderer.render(report);
+  });
   auto* slices = new std::vector<float>(std::move(image.slices));
   nb::capsule owner(slices, [](void* p) noexcept { delete static_cast<std::vector<float>*>(p); });
   const std::size_t h = image.height, w = image.width, count = slices->size() / (4 * h * w);
@@ -307,6 +309,7 @@ nb::dict statistics(const Renderer& renderer) {
   result["rays_interleaved"] = s.rays.interleaved;
   result["rays_single"] = s.rays.single;
   result["camera_rays"] = s.camera_rays;
+  result["spp"] = s.spp;
   result["trees"] = s.trees;
   result["stages"] = stage_rows(s.stages);
   result["accel"] = accel_statistics(s.accel);
@@ -326,7 +329,8 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
                   bool show_domes, const std::string& builder, const std::string& layout,
                   const std::string& refit, bool keep_topology, const std::vector<std::string>& aovs,
                   const std::string& sampler, float split_budget, bool sample_stages,
-                  const FilmSettings& film, double texture_memory_mb) {
+                  const FilmSettings& film, double texture_memory_mb, float noise, std::uint32_t min_spp,
+                  float clamp_indirect, float texture_rate) {
   RenderSettings settings{.width = width,
                           .height = height,
                           .spp = spp,
@@ -346,6 +350,9 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
   settings.film = film;
   settings.textures.memory_limit_bytes = static_cast<std::uint64_t>(texture_memory_mb * 1048576.0);
   settings.film.origin = scene.origin;
+  settings.noise = {noise, min_spp};
+  settings.clamp_indirect = clamp_indirect;
+  settings.texture_rate = texture_rate;
   commit(self, scene.scene, std::move(settings));
 }
 
@@ -366,27 +373,30 @@ void bind_renderer(nb::module_& m) {
   const RenderSettings defaults;
   const auto def_with_settings = [&defaults](nb::class_<Renderer>& renderer, const char* name,
                                              const auto& function) {
-    renderer.def(name, function, nb::arg("scene"), nb::kw_only(), nb::arg("width"), nb::arg("height"),
-                 nb::arg("spp") = defaults.spp, nb::arg("seed") = defaults.seed,
-                 nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
-                 nb::arg("show_domes") = defaults.show_domes, nb::arg("builder") = "msbvh",
-                 nb::arg("layout") = "full", nb::arg("refit") = "auto",
-                 nb::arg("keep_topology") = defaults.build.keep_topology,
-                 nb::arg("aovs") = std::vector<std::string>(), nb::arg("sampler") = "sobol",
-                 nb::arg("split_budget") = defaults.build.spatial_split_budget,
-                 nb::arg("sample_stages") = defaults.sample_stages, nb::arg("film") = FilmSettings(),
-                 nb::arg("texture_memory_mb") = double(defaults.textures.memory_limit_bytes >> 20));
+    renderer.def(
+        name, function, nb::arg("scene"), nb::kw_only(), nb::arg("width"), nb::arg("height"),
+        nb::arg("spp") = defaults.spp, nb::arg("seed") = defaults.seed,
+        nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
+        nb::arg("show_domes") = defaults.show_domes, nb::arg("builder") = "msbvh", nb::arg("layout") = "full",
+        nb::arg("refit") = "auto", nb::arg("keep_topology") = defaults.build.keep_topology,
+        nb::arg("aovs") = std::vector<std::string>(), nb::arg("sampler") = "sobol",
+        nb::arg("split_budget") = defaults.build.spatial_split_budget,
+        nb::arg("sample_stages") = defaults.sample_stages, nb::arg("film") = FilmSettings(),
+        nb::arg("texture_memory_mb") = double(defaults.textures.memory_limit_bytes >> 20),
+        nb::arg("noise") = defaults.noise.target, nb::arg("min_spp") = defaults.noise.min_spp,
+        nb::arg("clamp_indirect") = defaults.clamp_indirect, nb::arg("texture_rate") = defaults.texture_rate);
   };
   nb::class_<Renderer> renderer(m, "Renderer");
-  def_with_settings(
-      renderer, "__init__",
-      &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, bool,
-            const std::string&, const std::string&, const std::string&, bool, const std::vector<std::string>&,
-            const std::string&, float, bool, const FilmSettings&, double>);
+  def_with_settings(renderer, "__init__",
+                    &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t,
+                          std::uint32_t, bool, const std::string&, const std::string&, const std::string&,
+                          bool, const std::vector<std::string>&, const std::string&, float, bool,
+                          const FilmSettings&, double, float, std::uint32_t, float, float>);
   def_with_settings(renderer, "commit", &commit_scene);
   renderer.def("render", &render, nb::arg("progress") = nb::none())
       .def("render_with_aovs", &render_with_aovs, nb::arg("progress") = nb::none())
-      .def("render_sliced", &render_sliced, nb::arg("progress") = nb::none())
+      .def("render_sliced", &render_sliced, nb::arg("progress") = nb::none(),
+           nb::arg("time_limit") = nb::none())
       .def("crypto_manifest", &crypto_manifest, nb::arg("aov"), nb::arg("hashes"))
       .def("render_samples", &render_samples, nb::arg("first"), nb::arg("count"),
            nb::arg("progress") = nb::none())

@@ -414,6 +414,13 @@ class RenderSettings(TypedDict, total=False):
     film: FilmSettings
     texture_memory_mb: float
     """Of texels that are kept, at most."""
+    noise: float
+    """Relative error that a pixel may keep, core/film/noise_goal.h; spp is then the most. 0: off."""
+    min_spp: int
+    clamp_indirect: float
+    """Most indirect light of a path; 0: off."""
+    texture_rate: float
+    """Times the widths that textures are filtered over."""
 
 def aov_names() -> tuple[str, ...]:
     """Of what a pixel can tell beside its colour: core/film/aov.h says what each means."""
@@ -452,9 +459,11 @@ class Renderer:
         """
     def render_with_aovs(self, progress: Callable[[float], object] | None = None) -> tuple[F32, dict[str, F32 | I32]]:
         """render(), and each AOV by its name: int32[height, width] of ids, else float32[height, width, channels]."""
-    def render_sliced(self, progress: Callable[[float], object] | None = None) -> tuple[F32, dict[str, F32 | I32], F32]:
+    def render_sliced(
+        self, progress: Callable[[float], object] | None = None, time_limit: float | None = None
+    ) -> tuple[F32, dict[str, F32 | I32], F32]:
         """render_with_aovs(), and [slice, height, width, 4]: the light of each part of the shutter; they sum up to the
-        pixels."""
+        pixels. ``time_limit``: seconds after which no more samples are taken; ``statistics["spp"]`` says how many were."""
     def crypto_manifest(self, aov: str, hashes: NDArray[np.uint32]) -> list[tuple[str, int]]:
         """The names behind hashes [N] of a Cryptomatte, the bits of its ids. Raises Error where none is asked for."""
     def render_samples(

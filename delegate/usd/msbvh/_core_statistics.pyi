@@ -65,6 +65,9 @@ class RenderStatistics(TypedDict):
     rays_single: int
     """One after another."""
     camera_rays: int
+    """Samples of the picture, of all pixels."""
+    spp: int
+    """With which the same picture is rendered again: fewer than asked for where a time limit was over."""
     trees: int
     stages: list[StageSamples]
     """Of the last render, about a thousand looks a second at each thread; empty without ``sample_stages``."""

@@ -17,6 +17,7 @@ DEFAULTS: Mapping[str, Value] = {
     "outside-tolerance": 8.0,
     "sampler": "sobol",
     "split-budget": 1.0,
+    "texture-rate": 1.0,
 }
 """Of options that are not always spelt out."""
 

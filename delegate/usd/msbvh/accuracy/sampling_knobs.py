@@ -9,6 +9,10 @@ from .knobs import Knob, Step, steps_of
 
 SAMPLES = (1, 4, 16, 64, 256)
 BOUNCES = (0, 1, 2, 4, 8)
+NOISE = (0.2, 0.1, 0.05)
+MOST_OF_NOISE = 1024
+"""Samples of a pixel where its noise decides."""
+TEXTURE_RATES = (4.0, 2.0, 1.0, 0.5)
 MOST_BOUNCES = 8
 """Stands for paths without an end."""
 
@@ -25,6 +29,14 @@ def _samplers(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:
     return {"": steps_of("sampler", ("independent", "sobol"))}
 
 
+def _noise(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:
+    return {"": steps_of("noise", NOISE[:2] if few else NOISE, spp=MOST_OF_NOISE)}
+
+
+def _texture_rates(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:
+    return {"": steps_of("texture-rate", (4.0, 1.0) if few else TEXTURE_RATES)}
+
+
 SAMPLING_KNOBS = (
     Knob(
         name="Samples",
@@ -33,6 +45,15 @@ SAMPLING_KNOBS = (
         says="Samples per pixel. They mend noise and nothing else.",
         error="noise",
         steps=_samples,
+    ),
+    Knob(
+        name="Noise target",
+        option="noise",
+        unit="relative error",
+        says="The error that each pixel may keep: those that are less noisy take fewer samples.",
+        error="noise",
+        steps=_noise,
+        joint=False,
     ),
     Knob(
         name="Path depth",
@@ -51,6 +72,16 @@ SAMPLING_KNOBS = (
         " Owen-scrambled Sobol' points, which keep clear of each other.",
         error="noise",
         steps=_samplers,
+        joint=False,
+    ),
+    Knob(
+        name="Texture rate",
+        option="texture-rate",
+        unit="of the footprint",
+        says="Width that textures are filtered over, times that of a ray's footprint: softer above 1, at fewer texels.",
+        error="look",
+        steps=_texture_rates,
+        idle=lambda facts: "" if facts.has("textures") else "nothing is textured here",
         joint=False,
     ),
 )

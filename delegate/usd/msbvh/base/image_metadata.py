@@ -27,6 +27,9 @@ class ImageMetadata:
     """float64[4, 4], OpenEXR's convention, see world_to_ndc()."""
     pixel_aspect_ratio: float = 1.0
     """Width of a pixel over its height."""
+    noise: float = 0.0
+    """Relative error that decided how many samples each pixel has, spp at most; 0: all have spp."""
+    min_spp: int = 0
 
 
 def world_to_camera(world_from_camera: np.ndarray) -> np.ndarray:

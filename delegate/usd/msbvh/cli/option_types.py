@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,6 +12,13 @@ from .._core import FINEST_LEVEL, aov_names
 from ..render.shutter_curve import Curve, CurveError, shutter_curve
 
 SEGMENT_COUNTS = tuple(2**k for k in range(FINEST_LEVEL + 1))
+
+
+def positive(ctx: click.Context, param: click.Parameter, value: float | None) -> float | None:
+    """Ranges let nan and infinity pass; None: the option is not given."""
+    if value is not None and not math.isfinite(value):
+        raise click.BadParameter(f"found {value}, expected a finite number above 0", ctx, param)
+    return value
 
 
 class Names(click.ParamType):

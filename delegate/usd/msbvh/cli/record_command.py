@@ -17,6 +17,7 @@ from ..render.record import FrameJob, RecordSettings, RenderSettings, record
 from .budget_options import GOALS, check_mergeable, goals_from
 from .film_options import FILM, film_of
 from .frame_options import check_text, parse, read_settings, settings_choice
+from .noise_options import NOISE, check_noise
 from .options import OUTPUT, SCENE, with_options
 from .render_options import RENDER
 from .thread_note import note_threads
@@ -34,13 +35,15 @@ RENDER_NAMES = (
     "sampler",
     "split_budget",
     "texture_memory_mb",
+    "texture_rate",
+    "min_spp",
 )
 """Options that are fields of RenderSettings."""
 RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")
 
 
 @click.command("record")
-@with_options(SCENE, OUTPUT, RENDER, FILM, GOALS)
+@with_options(SCENE, OUTPUT, RENDER, NOISE, FILM, GOALS)
 @click.pass_context
 def record_command(
     ctx: click.Context,
@@ -67,16 +70,20 @@ def record_command(
         raise click.UsageError("--ray-costs: found no --stats FILE.json to write them to")
     jobs = _record_jobs(outputs, frames, options["default_time"])
     goals = goals_from(ctx)
+    check_noise(ctx)
+    options["spp"] = ctx.params["spp"]
     if options["shutter_slices"] and not any(Path(output).suffix.lower() == ".exr" for output in outputs):
         raise click.UsageError("--shutter-slices: only .exr files hold layers, and no OUT is one")
     check_mergeable(options["aovs"], goals)
     settings = RecordSettings(
         read=read_settings(options),
-        render=RenderSettings(**{name: options[name] for name in RENDER_NAMES}, film=film_of(options)),
+        render=_render_settings(options),
         image=ImageSettings(_color_correction(options), options["show_domes"], options["exr_float"]),
         mask=options["mask"],
         stats=stats,
         goals=goals,
+        time_limit=options["time_limit"],
+        denoise=options["denoise"],
         ray_costs=ray_costs,
         choice=settings_choice(ctx, options),
     )
@@ -86,6 +93,15 @@ def record_command(
     if any(frame.budget and frame.budget["misses"] for frame in run.frames):
         return WRONG
     return DEGRADED if strict and reporter.degraded else DONE
+
+
+def _render_settings(options: dict[str, Any]) -> RenderSettings:
+    return RenderSettings(
+        **{name: options[name] for name in RENDER_NAMES},
+        noise=options["noise"] or 0.0,
+        clamp_indirect=options["clamp_indirect"] or 0.0,
+        film=film_of(options),
+    )
 
 
 def _record_jobs(

@@ -31,7 +31,8 @@ RENDER: Sequence[Decorator] = (
         type=click.IntRange(1, MAX_SPP),
         default=64,
         show_default=True,
-        help="Samples per pixel. Four times the samples halve the noise and take four times as long.",
+        help="Samples per pixel; with --noise or --time-limit at most. Four times the samples halve the noise and take four"
+        " times as long.",
     ),
     click.option(
         "--seed",
@@ -83,6 +84,16 @@ RENDER: Sequence[Decorator] = (
         show_default=True,
         metavar="MB",
         help="Memory for what is read of textures. Less: parts are read again and again. The picture is the same.",
+    ),
+    click.option(
+        "--texture-rate",
+        type=click.FloatRange(1 / 64, 64.0),
+        callback=finite,
+        default=1.0,
+        show_default=True,
+        metavar="FACTOR",
+        help="Width that textures are filtered over, times that of a ray's footprint. Above 1: softer, and fewer texels are"
+        " read. Below: sharper with enough samples, noisier with few.",
     ),
     click.option(
         "--layout",

@@ -72,6 +72,8 @@ class Layers:
     """Where the first pixel lies in the display window, x and y from its upper left corner; it may lie outside."""
     display: tuple[int, int] | None = None
     """Width and height of the display window; None: the pixels'. EXR alone stores both windows."""
+    shown: np.ndarray | None = None
+    """float32[h, w, 4], as `rgba`, in whose place formats other than EXR show it; None: they show that."""
 
 
 class ImageReadError(Exception):
@@ -133,7 +135,8 @@ def write_image(path: Path, layers: np.ndarray | Layers, metadata: ImageMetadata
     check_image_path(path)
     suffix = path.suffix.lower()
     layers = layers if isinstance(layers, Layers) else Layers(layers)
-    pixels, spec = _encode(suffix, layers.rgba, settings)
+    shown = layers.rgba if layers.shown is None or suffix == ".exr" else layers.shown
+    pixels, spec = _encode(suffix, shown, settings)
     if suffix == ".exr" and layers.aovs:
         pixels = _add_aovs(pixels, spec, layers)
     if suffix == ".exr":
@@ -299,6 +302,9 @@ def _describe(spec: oiio.ImageSpec, metadata: ImageMetadata) -> None:
     spec.attribute("msbvh:shutter", oiio.TypeDesc("float[2]"), metadata.shutter)
     spec.attribute("msbvh:spp", metadata.spp)
     spec.attribute("msbvh:seed", metadata.seed)
+    if metadata.noise > 0.0:
+        spec.attribute("msbvh:noise", metadata.noise)
+        spec.attribute("msbvh:minSpp", metadata.min_spp)
     spec.attribute("msbvh:renderSeconds", metadata.render_seconds)
     if metadata.frame is not None:
         spec.attribute("msbvh:frame", metadata.frame)

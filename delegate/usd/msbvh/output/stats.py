@@ -17,7 +17,7 @@ from ..base.atomic import write_whole
 PHASES = ("read", "sample", "build", "trace", "write")
 """read: opening and composing the stage. sample: evaluating it over the shutter and fitting tracks. build:
 checking the scene, the plan and the trees. trace: pixels. write: colour correction and the file. Where --ray-costs asks,
-there is one more, ray_costs: a sample of the rays traced again."""
+there is one more, ray_costs: a sample of the rays traced again; with --denoise, denoise."""
 
 
 @dataclass

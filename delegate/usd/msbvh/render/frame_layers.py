@@ -10,6 +10,7 @@ import numpy as np
 
 from .._core import aov_channels, aov_merges
 from ..output.cryptomatte import attributes
+from ..output.denoise import LAYER
 from ..output.images import Layers
 from ..output.time_slices import SLICES, channel_names, combined, layer_name, slice_weights
 from ..render_settings.layers import FileLayers, Layer
@@ -30,6 +31,8 @@ class Rendered:
     aovs: Mapping[str, np.ndarray]
     slices: np.ndarray | None = None
     """Of the shutter: float32[count, height, width, 4]."""
+    denoised: np.ndarray | None = None
+    """float32[height, width, 4]; alpha is that of `pixels`."""
 
 
 def weighted(pixels: np.ndarray, slices: np.ndarray, film: Film) -> np.ndarray:
@@ -56,6 +59,8 @@ def frame_layers(rendered: Rendered, result: ReadResult, wanted: FileLayers | No
         described[SLICES] = len(rendered.slices)
         for i, slice in enumerate(rendered.slices):
             values[layer_name(i)], channels[layer_name(i)] = slice, channel_names(i)
+    if rendered.denoised is not None:
+        values[LAYER], channels[LAYER] = rendered.denoised[..., :3], [f"{LAYER}.{letter}" for letter in "RGB"]
     return Layers(
         rendered.pixels,
         values,
@@ -65,4 +70,5 @@ def frame_layers(rendered: Rendered, result: ReadResult, wanted: FileLayers | No
         halves=frozenset(layer.name for layer in named if layer.half),
         origin=(window.x, window.y),
         display=window.display,
+        shown=rendered.denoised,
     )

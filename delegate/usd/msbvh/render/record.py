@@ -29,12 +29,20 @@ from ..render_settings.layers import FileLayers, file_layers, tell_unwritten
 from ..scene.reader import ReadResult, ReadSettings, read_frame
 from ..stage.opening import open_stage
 from ..stage.stage_metadata import frames_per_second, start_time
-from .budget import AIM, Goals, Outcome, render_within, writing_seconds
+from .budget import AIM, Goals, writing_seconds
 from .budget_told import tell_budget
 from .film import Film, film_settings
 from .fine_enough import FineEnough
-from .frame_layers import Rendered, frame_layers, weighted
-from .sample_sum import DEPTH, needs_depth
+from .frame_layers import Rendered, frame_layers
+from .sampling import (
+    MOST_SLICES_OF_NOISE,
+    SLICES_ARE_EVEN,
+    Wanted,
+    rendered_aovs,
+    time_limit_note,
+    traced,
+    with_denoised,
+)
 
 
 @dataclass(frozen=True)
@@ -64,6 +72,13 @@ class RenderSettings:
     film: Film = Film()
     texture_memory_mb: float = 1024.0
     """Of texels that are kept, at most: core/texture/texture_cache.h."""
+    texture_rate: float = 1.0
+    """Times the widths that textures are filtered over."""
+    noise: float = 0.0
+    """Relative error that a pixel may keep, core/film/noise_goal.h; spp is then the most. 0: off."""
+    min_spp: int = 32
+    clamp_indirect: float = 0.0
+    """Most indirect light of a sample, which is lost above; 0: off."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +94,10 @@ class RecordSettings:
     """Where the run's figures go, as JSON."""
     goals: Goals = Goals()
     """What every frame has to keep."""
+    time_limit: float | None = None
+    """Seconds of a frame after which no more samples are taken, from its reading on."""
+    denoise: bool = False
+    """Whether a denoised picture is written beside the raw one."""
     ray_costs: bool = False
     """Whether they say what rays cost: Renderer.ray_costs()."""
     choice: SettingsChoice | None = None
@@ -142,7 +161,8 @@ def record(
     frame_jobs = _frame_jobs(jobs, stage)
     settings = with_render_settings(stage, frame_jobs, settings, reporter)
     run.settings = _plain(settings)
-    kept = Kept(Trees(_with_depth(settings), len(frame_jobs)), _core.RefinementCache(), FineEnough())
+    rendered = replace(settings.render, aovs=_sampling(settings).aovs, sample_stages=settings.ray_costs)
+    kept = Kept(Trees(rendered, len(frame_jobs)), _core.RefinementCache(), FineEnough())
     for frame, files in frame_jobs:
         run.frames.append(_record_frame(stage, frame, files, settings, kept, reporter, read_seconds))
         read_seconds = 0.0  # The stage is opened once: its time stands with the first frame.
@@ -169,10 +189,14 @@ def with_render_settings(
         if layers.color_half is not None and "exr_float" not in given:
             image = replace(image, exr_float=not layers.color_half)
         read = applied_to_reading(asked, settings.read, given, diagnostics)
+        own = own_render_settings(asked.spec.own, given)
+        if own.get("noise") and settings.render.film.shutter_slices > MOST_SLICES_OF_NOISE:
+            diagnostics.warning(asked.path, "msbvh:noise", f"ignored: {SLICES_ARE_EVEN}")
+            del own["noise"]
         settings = replace(
             settings,
             read=replace(read, keep_faces="elementId" in layers.aovs),
-            render=replace(settings.render, aovs=layers.aovs, **own_render_settings(asked.spec.own, given)),
+            render=replace(settings.render, aovs=layers.aovs, **own),
             image=image,
             layers=layers,
         )
@@ -233,9 +257,8 @@ def _record_frame(
     reporter: Reporter,
     read_seconds: float,
 ) -> FrameStats:
-    stats, ends = FrameStats(frame, list(files)), math.inf
-    if settings.goals.seconds is not None:
-        ends = time.perf_counter() - read_seconds + AIM * settings.goals.seconds
+    stats, begin = FrameStats(frame, list(files)), time.perf_counter() - read_seconds
+    ends = begin + (settings.time_limit or AIM * (settings.goals.seconds or math.inf))
     stats.seconds["read"] = read_seconds
     before = kept.refinements.counts
     with stats.timed("sample"), reading_progress(frame) as progress:
@@ -257,13 +280,16 @@ def _record_frame(
     with stats.timed("build"):
         renderer = kept.trees.renderer(result)
     stats.plan = plan_entries(renderer)
-    outcome = _traced(renderer, settings, ends - writing_seconds(camera.width * camera.height, len(files)), stats)
+    sampling = _sampling(settings)
+    writing = writing_seconds(camera.width * camera.height, len(files))
+    outcome = traced(renderer, sampling, ends - writing, stats, frame_label(frame))
+    denoised = with_denoised(outcome, stats) if settings.denoise else None
     _tell_texture_faults(renderer, reporter)
     pixels, aovs = outcome.pixels, {name: outcome.aovs[name] for name in settings.render.aovs}
     if settings.ray_costs:
         with stats.timed("ray_costs"):
             costs = renderer.ray_costs()
-            rendered = ", ".join(_with_depth(settings).aovs)
+            rendered = ", ".join(sampling.aovs)
             effects = _core.effects(result.scene, max_bounces=settings.render.max_bounces, aovs=rendered)
             stats.render["ray_costs"] = {**costs, "effects": ray_shares(effects, costs)}
             stats.render["effects"] = measured_effects(effects, stats.render["stages"], costs)
@@ -272,10 +298,14 @@ def _record_frame(
     if not camera.path and not pixels[..., 3].any():
         reporter.warning(NOTHING_SEEN)
     with stats.timed("write"):
-        layers = frame_layers(Rendered(pixels, aovs, outcome.slices), result, settings.layers, renderer.crypto_manifest)
+        rendered_frame = Rendered(pixels, aovs, outcome.slices, denoised)
+        layers = frame_layers(rendered_frame, result, settings.layers, renderer.crypto_manifest)
         _write_images(
             files, layers, _metadata(rate, result, stats, replace(settings.render, spp=outcome.samples)), settings.image
         )
+    limited = time_limit_note(sampling, outcome.samples)
+    if limited is not None:
+        reporter.note(f"{frame_label(frame)}: {limited}")
     if settings.goals.any:
         tell_budget(stats, settings.goals, outcome, reporter)
     reporter.note(f"{frame_label(frame)}: wrote {', '.join(files)} in {sum(stats.seconds.values()):.1f} s")
@@ -286,25 +316,10 @@ def _read(stage: Usd.Stage, frame: float | None, progress: Progress, kept: Kept,
     return read_frame(stage, frame, settings, progress=progress, refinements=kept.refinements)
 
 
-def _with_depth(settings: RecordSettings) -> RenderSettings:
-    """Ranges of samples, of which a budget makes a picture, need to know whose sample is nearest."""
-    aovs = settings.render.aovs
-    if settings.goals.decide_samples and DEPTH not in aovs and needs_depth(aovs):
-        aovs = (*aovs, DEPTH)
-    return replace(settings.render, aovs=aovs, sample_stages=settings.ray_costs)
-
-
-def _traced(renderer: _core.Renderer, settings: RecordSettings, ends: float, stats: FrameStats) -> Outcome:
-    """A frame's pixels, with as many samples as are asked for or as the goals want."""
-    with stats.timed("trace"), Progress(f"msbvh: {frame_label(stats.frame)}") as progress:
-        if settings.goals.decide_samples:
-            outcome = render_within(renderer, settings.goals, ends, progress, _with_depth(settings).aovs)
-        else:
-            pixels, aovs, slices = renderer.render_sliced(progress)
-            pixels = weighted(pixels, slices, settings.render.film)
-            outcome = Outcome(pixels, aovs, settings.render.spp, None, {}, slices)
-    stats.render = {**renderer.statistics, **outcome.statistics}
-    return outcome
+def _sampling(settings: RecordSettings) -> Wanted:
+    render = settings.render
+    aovs = rendered_aovs(render.aovs, settings.goals, settings.denoise)
+    return Wanted(render.spp, settings.goals, settings.time_limit, render.film, aovs)
 
 
 def _tell_texture_faults(renderer: _core.Renderer, reporter: Reporter) -> None:
@@ -347,6 +362,8 @@ def _metadata(rate: float, result: ReadResult, stats: FrameStats, settings: Rend
         world_to_camera=camera.world_to_camera,
         world_to_ndc=camera.world_to_ndc,
         pixel_aspect_ratio=camera.pixel_aspect_ratio,
+        noise=settings.noise,
+        min_spp=settings.min_spp,
     )
 
 

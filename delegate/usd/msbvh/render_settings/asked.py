@@ -17,6 +17,9 @@ from ..stage.opening import tf_messages, tf_reason
 from ..stage.values import reported_to
 from .render_prims import METADATA, find_settings, read_render_spec
 
+MOST_SPP_OF_NOISE = 1024
+"""Samples of a pixel where its noise decides and nobody says how many there are at most."""
+
 
 @dataclass(frozen=True)
 class SettingsChoice:
@@ -88,7 +91,8 @@ def applied_to_reading(asked: Asked, read: ReadSettings, given: Set[str], diagno
 def own_render_settings(own: OwnSettings, given: Set[str]) -> dict[str, Any]:
     """Fields of the renderer's settings that the prim sets in place of defaults."""
     wanted = {
-        "spp": own.samples,
+        "spp": MOST_SPP_OF_NOISE if own.samples is None and own.noise else own.samples,
+        "noise": own.noise,
         "seed": own.seed,
         "max_bounces": own.max_bounces,
         "builder": own.builder,
