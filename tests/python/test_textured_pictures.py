@@ -180,3 +180,16 @@ def test_a_file_that_is_not_there_is_named_with_its_prim(tmp_path: Path) -> None
     read_frame(shot.stage, 10.0, diagnostics=diagnostics)
     said = [str(d) for d in diagnostics if "none.png" in str(d)]
     assert len(said) == 1 and said[0].startswith("/Look/Surface.inputs:emissiveColor") and "cannot be found" in said[0]
+
+
+def test_textures_are_filtered_over_so_many_footprints(tmp_path: Path) -> None:
+    shot = GlowingShot()
+    pixels = np.random.default_rng(1).random((64, 64, 1)).repeat(3, axis=2)
+    shot.glowing(write_image(tmp_path / "grain.tif", pixels, "float")).CreateInput("sourceColorSpace", TYPES.Token).Set(
+        "raw"
+    )
+    inside = np.s_[20:40, 30:50, 0]
+    plain, one, wide = (shot.picture(**rate) for rate in ({}, {"texture_rate": 1.0}, {"texture_rate": 16.0}))
+    np.testing.assert_array_equal(plain, one)
+    assert wide[inside].mean() == pytest.approx(plain[inside].mean(), abs=0.03)
+    assert wide[inside].std() < 0.4 * plain[inside].std()

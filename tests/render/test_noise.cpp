@@ -166,7 +166,7 @@ TEST_CASE("points that lie well apart end sooner, with no more error") {
 TEST_CASE("soak: to stop on what was seen biases by no more than is stated" * doctest::test_suite("slow")) {
   const auto seeds = static_cast<std::uint32_t>(test::soak_count(8, 400));
   for (const auto& [share, noise, most] :
-       {std::tuple{0.3f, 0.2f, 0.01}, {0.3f, 0.1f, 0.003}, {0.05f, 0.1f, 0.01}}) {
+       {std::tuple{0.3f, 0.2f, 0.003}, {0.3f, 0.1f, 0.001}, {0.05f, 0.1f, 0.001}}) {
     const Errors found = errors_of(share, Sampling::kIndependent, noise, seeds, 16384);
     const double chance = 3.0 * found.rms / std::sqrt(double(kSize * kSize * seeds));
     std::ostringstream figure;

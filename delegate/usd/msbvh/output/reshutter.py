@@ -90,4 +90,6 @@ def _metadata(spec: oiio.ImageSpec) -> ImageMetadata:
         world_to_camera=matrix("worldToCamera"),
         world_to_ndc=matrix("worldToNDC"),
         pixel_aspect_ratio=spec.get_float_attribute("PixelAspectRatio", 1.0),
+        noise=spec.get_float_attribute("msbvh:noise", 0.0),
+        min_spp=spec.get_int_attribute("msbvh:minSpp", 0),
     )
