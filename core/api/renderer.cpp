@@ -271,6 +271,7 @@ Image Renderer::render_within(double seconds, const ProgressFunction& progress) 
   const Stopwatch watch;
   TimedPicture timed =
       render_timed(*data.frame, data.settings, seconds, data.empty_image(*data.frame), progress, traced);
+  traced.stages = timed.stages;
   data.note(traced, timed.samples, watch.seconds());
   return std::move(timed.image);
 }

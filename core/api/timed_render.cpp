@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -79,16 +80,19 @@ class TimedFrame {
 
   TimedPicture render(double seconds, const ProgressFunction& progress, AreaTraced& traced) {
     Passes passes(seconds, settings_.spp, settings_.noise);
-    Image done;
+    if (settings_.sample_stages) sampler_.emplace();
+    TimedPicture done;
     for (std::uint32_t next = passes.next(); next > passes.done() && !clean(); next = passes.next()) {
       const Stopwatch watch;
       Image image = empty_;
       if (!pass(next, passes, progress, image, traced)) break;
-      done = std::move(image);
+      done.image = std::move(image);
       passes.finished(next, watch.seconds());
     }
+    if (sampler_) done.stages = sampler_->stop();
+    done.samples = passes.done();
     if (progress && !progress(1.0)) throw Cancelled();
-    return {std::move(done), passes.done()};
+    return done;
   }
 
  private:
@@ -119,7 +123,7 @@ class TimedFrame {
   }
 
   void advance(std::uint32_t count, Image& image, AreaTraced& traced) {
-    WorkspacePool workspaces;
+    WorkspacePool workspaces(sampler_ ? &*sampler_ : nullptr);
     std::mutex summing;
     Arena(settings_.threads).execute([&] {
       parallel_for(tiles_.size(), [&](std::size_t i) {
@@ -142,6 +146,7 @@ class TimedFrame {
   std::atomic<bool> cancelled_ = false;
   TileJob job_;
   std::vector<std::vector<PixelArea>> tiles_;
+  std::optional<StageSampler> sampler_;
 };
 
 }  // namespace

@@ -35,9 +35,8 @@ from .film import Film, film_settings
 from .fine_enough import FineEnough
 from .frame_layers import Rendered, frame_layers
 from .sampling import (
-    MOST_SLICES_OF_NOISE,
-    SLICES_ARE_EVEN,
     Wanted,
+    clash_with_noise,
     rendered_aovs,
     time_limit_note,
     traced,
@@ -190,9 +189,12 @@ def with_render_settings(
             image = replace(image, exr_float=not layers.color_half)
         read = applied_to_reading(asked, settings.read, given, diagnostics)
         own = own_render_settings(asked.spec.own, given)
-        if own.get("noise") and settings.render.film.shutter_slices > MOST_SLICES_OF_NOISE:
-            diagnostics.warning(asked.path, "msbvh:noise", f"ignored: {SLICES_ARE_EVEN}")
+        clash = clash_with_noise(settings.goals, settings.render.film)
+        if own.get("noise") and clash:
+            diagnostics.warning(asked.path, "msbvh:noise", f"ignored: {clash}")
             del own["noise"]
+            if asked.spec.own.samples is None:
+                own.pop("spp", None)
         settings = replace(
             settings,
             read=replace(read, keep_faces="elementId" in layers.aovs),

@@ -37,6 +37,13 @@ class Wanted:
     """That are rendered."""
 
 
+def clash_with_noise(goals: Goals, film: Film) -> str | None:
+    """Why the noise of each pixel cannot decide how many samples it has, nor a time limit."""
+    if goals.decide_samples:
+        return "--target-flip and --time-budget decide the samples"
+    return SLICES_ARE_EVEN if film.shutter_slices > MOST_SLICES_OF_NOISE else None
+
+
 def rendered_aovs(aovs: Sequence[str], goals: Goals, denoise: bool) -> tuple[str, ...]:
     """Those that are asked for, and what else is needed: ranges of samples, of which a budget makes a picture, need to know
     whose sample is nearest."""
@@ -64,7 +71,7 @@ def time_limit_note(wanted: Wanted, samples: int) -> str | None:
     """What is to be said where the time was over before all samples were taken."""
     if wanted.time_limit is None or samples >= wanted.spp:
         return None
-    return f"--time-limit {wanted.time_limit:g}: {samples} samples a pixel at most; --spp {samples} renders the same picture"
+    return f"--time-limit {wanted.time_limit:g}: stopped at {samples} samples a pixel; --spp {samples} renders the same picture"
 
 
 def with_denoised(outcome: Outcome, stats: FrameStats) -> Any:
