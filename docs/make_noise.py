@@ -25,7 +25,7 @@ BEGIN, END = "<!-- python docs/make_noise.py -->\n", "<!-- end -->\n"
 SHARED = ROOT.parent / "shared" / "scenes" / "lights_materials"
 SCENES = {
     "showcase": ROOT / "testenv/showcase/showcase.usda",
-    "StandardShaderBall": SHARED / "StandardShaderBall/standard_shader_ball_scene.usda",
+    "multiDomeLights": SHARED / "usdgl_DomeLight/multiDomeLights.usda",
     "arnold_0139": SHARED / "arnold_0139/data/test.usda",
 }
 SIZE = ("--resolution", "160", "90")
