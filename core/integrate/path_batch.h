@@ -24,6 +24,8 @@
 #include "core/integrate/stage_mark.h"
 #include "core/scene/light.h"
 #include "core/shade/bsdf/bsdf.h"
+#include "core/shade/bsdf/special_lobe.h"
+#include "core/shade/material/cover.h"
 #include "core/shade/material/texture_place.h"
 #include "core/shade/surface_hit.h"
 #include "core/trace/ray.h"
@@ -118,6 +120,11 @@ struct PathBatch {
   // ray carries. Else a surface's albedo is in its path's throughput already.
   std::vector<Bsdf> bsdfs;
   std::vector<Vec3f> scatter_weight;
+  // Likewise, where something is transparent and yet reflects: whether and how the surface was met.
+  std::vector<Cover> covers;
+  // Likewise, where something is of glass or a fibre: what takes the place of its Bsdf.
+  std::vector<SpecialLobe> special;
+  std::vector<std::uint8_t> within;  // by path, where light is bent: 1 inside of glass
   // By path, where something is textured.
   std::vector<RayCone> cones;
   std::vector<float> widths;  // of the cones where they met a surface

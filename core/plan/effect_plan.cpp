@@ -36,6 +36,8 @@ constexpr std::array<std::pair<Effect, const char*>, kEffectCount> kNames{{
     {Effect::kTextures, "textures"},
     {Effect::kLightControls, "light controls"},
     {Effect::kImageDome, "image dome"},
+    {Effect::kRefraction, "refraction"},
+    {Effect::kFibre, "fibre"},
 }};
 
 enum class Collect : std::uint8_t { kFirst, kAll };

@@ -1,0 +1,32 @@
+// What takes the place of a surface's Bsdf where it is of glass, or a hair.
+#pragma once
+
+#include <variant>
+
+#include "core/shade/bsdf/fibre.h"
+#include "core/shade/bsdf/glass.h"
+
+namespace msbvh {
+
+// monostate: nothing does.
+using SpecialLobe = std::variant<std::monostate, Glass, Fibre>;
+
+inline bool is_special(const SpecialLobe& lobe) { return !std::holds_alternative<std::monostate>(lobe); }
+
+// Whether light from below the surface counts: then its side must be the same by both normals.
+inline bool has_far_side(const SpecialLobe& lobe) { return is_special(lobe); }
+
+inline Bsdf::Value value_of(const SpecialLobe& lobe, const Bsdf& bsdf, const Vec3f& normal, const Vec3f& in) {
+  if (const Glass* glass = std::get_if<Glass>(&lobe)) return glass->at(normal, in);
+  if (const Fibre* fibre = std::get_if<Fibre>(&lobe)) return fibre->at(in);
+  return bsdf.at(normal, in);
+}
+
+inline BsdfSample sample_of(const SpecialLobe& lobe, const Bsdf& bsdf, const Vec3f& normal, float which,
+                            Point2 random) {
+  if (const Glass* glass = std::get_if<Glass>(&lobe)) return glass->sample(normal, which, random);
+  if (const Fibre* fibre = std::get_if<Fibre>(&lobe)) return fibre->sample(which, random);
+  return bsdf.sample(normal, which, random);
+}
+
+}  // namespace msbvh
