@@ -80,7 +80,9 @@ Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const
           settings.film.frame_time,
           settings.film.origin,
           asked.crypto() ? CryptoNames(scene) : CryptoNames(),
-          settings.film.shutter_slices};
+          settings.film.shutter_slices,
+          effects.has(Effect::kRefraction),
+          effects.has(Effect::kFibre)};
 }
 
 Tracer tracer_of(const Bvh& world, const RenderSettings& settings) {
@@ -203,7 +205,9 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   data->scene = std::move(scene);
   data->settings = settings;
   data->plan =
-      plan_effects(*data->scene, {.max_bounces = settings.max_bounces, .aovs = names_of(settings.aovs)});
+      plan_effects(*data->scene, {.max_bounces = settings.max_bounces,
+                                  .aovs = names_of(settings.aovs),
+                                  .refraction = settings.refraction});
   expect_known(data->plan, kKnownEffects);
   data->build(data_ && data_->trees ? &*data_->trees : nullptr);
   const Bvh& world = data->trees->world().bvh();

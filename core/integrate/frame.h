@@ -37,7 +37,8 @@ struct Frame {
   Vec3d origin{};                    // of the frame's world, in the stage's
   CryptoNames crypto_names{};        // where they are asked for
   std::uint32_t shutter_slices = 0;  // 0: the shutter is not kept in slices
-  bool refraction = false;           // what is transparent bends light
+  bool refraction = false;           // something transparent bends light
+  bool fibres = false;               // some curves scatter light as hair does
 
   const Scene& scene() const { return index.scene(); }
   Surroundings surroundings() const { return {index, world}; }

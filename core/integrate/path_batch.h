@@ -120,7 +120,7 @@ struct PathBatch {
   // ray carries. Else a surface's albedo is in its path's throughput already.
   std::vector<Bsdf> bsdfs;
   std::vector<Vec3f> scatter_weight;
-  // Likewise, where something is transparent and yet reflects: whether and how the surface was met.
+  // Likewise, where something is not opaque and something reflects: how the surface was met (opacity.h).
   std::vector<Cover> covers;
   // Likewise, where something is of glass or a fibre: what takes the place of its Bsdf.
   std::vector<SpecialLobe> special;
@@ -139,7 +139,7 @@ struct PathBatch {
   std::vector<float> times;  // by slot
   DrawnPairs drawn, lobes;   // by the order of `shaded`
   MaterialReads reads;
-  std::vector<float> opacities;  // by the order of the rays at hand
+  std::vector<Cover> found_covers;  // by the order of the rays at hand
   std::vector<std::uint32_t> retraced;
   std::vector<Ray> retraced_rays;
   std::vector<Hit> retraced_hits;

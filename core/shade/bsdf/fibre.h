@@ -39,6 +39,7 @@ class Fibre {
   static constexpr std::size_t kLobes = 4;  // R, TT, TRT, and all others
 
  private:
+  void set_widths(const FibreLook& look, float sine, float cosine);
   Bsdf::Value at_angles(float sine, float cosine, float phi) const;
 
   Vec3f x_{1.0f, 0.0f, 0.0f}, y_{0.0f, 1.0f, 0.0f}, z_{0.0f, 0.0f, 1.0f};  // along; towards who looks

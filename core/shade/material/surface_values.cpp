@@ -119,6 +119,7 @@ SurfaceLook look_of(const Material& material, const SurfaceValues& values) {
   SurfaceLook look;
   look.diffuse = base;
   if (!material.specular) return look;
+  look.ior = values.ior;
   look.alpha = alpha_of(unit(values.roughness));
   look.coat = unit(values.clearcoat);
   look.coat_f0 = reflectance_of(values.ior);
@@ -130,6 +131,7 @@ SurfaceLook look_of(const Material& material, const SurfaceValues& values) {
   }
   const float metallic = unit(values.metallic);
   const Vec3f white{1.0f, 1.0f, 1.0f}, tint = white + (unit(base) - white) * metallic;
+  look.metal = metallic;
   look.f90 = tint;
   look.f0 = tint * (reflectance_of(values.ior) * (1.0f - metallic) + metallic);
   look.diffuse = base * (1.0f - metallic);

@@ -19,6 +19,7 @@ constexpr double kMetallic = 0.0, kRoughness = 0.5, kIor = 1.5, kClearcoat = 0.0
 constexpr double kOpacity = 1.0, kOpacityThreshold = 0.0;
 constexpr Rgba kFallback{0.0, 0.0, 0.0, 1.0}, kNormalFallback{0.0, 0.0, 1.0, 1.0};
 constexpr std::size_t kAlpha = 3;
+constexpr std::string_view kStandardCoordinates = "st";
 
 const char* expected(double) { return "a number"; }
 const char* expected(const Vec3d&) { return "three numbers"; }
@@ -64,6 +65,7 @@ class SurfaceReader {
  private:
   void read_specular();
   void read_opacity();
+  void read_normal();
   // The surface's input of that name: its constant, or what stands where what drives it says nothing.
   template <typename Kind>
   Kind input(std::string_view name, SurfaceInput which, const Kind& standard);
@@ -114,7 +116,7 @@ SurfaceLook SurfaceReader::look() {
   material.emissive_color = Vec3f(input("emissiveColor", SurfaceInput::kEmissiveColor, kBlack));
   read_opacity();
   read_specular();
-  material.normal = Vec3f(input("normal", SurfaceInput::kNormal, kNormal));
+  read_normal();
   return std::move(look_);
 }
 
@@ -149,6 +151,16 @@ void SurfaceReader::read_opacity() {
   material.opacity_threshold = float(constant("opacityThreshold", kOpacityThreshold));
   const bool presence = option("opacityMode", kModes) == "presence";
   material.transparent_reflects = !presence && !(material.opacity_threshold > 0.0f);
+}
+
+// A texture has coordinates of its own; what else bends normals goes along those that USD takes for granted.
+void SurfaceReader::read_normal() {
+  Material& material = look_.material;
+  material.normal = Vec3f(input("normal", SurfaceInput::kNormal, kNormal));
+  const auto driven = std::ranges::find(material.driven, SurfaceInput::kNormal, &DrivenInput::input);
+  const bool is_driven = driven != material.driven.end();
+  if (is_driven ? driven->source == DrivenInput::Source::kPrimvar : Vec3d(material.normal) != kNormal)
+    material.normal_coordinates = primvar(std::string(kStandardCoordinates), 2);
 }
 
 template <typename Kind>

@@ -18,6 +18,7 @@ struct OwnSettings {
   std::optional<std::int64_t> seed, max_bounces;
   std::optional<double> motion_tolerance, edge_length;  // pixels
   std::optional<std::int64_t> segments;                 // 0 or a power of two
+  std::optional<bool> refraction;
   std::optional<std::string> interpolation, builder, layout;
 };
 

@@ -414,6 +414,8 @@ class RenderSettings(TypedDict, total=False):
     film: FilmSettings
     texture_memory_mb: float
     """Of texels that are kept, at most."""
+    refraction: bool
+    """Whether what is transparent bends light."""
 
 def aov_names() -> tuple[str, ...]:
     """Of what a pixel can tell beside its colour: core/film/aov.h says what each means."""
@@ -427,7 +429,7 @@ def aov_channels(aov: str, layer: str) -> list[str]:
     Raises ValueError for an unknown AOV.
     """
 
-def effects(scene: Scene, *, max_bounces: int = ..., aovs: str = "") -> FoundEffects:
+def effects(scene: Scene, *, max_bounces: int = ..., aovs: str = "", refraction: bool = False) -> FoundEffects:
     """All that a scene calls for, without building trees, and without the GIL. ``aovs``: their names, as text.
 
     Raises Error for a scene that is wrong.

@@ -25,6 +25,7 @@ RENDER_NAMES = (
     "spp",
     "seed",
     "max_bounces",
+    "refraction",
     "threads",
     "show_domes",
     "aovs",

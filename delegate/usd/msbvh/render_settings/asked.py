@@ -91,6 +91,7 @@ def own_render_settings(own: OwnSettings, given: Set[str]) -> dict[str, Any]:
         "spp": own.samples,
         "seed": own.seed,
         "max_bounces": own.max_bounces,
+        "refraction": own.refraction,
         "builder": own.builder,
         "layout": own.layout,
     }
