@@ -204,10 +204,9 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   auto data = std::make_unique<Data>();
   data->scene = std::move(scene);
   data->settings = settings;
-  data->plan =
-      plan_effects(*data->scene, {.max_bounces = settings.max_bounces,
-                                  .aovs = names_of(settings.aovs),
-                                  .refraction = settings.refraction});
+  data->plan = plan_effects(*data->scene, {.max_bounces = settings.max_bounces,
+                                           .aovs = names_of(settings.aovs),
+                                           .refraction = settings.refraction});
   expect_known(data->plan, kKnownEffects);
   data->build(data_ && data_->trees ? &*data_->trees : nullptr);
   const Bvh& world = data->trees->world().bvh();

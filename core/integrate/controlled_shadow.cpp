@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/base/lerp.h"
-#include "core/integrate/frame.h"
 #include "core/integrate/covers.h"
+#include "core/integrate/frame.h"
 #include "core/integrate/opacity.h"
 
 namespace msbvh {

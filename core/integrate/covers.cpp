@@ -24,16 +24,15 @@ void cover_run(const Frame& frame, const Material& material, std::span<const std
   const bool reflects = reflects_where_transparent(&material), driven = drives_opacity(&material);
   const std::optional<std::uint32_t> opacity_read = read_for_opacity(material);
   const bool reads_texels = reflects ? !material.texture_reads.empty() : opacity_read.has_value();
-  if (reads_texels)
-    reads.read(*frame.textures, material, reads.hits, reflects ? std::nullopt : opacity_read);
+  if (reads_texels) reads.read(*frame.textures, material, reads.hits, reflects ? std::nullopt : opacity_read);
   for (std::size_t k = 0; k < run.size(); ++k) {
     Cover& cover = covers[static_cast<std::uint32_t>(run[k])];
     const MaterialHit& hit = reads.hits[k];
     const std::span<const TexelColor> texels =
         reads_texels ? texels_of(material, reads, k) : std::span<const TexelColor>{};
     if (driven) {
-      cover.chance = rendered_opacity(
-          &material, driven_opacity(material, hit.source, *hit.hit, hit.ray->time, texels));
+      cover.chance =
+          rendered_opacity(&material, driven_opacity(material, hit.source, *hit.hit, hit.ray->time, texels));
     }
     if (reflects && cover.chance < 1.0f) cover = cover_at(frame, material, hit, cover.chance, reads, k);
   }

@@ -9,7 +9,8 @@
 
 namespace msbvh {
 
-// Of hits that were found: how light meets what they hit. `widths`: of each ray's cone there. `order` is room.
+// Of hits that were found: how light meets what they hit. `widths`: of each ray's cone there. `order` is
+// room.
 void find_covers(const Frame& frame, std::span<const Ray> rays, std::span<const Hit> hits,
                  std::span<const float> widths, MaterialReads& reads, std::vector<std::uint64_t>& order,
                  std::vector<Cover>& covers);

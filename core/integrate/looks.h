@@ -36,7 +36,8 @@ SurfaceLook apply_material(const Material& material, const HitSource& source, co
 // Of a surface with such a look: what takes the place of its Bsdf, if something does. `cover`: how it was
 // met; `within`: whether the path is inside of glass.
 SpecialLobe special_lobe(const HitSource& source, const Hit& hit, const Ray& ray, const SurfaceLook& look,
-                         const Material& material, const SurfaceHit& surface, const Cover& cover, bool within);
+                         const Material& material, const SurfaceHit& surface, const Cover& cover,
+                         bool within);
 
 // Runs of the same material in such an order: body(material, its entries).
 template <typename Body>

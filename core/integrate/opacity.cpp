@@ -77,7 +77,7 @@ PathStage choose_see_through(EffectSet effects) {
   if constexpr (!kKnownEffects.has(Effect::kOpacity)) return no_stage;
   if (!effects.has(Effect::kOpacity)) return no_stage;
   return effects.has(Effect::kTextures) || effects.has(Effect::kSpecular) ? see_through<true>
-                                                                         : see_through<false>;
+                                                                          : see_through<false>;
 }
 
 }  // namespace msbvh

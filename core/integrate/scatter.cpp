@@ -43,7 +43,8 @@ void scatter_by_lobes(PathBatch& batch) {
     bool above;
     if constexpr (kSpecial) {
       const SpecialLobe& special = batch.special[place];
-      sample = sample_of(special, batch.bsdfs[place], surface.shading_normal, batch.lobes[i].x, batch.drawn[i]);
+      sample =
+          sample_of(special, batch.bsdfs[place], surface.shading_normal, batch.lobes[i].x, batch.drawn[i]);
       above = leads_on(special, surface, sample.direction);
       if (above && sample.pdf > 0.0f) note_side(surface, sample.direction, place, batch);
     } else {
@@ -124,7 +125,7 @@ PathStage choose_scatter(EffectSet effects) {
   return special_variant_for<Effect::kDomeLight, Effect::kAreaLights, Effect::kIndirectLight>(
       effects, []<EffectSet kOn>() -> PathStage {
         return kOn.without(Effect::kSpecular).without(kSpecialLobes) == kPlain ? no_stage
-                                                                              : scatter_where_read<kOn>;
+                                                                               : scatter_where_read<kOn>;
       });
 }
 

@@ -37,9 +37,8 @@ void trace_dimmed(const Frame& frame, PathBatch& batch) {
         continue;
       }
       Ray ray = queue.rays()[i];
-      const float share = kLooks
-                              ? shadow_share(batch.found_covers[i])
-                              : opacity_at(frame.scene(), frame.index.resolve(hits[i]), hits[i], ray.time);
+      const float share = kLooks ? shadow_share(batch.found_covers[i])
+                                 : opacity_at(frame.scene(), frame.index.resolve(hits[i]), hits[i], ray.time);
       const Vec3f light = queue.contribution(i) * (1.0f - share);
       if (light == Vec3f{}) continue;
       step_past(hits[i], ray);

@@ -166,8 +166,9 @@ SurfaceHit curve_surface(const HitSource& source, const Hit& hit, const Ray& ray
   const LocalRay local(ray, pose);
   const CurvePlace place(shape, hit.triangle, hit.u, time);
   const RoundHit found = shape.shape == CurveShape::kRibbon ? ribbon_hit(place, local, hit.t)
-                         : shape.shape == CurveShape::kTube ? tube_hit(place, local, hit.t, source.curves->fibre)
-                                                            : oriented_hit(shape, hit, place, local, time);
+                         : shape.shape == CurveShape::kTube
+                             ? tube_hit(place, local, hit.t, source.curves->fibre)
+                             : oriented_hit(shape, hit, place, local, time);
   return in_world(found, ray, hit.t, pose);
 }
 

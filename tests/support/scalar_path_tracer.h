@@ -108,11 +108,10 @@ class ScalarPathTracer {
     const MaterialHit one{source, &hit, &ray, -normalize(ray.dir), width};
     MaterialReads reads;
     if (frame_.textures) reads.read(*frame_.textures, *material, {&one, 1});
-    const float opacity =
-        drives_opacity(material)
-            ? rendered_opacity(material,
-                               driven_opacity(*material, source, hit, ray.time, texels_of(*material, reads)))
-            : opacity_at(scene, source, hit, ray.time);
+    const float opacity = drives_opacity(material)
+                              ? rendered_opacity(material, driven_opacity(*material, source, hit, ray.time,
+                                                                          texels_of(*material, reads)))
+                              : opacity_at(scene, source, hit, ray.time);
     return opacity < 1.0f ? cover_at(frame_, *material, one, opacity, reads, 0) : Cover{.chance = opacity};
   }
 
@@ -138,8 +137,8 @@ class ScalarPathTracer {
         continue;
       }
       cover.bends = passes;
-      vertex = {surface_at(frame_.scene(), source, hit, ray), {}, {}, cover, hit.t, width,
-                source.light_group()};
+      vertex = {
+          surface_at(frame_.scene(), source, hit, ray), {}, {}, cover, hit.t, width, source.light_group()};
       if (specular() || effects_.has(Effect::kTextures)) add_look(source, hit, ray, within, vertex);
       return true;
     }

@@ -351,6 +351,7 @@ TEST_CASE("our own settings are read by name, type and range") {
                                         {"msbvh:motionTolerance", 0.5},
                                         {"msbvh:edgeLength", std::int64_t(2)},
                                         {"msbvh:segments", std::int64_t(8)},
+                                        {"msbvh:refraction", true},
                                         {"msbvh:builder", std::string("mbvh")},
                                         {"arnold:AA_samples", std::int64_t(-1)}},
                                        "/S", said);
@@ -360,6 +361,7 @@ TEST_CASE("our own settings are read by name, type and range") {
   CHECK(own.motion_tolerance == 0.5);
   CHECK(own.edge_length == 2.0);
   CHECK(own.segments == 8);
+  CHECK(own.refraction == true);
   CHECK(own.builder == "mbvh");
   CHECK(!own.layout);
   for (const auto& [setting, text] :
@@ -367,6 +369,7 @@ TEST_CASE("our own settings are read by name, type and range") {
         {NamedSetting{"msbvh:samplesPerPixel", 16.0}, "found 16, expected an integer"},
         {NamedSetting{"msbvh:seed", {}, "int[]"}, "found int[]"},
         {NamedSetting{"msbvh:seed", true}, "found true"},
+        {NamedSetting{"msbvh:refraction", std::int64_t(1)}, "found 1, expected a bool"},
         {NamedSetting{"msbvh:motionTolerance", std::nan("")}, "a finite number"},
         {NamedSetting{"msbvh:segments", std::int64_t(12)}, "a power of two"},
         {NamedSetting{"msbvh:builder", std::string("bvh8")}, "found 'bvh8', expected one of msbvh"},

@@ -78,8 +78,8 @@ void check_density(const SpecialLobe& lobe) {
   CHECK(chi < cells + 5.0 * std::sqrt(2.0 * cells) + 0.03 * cells);
 }
 
-// What is lost goes to and fro between microfacets: most at grazing angles, and from inside of the glass.
-TEST_CASE("glass gives back all light where it is smooth, and never more than comes in") {
+// Beyond the critical angle tables with so few entries are off by up to 2 % at grazing angles.
+TEST_CASE("a white furnace: glass gives back all light, whatever its roughness, on either side") {
   for (const float ratio : kRatios) {
     for (const float roughness : kRoughnesses) {
       for (const float cosine : kCosines) {
@@ -87,9 +87,8 @@ TEST_CASE("glass gives back all light where it is smooth, and never more than co
         CAPTURE(roughness);
         CAPTURE(cosine);
         const float white =
-            scattered(Glass(ratio, alpha_of(roughness), kNormal, direction(cosine, 0.4f)), 2048).x;
-        CHECK(white < 1.001f);
-        CHECK(white > (roughness == 0.0f ? 0.999f : roughness <= 0.1f ? 0.97f : roughness <= 0.3f ? 0.78f : 0.28f));
+            scattered(Glass(ratio, alpha_of(roughness), kNormal, direction(cosine, 0.4f)), 8192).x;
+        CHECK(white == doctest::Approx(1.0f).epsilon(cosine < 0.1f && ratio < 1.0f ? 0.02 : 0.01));
       }
     }
   }
@@ -100,7 +99,8 @@ TEST_CASE("glass gives both ways alike, but for the square of the ior below") {
   for (const float ratio : kRatios) {
     for (const float roughness : {0.3f, 0.6f, 1.0f}) {
       for (std::uint32_t i = 0; i < 128; ++i) {
-        const Point2 a = Sampler(1u, i).pair(Dimension::kLens, 0), b = Sampler(2u, i).pair(Dimension::kLens, 1);
+        const Point2 a = Sampler(1u, i).pair(Dimension::kLens, 0),
+                     b = Sampler(2u, i).pair(Dimension::kLens, 1);
         const Vec3f out = direction(0.05f + 0.95f * a.x, 6.0f * a.y);
         const Vec3f in = direction((i % 2 ? -1.0f : 1.0f) * (0.05f + 0.95f * b.x), 6.0f * b.y);
         const float alpha = alpha_of(roughness);
@@ -139,7 +139,7 @@ TEST_CASE("smooth glass bends light by Snell's law, and reflects by Fresnel's") 
     const Vec3f in = glass.sample(kNormal, 0.999f, {0.5f, 0.5f}).direction;
     CHECK(in.z < 0.0f);
     CHECK(in.x == doctest::Approx(-0.8f / ratio).epsilon(5e-3));
-    CHECK(glass.sample(kNormal, 0.0f, {0.5f, 0.5f}).direction.z == doctest::Approx(0.6f).epsilon(5e-3));
+    CHECK(glass.sample(kNormal, 0.005f, {0.5f, 0.5f}).direction.z == doctest::Approx(0.6f).epsilon(5e-3));
   }
   CHECK(fresnel_dielectric(1.0f, 1.5f) == doctest::Approx(0.04f));
   CHECK(fresnel_dielectric(0.0f, 1.5f) == doctest::Approx(1.0f));
@@ -213,8 +213,8 @@ TEST_CASE("hair scatters with the density that at() gives") {
   }
 }
 
-// The model takes what is absorbed, and the tilt of scales, for who looks: both ways are alike where both lean
-// alike against a hair without tilt, over all of its width.
+// The model takes what is absorbed, and the tilt of scales, for who looks: both ways are alike where both
+// lean alike against a hair without tilt, over all of its width.
 TEST_CASE("hair gives both ways alike where both lean alike") {
   const auto over_width = [](const Vec3f& out, const Vec3f& in) {
     Vec3d sum;

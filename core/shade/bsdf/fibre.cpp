@@ -115,7 +115,8 @@ void Fibre::set_widths(const FibreLook& look, float sine, float cosine) {
   spread_ = {v, 0.25f * v, 4.0f * v, 4.0f * v};
   scale_ = 0.626657069f * (0.265f * round + 1.194f * round * round + 5.372f * std::pow(round, 22.0f));
   // Scales turn R by twice their tilt one way, TT by it and TRT by four times it the other way.
-  const float tilt = look.tilt_degrees * (kPi / 180.0f), turned[kLobes] = {-2.0f * tilt, tilt, 4.0f * tilt, 0};
+  const float tilt = look.tilt_degrees * (kPi / 180.0f),
+              turned[kLobes] = {-2.0f * tilt, tilt, 4.0f * tilt, 0};
   for (std::size_t p = 0; p < kLobes; ++p) {
     const float s = std::sin(turned[p]), c = std::cos(turned[p]);
     sine_[p] = sine * c + cosine * s;

@@ -31,14 +31,6 @@ Vec3d kind_of(std::span<const double> values, const Vec3d&) {
   return {values[0], values[1], values.size() > 2 ? values[2] : 0.0};
 }
 
-// Of a texture's outputs; none: all channels.
-std::optional<std::size_t> channel_of(std::string_view output) {
-  constexpr std::string_view kOutputs[] = {"r", "g", "b", "a"};
-  const auto found = std::ranges::find(kOutputs, output);
-  return found == std::end(kOutputs) ? std::nullopt
-                                     : std::optional(std::size_t(found - std::begin(kOutputs)));
-}
-
 // How many numbers a UsdPrimvarReader reads; 0: something else.
 std::uint32_t width_of(std::string_view reader) {
   constexpr std::pair<std::string_view, std::uint32_t> kTypes[] = {

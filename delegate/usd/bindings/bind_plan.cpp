@@ -27,7 +27,8 @@ nb::dict effect_row(Effect effect, const std::vector<Reason>& reasons, const Eff
   return row;
 }
 
-nb::dict effects(const SceneHandle& scene, std::uint32_t max_bounces, const std::string& aovs, bool refraction) {
+nb::dict effects(const SceneHandle& scene, std::uint32_t max_bounces, const std::string& aovs,
+                 bool refraction) {
   std::vector<Reason> reasons;
   EffectBytes bytes;
   {

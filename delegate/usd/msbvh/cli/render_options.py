@@ -29,7 +29,7 @@ REFRACTION = click.option(
     "--refraction",
     is_flag=True,
     help="Bend light that passes what is transparent (UsdPreviewSurface's opacity, opacityMode transparent) by its ior. Every"
-    " surface that it passes is a bounce: glass wants --max-bounces 4 or more. Alpha is 1 there, and what lies in its shadow is lit"
+    " surface that it passes is a bounce: glass wants --max-bounces 4 or more. Alpha is 1 there, and its shadow is lit"
     " by bounces alone: noisy, and not at all by lights without a size. Without: seen straight through.",
 )
 
