@@ -23,7 +23,8 @@ def add_material_primvars(
 ) -> None:
     """After the mesh's materials. `instead`: what the prim is if it is nothing that can be displaced, and stays as it
     is, with a warning. Nothing is read that no material asks for."""
-    numbers = {mesh.material} if mesh.face_materials is None else set(np.unique(mesh.face_materials).tolist())
+    own = set() if mesh.material is None else {mesh.material}
+    numbers = own if mesh.face_materials is None else set(np.unique(mesh.face_materials).tolist())
     displaced = [each for number in numbers if (each := materials.displacement(number)) is not None]
     needed: dict[str, int] = {}
     for name, width in (each for number in numbers for each in materials.reads(number)):
