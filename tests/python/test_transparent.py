@@ -67,8 +67,8 @@ def test_refraction_is_an_option_and_a_setting(tmp_path: Path) -> None:
     assert alpha("--renderSettingsPrimPath", "/Render/Settings") == 1.0
 
 
-def asked(result: ReadResult, **settings: bool) -> Mapping[str, list[tuple[str, str]]]:
-    return {row["effect"]: row["asked_by"] for row in _core.effects(result.scene, **settings)["effects"]}
+def asked(result: ReadResult, refraction: bool = False) -> Mapping[str, list[tuple[str, str]]]:
+    return {row["effect"]: row["asked_by"] for row in _core.effects(result.scene, refraction=refraction)["effects"]}
 
 
 def test_the_plan_says_what_bends_light() -> None:
