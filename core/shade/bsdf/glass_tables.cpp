@@ -11,7 +11,7 @@
 namespace msbvh {
 namespace {
 
-constexpr int kSamples = 24;  // a cell along each axis
+constexpr int kSamples = 16;  // a cell along each axis
 constexpr float kMostRatio = 3.0f;
 
 // What leaves at once: visible normals' shares that are not hidden on the way out.
