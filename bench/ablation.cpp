@@ -59,6 +59,7 @@ void commit(Renderer& renderer, EffectSet effects, std::uint32_t triangles, std:
   settings.spp = kSpp;
   settings.threads = 1;
   settings.max_bounces = calling.max_bounces;
+  settings.refraction = calling.refraction;
   settings.aovs = calling.aovs;
   settings.instruction_set = instructions;
   renderer.commit(calling.scene, settings);

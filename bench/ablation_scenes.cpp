@@ -24,6 +24,7 @@ class Maker {
         prototype.time_remap.pieces = {{0.0f, 0.0f, 0.5f, true}, {0.3f, 0.5f, 1.0f, true}};
     }
     if (on(Effect::kSpecular) || on(Effect::kTextures)) add_material();
+    if (on(Effect::kRefraction)) scene_.materials[0].transparent_reflects = true;
     add_geometry();
     light();
     set_camera();
@@ -60,6 +61,7 @@ class Maker {
   void add_material() {
     Material material{
         .name = "material", .diffuse_color = {0.5f, 0.4f, 0.3f}, .specular = on(Effect::kSpecular)};
+    material.opacity_from_display_opacity = on(Effect::kOpacity);
     Mesh& mesh = scene_.meshes[0];
     mesh.material = 0;
     if (on(Effect::kTextures)) {
@@ -84,6 +86,7 @@ class Maker {
     }
     if (on(Effect::kCurves)) {
       scene_.curves = hair(triangles_ / 4, kStill, kSeed).scene->curves;
+      scene_.curves[0].fibre = on(Effect::kFibre);
       scene_.world.push_back(curves_id(0));
     }
     if (on(Effect::kPoints)) {
@@ -156,6 +159,10 @@ EffectSet needed_by(Effect effect) {
       return EffectSet{}.with(Effect::kInstances);
     case Effect::kImageDome:
       return EffectSet{}.with(Effect::kAreaLights);
+    case Effect::kRefraction:
+      return EffectSet{}.with(Effect::kSpecular).with(Effect::kOpacity);
+    case Effect::kFibre:
+      return EffectSet{}.with(Effect::kSpecular).with(Effect::kCurves);
     case Effect::kPolynomialMotion:
       return EffectSet{}.with(Effect::kDeformingKeys);
     case Effect::kTimeRemaps:
@@ -171,9 +178,11 @@ CallingScene scene_calling_for(EffectSet effects, std::uint32_t triangles) {
   if (effects.has(Effect::kIndirectLight)) made.max_bounces = kBounces;
   for (std::size_t i = 0; effects.has(Effect::kAovs) && i <= std::size_t(kLastSurfaceAov); ++i)
     made.aovs.push_back(Aov(i));
-  const EffectSet found =
-      plan_effects(*made.scene, {.max_bounces = made.max_bounces, .aovs = made.aovs.empty() ? "" : "all"})
-          .set;
+  made.refraction = effects.has(Effect::kRefraction);
+  const EffectSet found = plan_effects(*made.scene, {.max_bounces = made.max_bounces,
+                                                     .aovs = made.aovs.empty() ? "" : "all",
+                                                     .refraction = made.refraction})
+                              .set;
   if (!(found == effects))
     throw Error("ablation scene: found a plan of " + names_of(found) + "; expected " + names_of(effects));
   return made;

@@ -17,6 +17,7 @@ namespace msbvh::bench {
 struct CallingScene {
   std::shared_ptr<const Scene> scene;
   std::uint32_t max_bounces = 0;
+  bool refraction = false;
   std::vector<Aov> aovs;
 };
 

@@ -5,7 +5,7 @@ set(MSBVH_OMIT_EFFECTS "" CACHE STRING "Effects whose code is left out, for meas
 # In the order of core/plan/effect_set.h.
 set(msbvh_effects deforming-keys instances moving-instances camera-motion moving-lights opacity area-lights dome-light
   indirect-light lens polynomial-motion time-remaps aovs curves points displacement subdivision specular textures
-  light-controls image-dome)
+  light-controls image-dome refraction fibre)
 
 set(msbvh_known_effects 0)
 foreach(effect ${msbvh_effects})

@@ -65,6 +65,8 @@ EFFECTS = (
     "textures",
     "light controls",
     "image dome",
+    "refraction",
+    "fibre",
 )
 """As `msbvh plan` names them: core/plan/effect_plan.cpp."""
 STAGE_MARKS = "stage marks"

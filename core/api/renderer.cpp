@@ -95,7 +95,9 @@ Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const
           asked.crypto() ? CryptoNames(scene) : CryptoNames(),
           settings.film.shutter_slices,
           settings.texture_rate,
-          settings.clamp_indirect};
+          settings.clamp_indirect,
+          effects.has(Effect::kRefraction),
+          effects.has(Effect::kFibre)};
 }
 
 Tracer tracer_of(const Bvh& world, const RenderSettings& settings) {
@@ -231,8 +233,9 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   auto data = std::make_unique<Data>();
   data->scene = std::move(scene);
   data->settings = settings;
-  data->plan =
-      plan_effects(*data->scene, {.max_bounces = settings.max_bounces, .aovs = names_of(settings.aovs)});
+  data->plan = plan_effects(*data->scene, {.max_bounces = settings.max_bounces,
+                                           .aovs = names_of(settings.aovs),
+                                           .refraction = settings.refraction});
   expect_known(data->plan, kKnownEffects);
   data->build(data_ && data_->trees ? &*data_->trees : nullptr);
   const Bvh& world = data->trees->world().bvh();

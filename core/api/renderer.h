@@ -37,6 +37,9 @@ struct RenderSettings {
   std::uint32_t max_bounces = 2;  // 0: direct light only
   std::uint32_t threads = 0;      // 0: all
   bool show_domes = true;         // false: domes light the scene, but lie not behind it
+  // What is transparent (UsdPreviewSurface's opacityMode) bends light by its ior; false: is seen straight
+  // through. Every surface that light passes is a bounce.
+  bool refraction = false;
   // Paths that a thread takes forward at once, at most; a few hundred bytes each. Does not change the
   // picture.
   std::uint32_t batch_paths = 4096;

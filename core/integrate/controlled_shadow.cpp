@@ -4,32 +4,32 @@
 #include <cmath>
 
 #include "core/base/lerp.h"
+#include "core/integrate/covers.h"
 #include "core/integrate/frame.h"
-#include "core/integrate/looks.h"
 #include "core/integrate/opacity.h"
 
 namespace msbvh {
 namespace {
 
 // Whether a part of the ray goes on behind what it has hit.
-bool goes_on(const Frame& frame, const Hit& hit, float opacity, ShadowQueue::Dimmed& dimmed) {
+bool goes_on(const Frame& frame, const Hit& hit, const Cover& cover, ShadowQueue::Dimmed& dimmed) {
   if (!hit.found()) return false;
   const HitSource source = frame.index.resolve(hit);
   if (!holds_group(dimmed.light->shadow_groups, source.light_group())) return true;
-  const float absorbed = dimmed.left * opacity;
+  const float absorbed = dimmed.left * shadow_share(cover);
   dimmed.shadowed += absorbed * shadow_strength(dimmed.light->shadow, hit.t);
   dimmed.left -= absorbed;
   return dimmed.left > 0.0f;
 }
 
-// How opaque what the rays have hit is: batch.opacities, in their order.
-void find_all_opacities(const Frame& frame, PathBatch& batch) {
+// How light meets what the rays have hit: batch.found_covers, in their order.
+void find_all_covers(const Frame& frame, PathBatch& batch) {
   const ShadowQueue& queue = batch.shadows;
   batch.retraced_widths.clear();
   for (std::size_t i = 0; i < queue.size(); ++i)
     batch.retraced_widths.push_back(frame.textures ? batch.widths[queue.path(i)] : 0.0f);
-  find_opacities(frame, queue.rays(), batch.retraced_hits, batch.retraced_widths, batch.reads,
-                 batch.by_material, batch.opacities);
+  find_covers(frame, queue.rays(), batch.retraced_hits, batch.retraced_widths, batch.reads, batch.by_material,
+              batch.found_covers);
 }
 
 }  // namespace
@@ -64,14 +64,14 @@ void trace_controlled_shadows(const Frame& frame, PathBatch& batch) {
   while (queue.size() > 0) {
     hits.resize(queue.size());
     frame.tracer.intersect(queue.rays(), hits.data(), batch.traced);
-    find_all_opacities(frame, batch);
+    find_all_covers(frame, batch);
     std::size_t left = 0;
     for (std::size_t i = 0; i < hits.size(); ++i) {
       Ray ray = queue.rays()[i];
       ShadowQueue::Dimmed dimmed = queue.dimmed(i);
       const PathIndex path = queue.path(i);
       const Vec3f contribution = queue.contribution(i);
-      if (goes_on(frame, hits[i], batch.opacities[i], dimmed)) {
+      if (goes_on(frame, hits[i], batch.found_covers[i], dimmed)) {
         step_past(hits[i], ray);
         queue.set_dimmed(left++, ray, path, contribution, dimmed);
       } else {

@@ -4,7 +4,7 @@
 #include "core/integrate/light_parts.h"
 #include "core/integrate/mis.h"
 #include "core/integrate/shadow.h"
-#include "core/plan/effect_variant.h"
+#include "core/integrate/special_variant.h"
 #include "core/shade/light/light.h"
 #include "core/shade/warp.h"
 
@@ -28,11 +28,11 @@ class DirectLight {
     if (!illuminates(pick, place)) return;
     if (!sample_picked(pick, surface.position, time, random, light)) return;
     const float cosine = dot(light.direction, surface.shading_normal);
-    if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) return;
+    if (!takes(place, cosine, dot(light.direction, surface.geometric_normal))) return;
     Vec3f throughput = batch_.throughput[path];
     float pdf = cosine * (1.0f / kPi), weight = pdf;  // the cosine over pi is both, of what is diffuse
     if constexpr (kSpecular) {
-      const Bsdf::Value reflected = batch_.bsdfs[place].at(surface.shading_normal, light.direction);
+      const Bsdf::Value reflected = value_at(place, light.direction);
       const Bsdf::Value under = seen(reflected, light.diffuse, light.specular);
       throughput = throughput * under.both();
       note_share(under, path);
@@ -66,8 +66,7 @@ class DirectLight {
     Vec3f throughput = batch_.throughput[path];
     if constexpr (kSpecular && kControls) {
       // What the ray carries, lobe by lobe.
-      const SurfaceHit& surface = batch_.surfaces[place];
-      const Bsdf::Value reflected = batch_.bsdfs[place].at(surface.shading_normal, shadow.dir);
+      const Bsdf::Value reflected = value_at(place, shadow.dir);
       const Bsdf::Value under = seen(reflected, along.diffuse, along.specular);
       throughput = throughput * under.both() * (1.0f / pdf);
       note_share(under, path);
@@ -80,7 +79,23 @@ class DirectLight {
 
  private:
   static constexpr bool kArea = kOn.has(Effect::kAreaLights), kMoving = kOn.has(Effect::kMovingLights),
-                        kControls = kOn.has(Effect::kLightControls), kSpecular = kOn.has(Effect::kSpecular);
+                        kControls = kOn.has(Effect::kLightControls), kSpecular = kOn.has(Effect::kSpecular),
+                        kSpecial = kOn.has(kSpecialLobes);
+
+  // Whether light may come from a direction, by its cosines to both normals.
+  bool takes(std::uint32_t place, float shading_cosine, float geometric_cosine) const {
+    if constexpr (kSpecial) {
+      if (is_special(batch_.special[place]))
+        return takes_light(batch_.special[place], shading_cosine, geometric_cosine);
+    }
+    return shading_cosine > 0.0f && geometric_cosine > 0.0f;
+  }
+
+  Bsdf::Value value_at(std::uint32_t place, const Vec3f& direction) const {
+    const Vec3f& normal = batch_.surfaces[place].shading_normal;
+    if constexpr (kSpecial) return value_of(batch_.special[place], batch_.bsdfs[place], normal, direction);
+    return batch_.bsdfs[place].at(normal, direction);
+  }
 
   // Under a light that each kind of lobe may take more or less of.
   static Bsdf::Value seen(const Bsdf::Value& reflected, float diffuse, float specular) {
@@ -170,8 +185,8 @@ void add_direct_light(const Frame& frame, PathBatch& batch) {
 }  // namespace
 
 PathStage choose_direct(EffectSet effects) {
-  return variant_for<Effect::kMovingLights, Effect::kAreaLights, Effect::kOpacity, Effect::kLightControls,
-                     Effect::kSpecular, Effect::kTextures>(
+  return special_variant_for<Effect::kMovingLights, Effect::kAreaLights, Effect::kOpacity,
+                             Effect::kLightControls, Effect::kTextures>(
       effects, []<EffectSet kOn>() -> PathStage { return add_direct_light<kOn>; });
 }
 

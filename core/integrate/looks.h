@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/integrate/frame.h"
+#include "core/integrate/material_reads.h"
 #include "core/integrate/path_batch.h"
 
 namespace msbvh {
@@ -19,15 +20,36 @@ RayCone scattered_cone(const Frame& frame, const RayCone& cone, float distance, 
 // something does otherwise than diffusely.
 void choose_looks(const Frame& frame, PathBatch& batch, std::span<const std::uint64_t> order, bool specular);
 
-// What a material makes of one hit: `surface` is changed as above. Returns how it reflects. `texels` and
-// `normal_place` are those of the material's reads, and of the one that drives the normal.
+// Null for kNone: of what has none, diffuse in displayColor.
+const Material& material_or_standard(const Scene& scene, std::uint32_t index);
+// The read of the texture that drives an input; none where none does.
+std::optional<std::uint32_t> read_of(const Material& material, SurfaceInput input);
+// Where the coordinates are along which a material's normals are bent; none where nothing bends them.
+std::optional<TexturePlace> normal_place(const Material& material, const MaterialReads& reads, std::size_t i,
+                                         const MaterialHit& hit);
+// What a material makes of one hit: `surface` is changed as above. Returns how it reflects. `texels`: of the
+// material's reads; `normal_place`: normal_place().
 SurfaceLook apply_material(const Material& material, const HitSource& source, const Hit& hit, float time,
                            std::span<const TexelColor> texels,
                            const std::optional<TexturePlace>& normal_place, SurfaceHit& surface);
 
-// Of hits that were found: how opaque what they hit is, in [0, 1]. `width`: of each ray's cone there.
-void find_opacities(const Frame& frame, std::span<const Ray> rays, std::span<const Hit> hits,
-                    std::span<const float> widths, MaterialReads& reads, std::vector<std::uint64_t>& order,
-                    std::vector<float>& opacities);
+// Of a surface with such a look: what takes the place of its Bsdf, if something does. `cover`: how it was
+// met; `within`: whether the path is inside of glass.
+SpecialLobe special_lobe(const HitSource& source, const Hit& hit, const Ray& ray, const SurfaceLook& look,
+                         const Material& material, const SurfaceHit& surface, const Cover& cover,
+                         bool within);
+
+// Runs of the same material in such an order: body(material, its entries).
+template <typename Body>
+void by_material(const Scene& scene, std::span<const std::uint64_t> order, const Body& body) {
+  for (std::size_t first = 0; first < order.size();) {
+    const std::uint64_t material = order[first] >> 32;
+    std::size_t last = first + 1;
+    while (last < order.size() && order[last] >> 32 == material) ++last;
+    body(material_or_standard(scene, static_cast<std::uint32_t>(material)),
+         order.subspan(first, last - first));
+    first = last;
+  }
+}
 
 }  // namespace msbvh

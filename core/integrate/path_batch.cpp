@@ -25,6 +25,8 @@ void PathBatch::reset(std::size_t paths) {
   shaded_paths.clear();
   scattered.resize(paths);
   scatter_pdf.resize(paths);
+  covers.clear();
+  within.clear();
   shadows.clear();
   shadows.reserve(paths);
   traced = {};

@@ -24,6 +24,8 @@
 #include "core/integrate/stage_mark.h"
 #include "core/scene/light.h"
 #include "core/shade/bsdf/bsdf.h"
+#include "core/shade/bsdf/special_lobe.h"
+#include "core/shade/material/cover.h"
 #include "core/shade/material/texture_place.h"
 #include "core/shade/surface_hit.h"
 #include "core/trace/ray.h"
@@ -119,6 +121,11 @@ struct PathBatch {
   // ray carries. Else a surface's albedo is in its path's throughput already.
   std::vector<Bsdf> bsdfs;
   std::vector<Vec3f> scatter_weight;
+  // Likewise, where something is not opaque and something reflects: how the surface was met (opacity.h).
+  std::vector<Cover> covers;
+  // Likewise, where something is of glass or a fibre: what takes the place of its Bsdf.
+  std::vector<SpecialLobe> special;
+  std::vector<std::uint8_t> within;  // by path, where light is bent: 1 inside of glass
   // By path, where something is textured.
   std::vector<RayCone> cones;
   std::vector<float> widths;  // of the cones where they met a surface
@@ -133,7 +140,7 @@ struct PathBatch {
   std::vector<float> times;  // by slot
   DrawnPairs drawn, lobes;   // by the order of `shaded`
   MaterialReads reads;
-  std::vector<float> opacities;  // by the order of the rays at hand
+  std::vector<Cover> found_covers;  // by the order of the rays at hand
   std::vector<std::uint32_t> retraced;
   std::vector<Ray> retraced_rays;
   std::vector<Hit> retraced_hits;

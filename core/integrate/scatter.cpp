@@ -3,6 +3,7 @@
 #include "core/integrate/light_parts.h"
 #include "core/integrate/looks.h"
 #include "core/integrate/shadow.h"
+#include "core/integrate/special_variant.h"
 #include "core/plan/effect_variant.h"
 #include "core/shade/warp.h"
 
@@ -24,15 +25,32 @@ void add_dome(const Frame& frame, PathBatch& batch) {
   trace_shadows<shadow_effects(kOn)>(frame, batch);
 }
 
-// By the lobes of each surface.
+// Glass may lead a path into a body, or out of it.
+void note_side(const SurfaceHit& surface, const Vec3f& direction, std::uint32_t place, PathBatch& batch) {
+  if (!batch.within.empty() && std::holds_alternative<Glass>(batch.special[place]) &&
+      dot(direction, surface.geometric_normal) < 0.0f)
+    batch.within[batch.active[place]] ^= 1u;
+}
+
+// By the lobes of each surface. kSpecial: some of them are of glass, or fibres.
+template <bool kSpecial>
 void scatter_by_lobes(PathBatch& batch) {
   batch.lobes.draw(batch.sampler, batch.shaded_paths, Draw(Dimension::kLobe, batch.depth));
   for (std::size_t i = 0; i < batch.shaded.size(); ++i) {
     const std::uint32_t place = batch.shaded[i];
     const SurfaceHit& surface = batch.surfaces[place];
-    const BsdfSample sample =
-        batch.bsdfs[place].sample(surface.shading_normal, batch.lobes[i].x, batch.drawn[i]);
-    const bool above = dot(sample.direction, surface.geometric_normal) > 0.0f;
+    BsdfSample sample;
+    bool above;
+    if constexpr (kSpecial) {
+      const SpecialLobe& special = batch.special[place];
+      sample =
+          sample_of(special, batch.bsdfs[place], surface.shading_normal, batch.lobes[i].x, batch.drawn[i]);
+      above = leads_on(special, surface, sample.direction);
+      if (above && sample.pdf > 0.0f) note_side(surface, sample.direction, place, batch);
+    } else {
+      sample = batch.bsdfs[place].sample(surface.shading_normal, batch.lobes[i].x, batch.drawn[i]);
+      above = dot(sample.direction, surface.geometric_normal) > 0.0f;
+    }
     batch.scatter_pdf[place] = above ? sample.pdf : 0.0f;
     batch.scatter_weight[place] = sample.weight;
     if (batch.depth == 0 && !batch.light.empty())
@@ -45,7 +63,7 @@ template <EffectSet kOn>
 void scatter(PathBatch& batch) {
   batch.mark.enter(Stage::kScatter, batch.depth);
   batch.drawn.draw(batch.sampler, batch.shaded_paths, Draw(Dimension::kBounce, batch.depth));
-  if constexpr (kOn.has(Effect::kSpecular)) return scatter_by_lobes(batch);
+  if constexpr (kOn.has(Effect::kSpecular)) return scatter_by_lobes<kOn.has(kSpecialLobes)>(batch);
   for (std::size_t i = 0; i < batch.shaded.size(); ++i) {
     const std::uint32_t place = batch.shaded[i];
     const SurfaceHit& surface = batch.surfaces[place];
@@ -105,9 +123,10 @@ void go_on(const Frame& frame, PathBatch& batch) {
 }  // namespace
 
 PathStage choose_scatter(EffectSet effects) {
-  return variant_for<Effect::kDomeLight, Effect::kAreaLights, Effect::kIndirectLight, Effect::kSpecular>(
+  return special_variant_for<Effect::kDomeLight, Effect::kAreaLights, Effect::kIndirectLight>(
       effects, []<EffectSet kOn>() -> PathStage {
-        return kOn.without(Effect::kSpecular) == kPlain ? no_stage : scatter_where_read<kOn>;
+        return kOn.without(Effect::kSpecular).without(kSpecialLobes) == kPlain ? no_stage
+                                                                               : scatter_where_read<kOn>;
       });
 }
 

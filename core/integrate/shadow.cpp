@@ -1,6 +1,6 @@
 #include "core/integrate/shadow.h"
 
-#include "core/integrate/looks.h"
+#include "core/integrate/covers.h"
 #include "core/integrate/opacity.h"
 
 namespace msbvh {
@@ -15,19 +15,20 @@ void trace_opaque(const Frame& frame, PathBatch& batch) {
 }
 
 // The rays that still carry light after a layer go on from there together.
-template <bool kTextured>
+// kLooks: something is textured, or reflects.
+template <bool kLooks>
 void trace_dimmed(const Frame& frame, PathBatch& batch) {
   ShadowQueue& queue = batch.shadows;
   std::vector<Hit>& hits = batch.retraced_hits;
   while (queue.size() > 0) {
     hits.resize(queue.size());
     frame.tracer.intersect(queue.rays(), hits.data(), batch.traced);
-    if constexpr (kTextured) {
+    if constexpr (kLooks) {
       batch.retraced_widths.clear();
       for (std::size_t i = 0; i < hits.size(); ++i)
-        batch.retraced_widths.push_back(batch.widths[queue.path(i)]);
-      find_opacities(frame, queue.rays(), hits, batch.retraced_widths, batch.reads, batch.by_material,
-                     batch.opacities);
+        batch.retraced_widths.push_back(frame.textures ? batch.widths[queue.path(i)] : 0.0f);
+      find_covers(frame, queue.rays(), hits, batch.retraced_widths, batch.reads, batch.by_material,
+                  batch.found_covers);
     }
     std::size_t left = 0;
     for (std::size_t i = 0; i < hits.size(); ++i) {
@@ -36,10 +37,9 @@ void trace_dimmed(const Frame& frame, PathBatch& batch) {
         continue;
       }
       Ray ray = queue.rays()[i];
-      const float opacity = kTextured
-                                ? batch.opacities[i]
-                                : opacity_at(frame.scene(), frame.index.resolve(hits[i]), hits[i], ray.time);
-      const Vec3f light = queue.contribution(i) * (1.0f - opacity);
+      const float share = kLooks ? shadow_share(batch.found_covers[i])
+                                 : opacity_at(frame.scene(), frame.index.resolve(hits[i]), hits[i], ray.time);
+      const Vec3f light = queue.contribution(i) * (1.0f - share);
       if (light == Vec3f{}) continue;
       step_past(hits[i], ray);
       queue.set(left++, ray, queue.path(i), light);

@@ -9,7 +9,7 @@ namespace msbvh {
 
 // Where all is opaque one question a ray; where not, what a ray passes dims it. No path may wait for two rays
 // at once.
-// kOn: of kOpacity and kTextures.
+// kOn: of kOpacity, and of kTextures where something is textured or reflects.
 template <EffectSet kOn>
 void trace_shadows(const Frame& frame, PathBatch& batch);
 
@@ -17,7 +17,7 @@ void trace_shadows(const Frame& frame, PathBatch& batch);
 constexpr EffectSet shadow_effects(EffectSet on) {
   EffectSet shadow;
   if (on.has(Effect::kOpacity)) shadow = shadow.with(Effect::kOpacity);
-  if (on.has(Effect::kTextures)) shadow = shadow.with(Effect::kTextures);
+  if (on.has(Effect::kTextures) || on.has(Effect::kSpecular)) shadow = shadow.with(Effect::kTextures);
   return shadow;
 }
 

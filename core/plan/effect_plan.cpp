@@ -36,6 +36,8 @@ constexpr std::array<std::pair<Effect, const char*>, kEffectCount> kNames{{
     {Effect::kTextures, "textures"},
     {Effect::kLightControls, "light controls"},
     {Effect::kImageDome, "image dome"},
+    {Effect::kRefraction, "refraction"},
+    {Effect::kFibre, "fibre"},
 }};
 
 enum class Collect : std::uint8_t { kFirst, kAll };
@@ -45,6 +47,7 @@ class Planner {
  public:
   explicit Planner(Collect collect = Collect::kFirst) : collect_(collect) {}
 
+  bool has(Effect effect) const { return plan_.set.has(effect); }
   bool collects_all() const { return collect_ == Collect::kAll; }
   void add(Effect effect, const std::string& prim, const std::string& why) {
     if (collects_all() ? !seen_.emplace(effect, prim).second : plan_.set.has(effect)) return;
@@ -132,8 +135,12 @@ float displaced_by(const Scene& scene, GeometryId id) {
 void plan_kind(const Scene& scene, const Shown& shown, Planner& planner) {
   const std::string parts = std::to_string(shown.parts);
   if (shown.id.is(GeometryKind::kCurves)) {
-    planner.add(Effect::kCurves, shown.name,
-                parts + shape_phrase(scene.curves[shown.id.index()].shape.shape));
+    const Curves& curves = scene.curves[shown.id.index()];
+    planner.add(Effect::kCurves, shown.name, parts + shape_phrase(curves.shape.shape));
+    if (curves.fibre) {
+      planner.add(Effect::kFibre, shown.name, parts + " spans of hair");
+      planner.add(Effect::kSpecular, shown.name, "light in hair");
+    }
   }
   if (shown.id.is(GeometryKind::kPoints)) planner.add(Effect::kPoints, shown.name, parts + " spheres");
   if (shown.id.is(GeometryKind::kTriangleMesh) && scene.mesh(shown.id).cage_faces > 0) {
@@ -234,11 +241,25 @@ std::string specular_phrase(const Material& material) {
   return phrase_of;
 }
 
-void plan_materials(const Scene& scene, Planner& planner) {
+// By its constant, or by what drives it.
+bool may_be_transparent(const Material& material) {
+  return constant_opacity(&material) < 1.0f || drives_opacity(&material) ||
+         material.opacity_from_display_opacity;
+}
+
+void plan_refraction(const std::string& name, const Material& material, Planner& planner) {
+  if (material.specular && material.transparent_reflects && may_be_transparent(material))
+    planner.add(Effect::kRefraction, name, "ior " + phrase(material.ior, " of ") + material.name);
+}
+
+void plan_materials(const Scene& scene, const PlanSettings& settings, Planner& planner) {
   for (const ShownMaterial& shown : shown_materials(scene, planner.collects_all())) {
     const Material& material = scene.materials[shown.material];
     if (material.specular) planner.add(Effect::kSpecular, shown.name, specular_phrase(material));
     if (!material.driven.empty()) planner.add(Effect::kTextures, shown.name, driven_phrase(scene, material));
+    if (material.normal_coordinates != kNoPrimvar)
+      planner.add(Effect::kTextures, shown.name, "normal of " + material.name);
+    if (settings.refraction && planner.has(Effect::kOpacity)) plan_refraction(shown.name, material, planner);
   }
 }
 
@@ -290,7 +311,7 @@ namespace {
 EffectPlan plan_all(const Scene& scene, const PlanSettings& settings, Planner planner) {
   plan_geometry(scene, planner);
   plan_opacity(scene, planner);
-  plan_materials(scene, planner);
+  plan_materials(scene, settings, planner);
   plan_instances(scene, planner);
   plan_camera(scene.camera, planner);
   for (const Light& light : scene.lights) plan_light(light, planner);

@@ -26,6 +26,7 @@ struct EffectPlan {
 struct PlanSettings {
   std::uint32_t max_bounces = 1;  // 0: direct light only
   std::string aovs{};             // names of those that are asked for
+  bool refraction = false;        // what is transparent bends light
 };
 
 const char* effect_name(Effect effect);  // "deforming keys", "moving instances", ...

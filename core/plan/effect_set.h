@@ -27,10 +27,12 @@ enum class Effect : std::uint32_t {
   kSpecular = 1u << 17,          // some surface reflects otherwise than diffusely
   kTextures = 1u << 18,          // a material reads a texture, or a primvar other than the display ones
   kLightControls = 1u << 19,     // shaping, multipliers, shadow settings, links, images of rects
-  kImageDome = 1u << 20          // a dome whose light differs by direction
+  kImageDome = 1u << 20,         // a dome whose light differs by direction
+  kRefraction = 1u << 21,        // what is transparent bends light
+  kFibre = 1u << 22              // curves that scatter light as hair does
 };
 
-constexpr std::size_t kEffectCount = 21;
+constexpr std::size_t kEffectCount = 23;
 constexpr Effect effect_at(std::size_t index) { return static_cast<Effect>(1u << index); }
 
 // A set of effects; usable as a template argument.

@@ -25,6 +25,8 @@ void check_reads(const Material& material, const Scene& scene, const std::string
                finite(read.scale) && finite(read.bias),
            part, "textureReads", "NaN or infinity", "finite numbers");
   }
+  if (material.normal_coordinates != kNoPrimvar)
+    expect_index(material.normal_coordinates, scene.primvar_names.size(), part, "normalCoordinates");
   std::vector<SurfaceInput> driven;
   for (const DrivenInput& each : material.driven) {
     if (each.source == DrivenInput::Source::kTexture) {

@@ -13,6 +13,7 @@ namespace msbvh {
 // (Bernstein). USD's `uniform` is expanded to spans, `varying` to vertices, both without loss.
 struct Curves : Appearance {
   CurveSet shape;
+  bool fibre = false;                        // scatters light as hair does (core/shade/bsdf/fibre.h)
   std::vector<std::uint32_t> span_curves{};  // for AOVs: the curve that each span is of; empty: each is one
 };
 

@@ -84,6 +84,8 @@ struct Material {
   // opacityMode: what is transparent still reflects as glass does; a presence takes all of it away.
   bool transparent_reflects = false;
   Vec3f normal{0.0f, 0.0f, 1.0f};  // in tangent space; need not be unit length
+  // Of a normal that no texture drives: the coordinates along which its x and y are.
+  PrimvarName normal_coordinates = kNoPrimvar;
 
   std::vector<TextureRead> texture_reads{};
   // Each input at most once; a constant above stands where its primvar is missing on what is hit.

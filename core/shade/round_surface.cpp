@@ -136,11 +136,12 @@ RoundHit ribbon_hit(const CurvePlace& place, const LocalRay& ray, double t) {
   return {place.centre, place.radius, normal, normal, place.size, true};
 }
 
-RoundHit tube_hit(const CurvePlace& place, const LocalRay& ray, double t) {
+// `fibre`: what goes on through it has been scattered, and starts behind it.
+RoundHit tube_hit(const CurvePlace& place, const LocalRay& ray, double t, bool fibre) {
   // The balls of a tube that grows touch it behind their centres.
   const Vec3d touched = place.outwards(ray.at(t), -place.growth * place.radius, ray.size_at(t));
   const Vec3d out = unit_or(touched, facing(place.tangent, ray.dir));
-  return {place.centre, place.radius, out, out, place.size, false};
+  return {place.centre, place.radius, out, out, place.size, fibre};
 }
 
 // A surface of its own: the ball that touches from the ray's side has no size.
@@ -165,9 +166,16 @@ SurfaceHit curve_surface(const HitSource& source, const Hit& hit, const Ray& ray
   const LocalRay local(ray, pose);
   const CurvePlace place(shape, hit.triangle, hit.u, time);
   const RoundHit found = shape.shape == CurveShape::kRibbon ? ribbon_hit(place, local, hit.t)
-                         : shape.shape == CurveShape::kTube ? tube_hit(place, local, hit.t)
-                                                            : oriented_hit(shape, hit, place, local, time);
+                         : shape.shape == CurveShape::kTube
+                             ? tube_hit(place, local, hit.t, source.curves->fibre)
+                             : oriented_hit(shape, hit, place, local, time);
   return in_world(found, ray, hit.t, pose);
+}
+
+Vec3f curve_tangent(const HitSource& source, const Hit& hit, const Ray& ray) {
+  const std::optional<InstancePose> pose = instance_pose(source, ray.time);
+  const CurvePlace place(source.curves->shape, hit.triangle, hit.u, source.own_time(ray.time));
+  return Vec3f(pose ? pose->world_from_object.vector(place.tangent) : place.tangent);
 }
 
 SurfaceHit point_surface(const HitSource& source, const Hit& hit, const Ray& ray) {

@@ -11,6 +11,9 @@ namespace msbvh {
 // is turned to them where they start.
 SurfaceHit curve_surface(const HitSource& source, const Hit& hit, const Ray& ray);
 
+// Of a curve where it was hit, in the world, towards its end; any length.
+Vec3f curve_tangent(const HitSource& source, const Hit& hit, const Ray& ray);
+
 SurfaceHit point_surface(const HitSource& source, const Hit& hit, const Ray& ray);
 
 }  // namespace msbvh

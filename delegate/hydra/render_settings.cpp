@@ -134,6 +134,7 @@ void apply(const PassSettings& wanted, Settings& settings) {
   take(settings.render.noise.target, own.noise);
   take(settings.render.seed, own.seed);
   take(settings.render.max_bounces, own.max_bounces);
+  take(settings.render.refraction, own.refraction);
   take(settings.translate.motion_tolerance_pixels, own.motion_tolerance);
   take(settings.translate.edge_length_pixels, own.edge_length);
   take(settings.translate.choice.segments, own.segments);

@@ -110,6 +110,13 @@ bool apply_dome_visibility(Settings& settings, const VtValue& value) {
   return true;
 }
 
+bool apply_refraction(Settings& settings, const VtValue& value) {
+  const VtValue flag = VtValue::Cast<bool>(value);
+  if (!flag.IsHolding<bool>()) return false;
+  settings.render.refraction = flag.UncheckedGet<bool>();
+  return true;
+}
+
 const std::vector<Setting>& all_settings() {
   const auto& keys = HdRenderSettingsTokens;
   const auto render = [](auto member) { return [member](Settings& s) -> auto& { return s.render.*member; }; };
@@ -130,6 +137,8 @@ const std::vector<Setting>& all_settings() {
       {"Threads (0: all)", keys->threadLimit, VtValue(0), count(render(&RenderSettings::threads), 0),
        "an integer of at least 0"},
       {"Show dome lights", keys->domeLightCameraVisibility, VtValue(true), apply_dome_visibility, "a bool"},
+      {"What is transparent bends light", TfToken("msbvh:refraction"), VtValue(standard.refraction),
+       apply_refraction, "a bool"},
       {"Motion tolerance in pixels", TfToken("msbvh:motionTolerance"),
        VtValue(standard_translate.motion_tolerance_pixels),
        length(translated(&translate::TranslatorSettings::motion_tolerance_pixels), 1e-6),

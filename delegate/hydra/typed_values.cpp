@@ -48,7 +48,8 @@ std::optional<VtVec3fArray> as(const VtValue& value) {
   if (auto found = converted<VtVec3fArray, GfVec2d>(value, two)) return found;
   if (auto found = converted<VtVec3fArray, GfVec2h>(value, two)) return found;
   if (auto found = converted<VtVec3fArray, float>(value, one)) return found;
-  return converted<VtVec3fArray, double>(value, one);
+  if (auto found = converted<VtVec3fArray, double>(value, one)) return found;
+  return converted<VtVec3fArray, int>(value, one);
 }
 
 template <>

@@ -56,6 +56,8 @@ std::uint32_t MaterialTable::add(SurfaceLook look, Scene& scene, PrimLog& log) {
   for (DrivenInput& input : material.driven) {
     if (input.source == DrivenInput::Source::kPrimvar) input.index = name_of(input.index);
   }
+  if (material.normal_coordinates != kNoPrimvar)
+    material.normal_coordinates = name_of(material.normal_coordinates);
   std::ranges::sort(reads);
   reads.erase(std::unique(reads.begin(), reads.end()), reads.end());
   reads_.push_back(std::move(reads));

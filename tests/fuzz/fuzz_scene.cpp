@@ -76,6 +76,8 @@ void add_materials(Scene& scene, FuzzedData& data) {
     material.opacity_from_display_opacity = data.coin();
     material.opacity_threshold = data.coin() ? 0.0f : float(data.unit());
     material.roughness = data.wrong() ? data.real32() : float(data.unit());
+    material.specular = data.coin();
+    material.transparent_reflects = data.coin();
     if (data.coin()) add_reads(material, scene, data);
     scene.materials.push_back(material);
   }
@@ -108,6 +110,7 @@ void add_geometry(Scene& scene, FuzzedData& data) {
   }
   for (std::uint32_t n = data.below(2); n > 0; --n) {
     Curves& curves = scene.curves.emplace_back();
+    curves.fibre = data.coin();
     curves.shape = fuzzed_curves(data);
     dress(curves, data, materials);
   }
@@ -224,6 +227,7 @@ void draw(const std::shared_ptr<const Scene>& scene, FuzzedData& data) {
   settings.seed = data.byte();
   settings.max_bounces = data.below(3);
   settings.threads = 1;
+  settings.refraction = data.coin();
   settings.build.layout = data.one_of({TreeLayout::kFull, TreeLayout::kCompact});
   Renderer renderer;
   if (!passes([&] { renderer.commit(scene, settings); })) return;

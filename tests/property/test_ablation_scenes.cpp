@@ -20,6 +20,7 @@ TEST_CASE("a scene that is made for an effect calls for it, for what it needs, a
                             .height = 16,
                             .spp = 1,
                             .max_bounces = calling.max_bounces,
+                            .refraction = calling.refraction,
                             .aovs = calling.aovs,
                             .build = {}};
     Renderer renderer;

@@ -269,7 +269,10 @@ def test_every_input_of_a_preview_surface_is_read_and_nothing_is_said():
         ("occlusion", kinds.Float, 0.5),
     ):
         shader.CreateInput(name, kind).Set(value)
-    bind(shot, shot.mesh("/Mesh").GetPrim())
+    mesh = shot.mesh("/Mesh")
+    bind(shot, mesh.GetPrim())
+    st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", kinds.TexCoord2fArray, "varying")  # that the normal is along
+    st.Set([(0, 0), (1, 0), (1, 1), (0, 1)])
     result = shot.read()
     (material,) = result.scene.materials
     assert material["specular_workflow"] and material["specular_color"] == (0.5, 0.25, 1) and not material["metallic"]

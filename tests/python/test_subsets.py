@@ -106,7 +106,7 @@ def test_the_picture_shows_each_part_where_it_is():
     assert 0.03 < gloss < 0.06
     assert middle[24, :3] == pytest.approx(np.array((0.8, 0, 0)) * (1.0 - gloss) + gloss, abs=0.01)
     assert middle[40, :3] == pytest.approx(np.array((0, 0.8, 0)) * (1.0 - gloss) + gloss, abs=0.01)
-    assert middle[[56, 72], 3].tolist() == [0.0, 0.0]
+    assert middle[56, 3] == pytest.approx(gloss, abs=0.04) and middle[72, 3] == 0.0  # a hole does not even reflect
 
 
 @pytest.mark.parametrize("instanced", [False, True])

@@ -107,11 +107,19 @@ def test_opacity_by_a_texture_is_coverage(tmp_path: Path, threshold: float) -> N
     shot.glowing(write_image(tmp_path / "mask.tif", pixels, "float"), to="opacity", output="r")
     shot.surface.CreateInput("emissiveColor", TYPES.Color3f).Set(Gf.Vec3f(1))
     shot.surface.CreateInput("opacityThreshold", TYPES.Float).Set(threshold)
+    mode = shot.surface.CreateInput("opacityMode", TYPES.Token)
+    mode.Set("presence")
     picture = shot.picture()
     left, right = (0.25, 0.75) if threshold == 0.0 else (0.0, 1.0)
     assert picture[20:40, 25:38, 3].mean() == pytest.approx(left, abs=0.02)
     assert picture[20:40, 42:55, 3].mean() == pytest.approx(right, abs=0.02)
     assert picture[..., :3] == pytest.approx(np.repeat(picture[..., 3:], 3, axis=2), abs=1e-5)
+    if threshold == 0.0:
+        mode.Set("transparent")
+        picture = shot.picture()
+        # What it reflects covers as well, and what it gives off is whole.
+        assert picture[20:40, 25:38, 3].mean() == pytest.approx(left + (1 - left) * 0.04, abs=0.02)
+        assert picture[20:40, 25:38, :3].mean() == pytest.approx(1.0, abs=0.05)
 
 
 def test_far_away_a_texture_is_its_mean(tmp_path: Path) -> None:

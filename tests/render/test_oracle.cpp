@@ -102,6 +102,8 @@ Calls calls_of(std::uint32_t bits) {
 
 Image oracle_picture(const std::shared_ptr<const Scene>& scene, const RenderSettings& settings) {
   const SceneTrees trees(scene, settings.build, nullptr);
+  const EffectSet plan =
+      plan_effects(*scene, {.max_bounces = settings.max_bounces, .refraction = settings.refraction}).set;
   const Bvh& world = trees.world().bvh();
   Box3f bounds;
   for (const Box3f& b : world.root_bounds) bounds.grow(b);
@@ -122,6 +124,8 @@ Image oracle_picture(const std::shared_ptr<const Scene>& scene, const RenderSett
               FilterSampler(settings.film.filter),
               ShutterSampler(settings.film.shutter_curve, settings.film.rolling)};
   frame.clamp_indirect = settings.clamp_indirect;
+  frame.refraction = plan.has(Effect::kRefraction);
+  frame.fibres = plan.has(Effect::kFibre);
   return scalar_picture(frame, settings.spp);
 }
 
@@ -193,6 +197,62 @@ TEST_CASE("what reflects otherwise than diffusely is the scalar path tracer's to
                                   .max_bounces = bits % 4,
                                   .show_domes = bits % 5 != 0,
                                   .clamp_indirect = bits % 2 == 0 ? 0.0f : 0.05f,
+                                  .build = {}};
+    const std::vector<float> picture = render(*shared, settings).rgba;
+    CHECK(picture == oracle_picture(shared, settings).rgba);
+    CHECK(std::ranges::all_of(picture, [](float x) { return std::isfinite(x); }));
+  }
+}
+
+// Transparent ones, and a normal that nothing drives.
+void make_transparent(Scene& scene) {
+  for (Material& material : scene.materials) material.transparent_reflects = true;
+  scene.materials[0].opacity = 0.3f;
+  scene.materials[0].normal = {0.3f, 0.2f, 0.9f};
+  scene.materials[0].normal_coordinates = 2;
+  scene.materials[1].opacity = 0.5f;
+  scene.materials[1].metallic = 0.5f;
+  scene.primvar_names.push_back("st");
+  for (Mesh& mesh : scene.meshes) {
+    SurfacePrimvar st{2, {Interpolation::kVertex, 0, {}}};
+    for (std::uint32_t i = 0; i < mesh.shape.vertex_count; ++i)
+      st.primvar.values.push_back({float(i % 3), float(i % 5), 0.0f});
+    mesh.primvars.push_back(st);
+  }
+}
+
+void add_hair(Scene& scene, CurveShape shape) {
+  Curves hair;
+  hair.shape.name = "/hair";
+  hair.shape.shape = shape;
+  hair.shape.vertex_count = 4;
+  hair.shape.vertices = {{{2, 2, 40}, 4.0f}, {{20, 5, 42}, 4.0f}, {{5, 30, 38}, 3.0f}, {{33, 33, 41}, 1.0f}};
+  hair.shape.spans = {0};
+  hair.fibre = true;
+  hair.display_color.values = {{0.8f, 0.5f, 0.2f}};
+  scene.world.push_back(curves_id(0));
+  scene.curves.push_back(hair);
+}
+
+TEST_CASE("so is what is transparent, bends light, is bumped, or scatters it as hair does") {
+  for (std::uint32_t bits = 0; bits < 128; bits += 3) {
+    CAPTURE(bits);
+    Calls calls = calls_of(bits * 5 % 128);
+    const bool driven = calls.materials, refraction = bits % 2 != 0;
+    calls.materials = false;
+    Scene scene = called(calls, bits);
+    add_looks(scene, driven);
+    if (bits % 4 != 2) make_transparent(scene);
+    if (bits % 4 > 1) add_hair(scene, bits % 8 > 3 ? CurveShape::kTube : CurveShape::kRibbon);
+    if (bits % 9 == 0) scene.lights[1].specular = 0.5f;
+    const auto shared = std::make_shared<const Scene>(std::move(scene));
+    const RenderSettings settings{.width = kSize,
+                                  .height = kSize,
+                                  .spp = 5,
+                                  .seed = bits,
+                                  .max_bounces = bits % 5,
+                                  .show_domes = bits % 5 != 0,
+                                  .refraction = refraction,
                                   .build = {}};
     const std::vector<float> picture = render(*shared, settings).rgba;
     CHECK(picture == oracle_picture(shared, settings).rgba);

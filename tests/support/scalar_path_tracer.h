@@ -14,6 +14,7 @@
 #include "core/api/renderer.h"
 #include "core/film/sum_tree.h"
 #include "core/integrate/controlled_shadow.h"
+#include "core/integrate/covers.h"
 #include "core/integrate/frame.h"
 #include "core/integrate/looks.h"
 #include "core/integrate/mis.h"
@@ -30,7 +31,7 @@ namespace msbvh {
 class ScalarPathTracer {
  public:
   explicit ScalarPathTracer(const Frame& frame)
-      : frame_(frame), effects_(plan_effects(frame.scene(), {}).set) {}
+      : frame_(frame), effects_(plan_effects(frame.scene(), {.refraction = frame.refraction}).set) {}
 
   FilmSample trace(const Sampler& sampler, const Ray& ray) const {
     std::optional<Vec3f> direct;
@@ -49,9 +50,10 @@ class ScalarPathTracer {
     FilmSample result;
     Vec3f throughput{1.0f, 1.0f, 1.0f};
     RayCone cone = camera_cone(frame_, ray.time);
+    bool within = false;  // glass
     for (std::uint32_t depth = 0;; ++depth) {
       Vertex vertex;
-      if (!find_surface(sampler, ray, depth, cone, vertex)) {
+      if (!find_surface(sampler, ray, depth, cone, within, vertex)) {
         if (depth > 0 || frame_.show_domes)
           result.radiance += throughput * frame_.lights.dome_radiance(ray.time);
         if (depth == 0 && frame_.show_domes)
@@ -60,6 +62,7 @@ class ScalarPathTracer {
       }
       SurfaceHit& surface = vertex.surface;
       if (depth == 0) result.alpha = 1.0f;
+      throughput = throughput * vertex.cover.weight;
       result.radiance += throughput * surface.emission;
       if (depth == 1) direct = result.radiance;
       if (!specular()) throughput = throughput * surface.albedo;
@@ -70,6 +73,8 @@ class ScalarPathTracer {
       Scattered next;
       if (!bounce(sampler, vertex, depth, ray, next) || !(next.pdf > 0.0f)) return result;
       if (specular()) throughput = throughput * next.weight;
+      if (std::holds_alternative<Glass>(vertex.special) && dot(ray.dir, surface.geometric_normal) < 0.0f)
+        within = !within;
       cone = scattered_cone(frame_, cone, vertex.distance, next.pdf);
       if (depth == frame_.max_bounces) {
         if (frame_.lights.has_dome())
@@ -83,6 +88,8 @@ class ScalarPathTracer {
   struct Vertex {
     SurfaceHit surface;
     Bsdf bsdf;
+    SpecialLobe special;
+    Cover cover;
     float distance = 0.0f, width = 0.0f;  // of the ray that found it, and of its cone there
     std::uint32_t light_group = 0;
   };
@@ -96,69 +103,83 @@ class ScalarPathTracer {
                                                 : reflected.both();
   }
 
+  static bool takes(const Vertex& vertex, const Vec3f& direction) {
+    const SurfaceHit& surface = vertex.surface;
+    return takes_light(vertex.special, dot(direction, surface.shading_normal),
+                       dot(direction, surface.geometric_normal));
+  }
+
   bool specular() const { return effects_.has(Effect::kSpecular); }
 
   static void step_past(const Hit& hit, Ray& ray) {
     ray.tnear = std::nextafter(hit.t, std::numeric_limits<float>::infinity());
   }
 
-  float opacity_of(const HitSource& source, const Hit& hit, const Ray& ray, float width) const {
+  Cover cover_of(const HitSource& source, const Hit& hit, const Ray& ray, float width) const {
     const Scene& scene = frame_.scene();
     const Material* material = material_at(scene, material_index(source, hit));
-    if (!drives_opacity(material)) return opacity_at(scene, source, hit, ray.time);
+    const bool reflects = reflects_where_transparent(material);
+    if (!drives_opacity(material) && !reflects) return {.chance = opacity_at(scene, source, hit, ray.time)};
     const MaterialHit one{source, &hit, &ray, -normalize(ray.dir), width};
     MaterialReads reads;
     if (frame_.textures) reads.read(*frame_.textures, *material, {&one, 1});
-    return rendered_opacity(material,
-                            driven_opacity(*material, source, hit, ray.time, texels_of(*material, reads)));
+    const float opacity = drives_opacity(material)
+                              ? rendered_opacity(material, driven_opacity(*material, source, hit, ray.time,
+                                                                          texels_of(*material, reads)))
+                              : opacity_at(scene, source, hit, ray.time);
+    return opacity < 1.0f ? cover_at(frame_, *material, one, opacity, reads, 0) : Cover{.chance = opacity};
+  }
+
+  float shadow_of(const HitSource& source, const Hit& hit, const Ray& ray, float width) const {
+    return shadow_share(cover_of(source, hit, ray, width));
   }
 
   static std::span<const TexelColor> texels_of(const Material& material, const MaterialReads& reads) {
     return material.texture_reads.empty() ? std::span<const TexelColor>{} : reads.texels(0);
   }
 
-  bool find_surface(const Sampler& sampler, Ray ray, std::uint32_t depth, const RayCone& cone,
+  bool find_surface(const Sampler& sampler, Ray ray, std::uint32_t depth, const RayCone& cone, bool within,
                     Vertex& vertex) const {
     Hit hit;
     for (std::uint32_t layer = 0; frame_.tracer.intersect(ray, hit); ++layer) {
       const HitSource source = frame_.index.resolve(hit);
-      const float width = cone.width_at(hit.t), opacity = opacity_of(source, hit, ray, width);
-      if (opacity < 1.0f && sampler.pair(Dimension::kOpacity, depth, layer).x >= opacity) {
+      const float width = cone.width_at(hit.t);
+      Cover cover = cover_of(source, hit, ray, width);
+      const bool passes =
+          cover.chance < 1.0f && sampler.pair(Dimension::kOpacity, depth, layer).x >= cover.chance;
+      if (passes && !cover.bends) {
         step_past(hit, ray);
         continue;
       }
-      vertex = {surface_at(frame_.scene(), source, hit, ray), {}, hit.t, width, source.light_group()};
-      if (specular() || effects_.has(Effect::kTextures)) add_look(source, hit, ray, vertex);
+      cover.bends = passes;
+      vertex = {
+          surface_at(frame_.scene(), source, hit, ray), {}, {}, cover, hit.t, width, source.light_group()};
+      if (specular() || effects_.has(Effect::kTextures)) add_look(source, hit, ray, within, vertex);
       return true;
     }
     return false;
   }
 
-  void add_look(const HitSource& source, const Hit& hit, const Ray& ray, Vertex& vertex) const {
-    static const Material standard{.name = {}, .diffuse_from_display_color = true};
-    const Material* found = material_at(frame_.scene(), material_index(source, hit));
-    const Material& material = found ? *found : standard;
+  void add_look(const HitSource& source, const Hit& hit, const Ray& ray, bool within, Vertex& vertex) const {
+    const Material& material = material_or_standard(frame_.scene(), material_index(source, hit));
     SurfaceHit& surface = vertex.surface;
     const MaterialHit one{source, &hit, &ray, surface.geometric_normal, vertex.width};
     MaterialReads reads;
     if (!material.texture_reads.empty()) reads.read(*frame_.textures, material, {&one, 1});
-    std::optional<TexturePlace> normal_place;
-    for (const DrivenInput& driven : material.driven) {
-      if (driven.input == SurfaceInput::kNormal && driven.source == DrivenInput::Source::kTexture)
-        normal_place = reads.place(0, driven.index);
-    }
-    const SurfaceLook look =
-        apply_material(material, source, hit, ray.time, texels_of(material, reads), normal_place, surface);
+    SurfaceLook look = apply_material(material, source, hit, ray.time, texels_of(material, reads),
+                                      normal_place(material, reads, 0, one), surface);
     if (!specular()) return;
+    look.diffuse = look.diffuse * vertex.cover.diffuse;
     vertex.bsdf = Bsdf(look, surface.shading_normal, normalize(-ray.dir));
-    surface.albedo = vertex.bsdf.albedo();
+    vertex.special = special_lobe(source, hit, ray, look, material, surface, vertex.cover, within);
+    surface.albedo = albedo_of(vertex.special, vertex.bsdf);
   }
 
   // What is left of `light` after all that the ray passes.
   Vec3f dimmed(Ray ray, Vec3f light, float width) const {
     Hit hit;
     while (light != Vec3f{} && frame_.tracer.intersect(ray, hit)) {
-      light = light * (1.0f - opacity_of(frame_.index.resolve(hit), hit, ray, width));
+      light = light * (1.0f - shadow_of(frame_.index.resolve(hit), hit, ray, width));
       step_past(hit, ray);
     }
     return light;
@@ -175,7 +196,7 @@ class ScalarPathTracer {
     while (left > 0.0f && frame_.tracer.intersect(ray, hit)) {
       const HitSource source = frame_.index.resolve(hit);
       if (holds_group(light.shadow_groups, source.light_group())) {
-        const float absorbed = left * opacity_of(source, hit, ray, width);
+        const float absorbed = left * shadow_of(source, hit, ray, width);
         shadowed += absorbed * shadow_strength(light.shadow, hit.t);
         left -= absorbed;
       }
@@ -203,11 +224,12 @@ class ScalarPathTracer {
     LightSample light;
     if (!sample_light(*pick.light, frame_.scene().camera, surface.position, time, random, light)) return {};
     const float cosine = dot(light.direction, surface.shading_normal);
-    if (cosine <= 0.0f || dot(light.direction, surface.geometric_normal) <= 0.0f) return {};
+    if (!takes(vertex, light.direction)) return {};
     Vec3f carried = throughput;
     float pdf = cosine * (1.0f / kPi), weight = pdf;
     if (specular()) {
-      const Bsdf::Value reflected = vertex.bsdf.at(surface.shading_normal, light.direction);
+      const Bsdf::Value reflected =
+          value_of(vertex.special, vertex.bsdf, surface.shading_normal, light.direction);
       carried = throughput * seen(reflected, light.diffuse, light.specular);
       pdf = reflected.pdf;
       weight = 1.0f;
@@ -234,7 +256,8 @@ class ScalarPathTracer {
     if (specular() && effects_.has(Effect::kLightControls)) {
       const SurfaceHit& surface = vertex.surface;
       carried = throughput *
-                seen(vertex.bsdf.at(surface.shading_normal, ray.dir), along.diffuse, along.specular) *
+                seen(value_of(vertex.special, vertex.bsdf, surface.shading_normal, ray.dir), along.diffuse,
+                     along.specular) *
                 (1.0f / next.pdf);
     } else if (specular()) {
       carried = throughput * next.weight;
@@ -250,8 +273,8 @@ class ScalarPathTracer {
     const Point2 random = sampler.pair(Dimension::kBounce, depth);
     Vec3f direction;
     if (specular()) {
-      const BsdfSample sample =
-          vertex.bsdf.sample(surface.shading_normal, sampler.pair(Dimension::kLobe, depth).x, random);
+      const BsdfSample sample = sample_of(vertex.special, vertex.bsdf, surface.shading_normal,
+                                          sampler.pair(Dimension::kLobe, depth).x, random);
       direction = sample.direction;
       next = {sample.pdf, sample.weight};
     } else {
@@ -259,7 +282,9 @@ class ScalarPathTracer {
       direction = Basis(surface.shading_normal)(local);
       next.pdf = local.z * (1.0f / kPi);
     }
-    if (dot(direction, surface.geometric_normal) <= 0.0f) return false;
+    const bool leads_on = is_special(vertex.special) ? takes(vertex, direction)
+                                                     : dot(direction, surface.geometric_normal) > 0.0f;
+    if (!leads_on) return false;
     ray = leave(surface, direction, ray.time);
     return true;
   }

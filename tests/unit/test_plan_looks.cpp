@@ -64,6 +64,51 @@ TEST_CASE("textures: which input, from where, and how many others") {
   CHECK(why(scene_with(tinted), Effect::kTextures) == "/still: diffuseColor of /tinted from primvars:tint");
 }
 
+TEST_CASE("textures: a normal that nothing drives is bent along coordinates") {
+  Material bumped{.name = "/bumped", .normal = {1, 0, 1}};
+  CHECK(why(scene_with(bumped), Effect::kTextures) == "");
+  bumped.normal_coordinates = 1;
+  CHECK(why(scene_with(bumped), Effect::kTextures) == "/still: normal of /bumped");
+}
+
+TEST_CASE("refraction: where it is asked for, what is transparent, and reflects") {
+  const auto bends = [](const Material& material, bool asked) {
+    return plan_effects(scene_with(material), {.max_bounces = 0, .refraction = asked})
+        .set.has(Effect::kRefraction);
+  };
+  Material glass{.name = "/glass", .opacity = 0.5f, .specular = true, .transparent_reflects = true};
+  CHECK_FALSE(bends(glass, false));
+  CHECK(bends(glass, true));
+  Material other = glass;
+  other.opacity = 1.0f;
+  CHECK_FALSE(bends(other, true));
+  other.driven = {{SurfaceInput::kOpacity, DrivenInput::Source::kPrimvar, 1, 0, false}};
+  CHECK(bends(other, true));
+  other = glass;
+  other.transparent_reflects = false;
+  CHECK_FALSE(bends(other, true));
+  other = glass;
+  other.specular = false;
+  CHECK_FALSE(bends(other, true));
+  const EffectPlan plan = plan_effects(scene_with(glass), {.max_bounces = 0, .refraction = true});
+  CHECK(plan.why.back().prim == "/still");
+  CHECK(plan.why.back().why == "ior 1.5 of /glass");
+}
+
+TEST_CASE("fibre: curves that say so, whose light no other lobe scatters") {
+  Scene scene = still_scene();
+  scene.curves.resize(1);
+  scene.curves[0].shape.name = "/hair";
+  scene.curves[0].shape.vertex_count = 4;
+  scene.curves[0].shape.vertices.resize(4);
+  scene.curves[0].shape.spans = {0};
+  scene.world = {mesh_id(0), curves_id(0)};
+  CHECK(why(scene, Effect::kFibre) == "");
+  scene.curves[0].fibre = true;
+  CHECK(why(scene, Effect::kFibre) == "/hair: 1 spans of hair");
+  CHECK(why(scene, Effect::kSpecular) == "/hair: light in hair");
+}
+
 TEST_CASE("opacity that is driven may be anything; an instance's own counts") {
   Material leaf{.name = "/leaf"};
   leaf.driven = {{SurfaceInput::kOpacity, DrivenInput::Source::kPrimvar, 1, 0, false}};

@@ -240,10 +240,12 @@ TEST_CASE("cycles, nodes that are not there and surfaces of another kind end in 
   CHECK(look.warnings("found no surface shader that can be read") == 1);
 }
 
-TEST_CASE("a constant normal is taken as it is") {
+TEST_CASE("a constant normal is taken as it is, along st; the default needs none") {
   Network look;
+  CHECK(look.material().normal_coordinates == kNoPrimvar);
   look.surface().inputs = {constant("normal", numbers({0, 0.5, 0.5}))};
   CHECK(look.material().normal == Vec3f{0, 0.5f, 0.5f});
+  CHECK(look.material().normal_coordinates == 0);
   CHECK(look.warnings() == 0);
   look.surface().inputs = {constant("normal", false, "False")};
   CHECK(look.material().normal == Vec3f{0, 0, 1});

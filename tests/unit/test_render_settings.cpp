@@ -352,6 +352,7 @@ TEST_CASE("our own settings are read by name, type and range") {
                                         {"msbvh:noise", 0.05},
                                         {"msbvh:edgeLength", std::int64_t(2)},
                                         {"msbvh:segments", std::int64_t(8)},
+                                        {"msbvh:refraction", true},
                                         {"msbvh:builder", std::string("mbvh")},
                                         {"arnold:AA_samples", std::int64_t(-1)}},
                                        "/S", said);
@@ -362,6 +363,7 @@ TEST_CASE("our own settings are read by name, type and range") {
   CHECK(own.noise == 0.05);
   CHECK(own.edge_length == 2.0);
   CHECK(own.segments == 8);
+  CHECK(own.refraction == true);
   CHECK(own.builder == "mbvh");
   CHECK(!own.layout);
   for (const auto& [setting, text] :
@@ -369,6 +371,7 @@ TEST_CASE("our own settings are read by name, type and range") {
         {NamedSetting{"msbvh:samplesPerPixel", 16.0}, "found 16, expected an integer"},
         {NamedSetting{"msbvh:seed", {}, "int[]"}, "found int[]"},
         {NamedSetting{"msbvh:seed", true}, "found true"},
+        {NamedSetting{"msbvh:refraction", std::int64_t(1)}, "found 1, expected a bool"},
         {NamedSetting{"msbvh:motionTolerance", std::nan("")}, "a finite number"},
         {NamedSetting{"msbvh:noise", -0.5}, "found -0.5, expected a number from 0 to 1"},
         {NamedSetting{"msbvh:noise", std::nan("")}, "from 0 to 1"},

@@ -19,6 +19,9 @@ struct SurfaceLook {
   float coat = 0.0f;      // how much of a clear coat there is, in [0, 1]
   float coat_f0 = 0.04f;  // its reflectance at normal incidence
   float coat_alpha = 1e-3f;
+  // Of its inside, for what is transparent: Bsdf does not look at them.
+  float ior = 1.5f;
+  float metal = 0.0f;  // how much of it lets no light in
 };
 
 // A direction that light takes, and what it carries.

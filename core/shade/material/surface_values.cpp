@@ -65,6 +65,9 @@ void set(const DrivenInput& input, const Channels& from, SurfaceValues& values) 
   }
 }
 
+// Beyond it, and below its inverse, everything is reflected but for rounding; what drives it may be negative.
+constexpr float kMostIor = 1000.0f;
+
 // Of light that meets the boundary to air head-on.
 float reflectance_of(float ior) {
   const float ratio = (1.0f - ior) / (1.0f + ior);
@@ -119,9 +122,10 @@ SurfaceLook look_of(const Material& material, const SurfaceValues& values) {
   SurfaceLook look;
   look.diffuse = base;
   if (!material.specular) return look;
+  look.ior = std::min(kMostIor, std::max(1.0f / kMostIor, values.ior));
   look.alpha = alpha_of(unit(values.roughness));
   look.coat = unit(values.clearcoat);
-  look.coat_f0 = reflectance_of(values.ior);
+  look.coat_f0 = reflectance_of(look.ior);
   look.coat_alpha = alpha_of(unit(values.clearcoat_roughness));
   if (material.specular_workflow) {
     look.f0 = unit(values.specular_color);
@@ -130,8 +134,9 @@ SurfaceLook look_of(const Material& material, const SurfaceValues& values) {
   }
   const float metallic = unit(values.metallic);
   const Vec3f white{1.0f, 1.0f, 1.0f}, tint = white + (unit(base) - white) * metallic;
+  look.metal = metallic;
   look.f90 = tint;
-  look.f0 = tint * (reflectance_of(values.ior) * (1.0f - metallic) + metallic);
+  look.f0 = tint * (reflectance_of(look.ior) * (1.0f - metallic) + metallic);
   look.diffuse = base * (1.0f - metallic);
   return look;
 }

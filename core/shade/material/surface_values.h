@@ -17,7 +17,7 @@ struct SurfaceValues {
   float metallic = 0.0f, roughness = 0.0f, clearcoat = 0.0f, clearcoat_roughness = 0.0f, ior = 1.0f;
   float opacity = 1.0f;
   Vec3f normal{0.0f, 0.0f, 1.0f};  // in tangent space, any length
-  bool bent_normal = false;        // whether something drives it
+  bool bent_normal = false;        // whether it is another one than the surface's
 
   // Its constants.
   explicit SurfaceValues(const Material& material)
@@ -29,7 +29,9 @@ struct SurfaceValues {
         clearcoat(material.clearcoat),
         clearcoat_roughness(material.clearcoat_roughness),
         ior(material.ior),
-        opacity(material.opacity) {}
+        opacity(material.opacity),
+        normal(material.normal),
+        bent_normal(material.normal != Vec3f{0.0f, 0.0f, 1.0f}) {}
 };
 
 // The value of a primvar where something was hit: the instance's, else the geometry's. None where neither has

@@ -19,6 +19,7 @@ constexpr double kMetallic = 0.0, kRoughness = 0.5, kIor = 1.5, kClearcoat = 0.0
 constexpr double kOpacity = 1.0, kOpacityThreshold = 0.0;
 constexpr Rgba kFallback{0.0, 0.0, 0.0, 1.0}, kNormalFallback{0.0, 0.0, 1.0, 1.0};
 constexpr std::size_t kAlpha = 3;
+constexpr std::string_view kStandardCoordinates = "st";
 
 const char* expected(double) { return "a number"; }
 const char* expected(const Vec3d&) { return "three numbers"; }
@@ -28,14 +29,6 @@ double kind_of(std::span<const double> values, double) { return values[0]; }
 Vec3d kind_of(std::span<const double> values, const Vec3d&) {
   if (values.size() == 1) return {values[0], values[0], values[0]};
   return {values[0], values[1], values.size() > 2 ? values[2] : 0.0};
-}
-
-// Of a texture's outputs; none: all channels.
-std::optional<std::size_t> channel_of(std::string_view output) {
-  constexpr std::string_view kOutputs[] = {"r", "g", "b", "a"};
-  const auto found = std::ranges::find(kOutputs, output);
-  return found == std::end(kOutputs) ? std::nullopt
-                                     : std::optional(std::size_t(found - std::begin(kOutputs)));
 }
 
 // How many numbers a UsdPrimvarReader reads; 0: something else.
@@ -64,6 +57,7 @@ class SurfaceReader {
  private:
   void read_specular();
   void read_opacity();
+  void read_normal();
   // The surface's input of that name: its constant, or what stands where what drives it says nothing.
   template <typename Kind>
   Kind input(std::string_view name, SurfaceInput which, const Kind& standard);
@@ -114,7 +108,7 @@ SurfaceLook SurfaceReader::look() {
   material.emissive_color = Vec3f(input("emissiveColor", SurfaceInput::kEmissiveColor, kBlack));
   read_opacity();
   read_specular();
-  material.normal = Vec3f(input("normal", SurfaceInput::kNormal, kNormal));
+  read_normal();
   return std::move(look_);
 }
 
@@ -149,6 +143,16 @@ void SurfaceReader::read_opacity() {
   material.opacity_threshold = float(constant("opacityThreshold", kOpacityThreshold));
   const bool presence = option("opacityMode", kModes) == "presence";
   material.transparent_reflects = !presence && !(material.opacity_threshold > 0.0f);
+}
+
+// A texture has coordinates of its own; what else bends normals goes along those that USD takes for granted.
+void SurfaceReader::read_normal() {
+  Material& material = look_.material;
+  material.normal = Vec3f(input("normal", SurfaceInput::kNormal, kNormal));
+  const auto driven = std::ranges::find(material.driven, SurfaceInput::kNormal, &DrivenInput::input);
+  const bool is_driven = driven != material.driven.end();
+  if (is_driven ? driven->source == DrivenInput::Source::kPrimvar : Vec3d(material.normal) != kNormal)
+    material.normal_coordinates = primvar(std::string(kStandardCoordinates), 2);
 }
 
 template <typename Kind>

@@ -130,6 +130,13 @@ void TextureReader::tell_of_connections() const {
 
 }  // namespace
 
+std::optional<std::size_t> channel_of(std::string_view output) {
+  constexpr std::string_view kOutputs[] = {"r", "g", "b", "a"};
+  const auto found = std::ranges::find(kOutputs, output);
+  return found == std::end(kOutputs) ? std::nullopt
+                                     : std::optional(std::size_t(found - std::begin(kOutputs)));
+}
+
 std::optional<SurfaceTexture> surface_texture(const ShaderNode& node, const ShaderNetwork& network,
                                               const TextureSource& textures, const Rgba& standard,
                                               PrimLog log, NoFile& no_file) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "core/texture/image_texture.h"
 #include "delegate/translate/diagnostics.h"
@@ -24,6 +25,9 @@ struct SurfaceTexture {
   TextureCoordinates coordinates;
   Rgba scale{}, bias{};
 };
+
+// The channel that one of a texture's outputs is; none: all channels.
+std::optional<std::size_t> channel_of(std::string_view output);
 
 // Why there is none.
 struct NoFile {

@@ -44,6 +44,12 @@ constexpr RealNumber kRealNumbers[] = {{"motionTolerance", &OwnSettings::motion_
                                        {"edgeLength", &OwnSettings::edge_length, 0.0},
                                        {"noise", &OwnSettings::noise, 0.0, kLargestNoiseTarget}};
 
+struct Flag {
+  std::string_view name;
+  std::optional<bool> OwnSettings::*member;
+};
+constexpr Flag kFlags[] = {{"refraction", &OwnSettings::refraction}};
+
 struct Choice {
   std::string_view name;
   std::optional<std::string> OwnSettings::*member;
@@ -110,6 +116,13 @@ std::string take(const RealNumber& known, const SettingValue& value, OwnSettings
   return {};
 }
 
+std::string take(const Flag& known, const SettingValue& value, OwnSettings& into) {
+  const auto* flag = std::get_if<bool>(&value);
+  if (!flag) return "a bool";
+  into.*known.member = *flag;
+  return {};
+}
+
 std::string take(const Choice& known, const SettingValue& value, OwnSettings& into) {
   const auto* name = std::get_if<std::string>(&value);
   if (!name || std::ranges::find(known.choices, *name) == known.choices.end())
@@ -143,6 +156,7 @@ OwnSettings own_settings(const std::vector<NamedSetting>& settings, const std::s
     std::string expected;
     const bool known = taken_by(kWholeNumbers, name, setting.value, own, expected) ||
                        taken_by(kRealNumbers, name, setting.value, own, expected) ||
+                       taken_by(kFlags, name, setting.value, own, expected) ||
                        taken_by(by_name, name, setting.value, own, expected);
     if (!known) {
       log.warn(setting.name, "unknown; ignored");

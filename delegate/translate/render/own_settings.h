@@ -19,6 +19,7 @@ struct OwnSettings {
   std::optional<double> motion_tolerance, edge_length;  // pixels
   std::optional<double> noise;                          // msbvh:noise, 0 (off) to 1
   std::optional<std::int64_t> segments;                 // 0 or a power of two
+  std::optional<bool> refraction;
   std::optional<std::string> interpolation, builder, layout;
 };
 

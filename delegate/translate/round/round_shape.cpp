@@ -272,6 +272,24 @@ void RoundShape::add_primvars(const MeshInput& input, const MaterialTable& mater
       input, materials, [&](const NamedPrimvar& named) { return shown(named.primvar, full_name(named)); });
 }
 
+namespace {
+
+// Whether curves scatter light as hair does: constant, 0 or 1.
+bool is_fibre(const MeshInput& input, PrimLog& optional) {
+  constexpr std::string_view kFibre = "msbvh:fibre";
+  const auto named = std::ranges::find(input.named_primvars, kFibre, &NamedPrimvar::name);
+  if (named == input.named_primvars.end() || named->primvar.values.empty()) return false;
+  const float first = named->primvar.values[0].x;
+  const bool sound = named->primvar.interpolation == "constant" && (first == 0.0f || first == 1.0f);
+  if (!sound) {
+    optional.warn(full_name(*named), message("found ", named->primvar.interpolation, ", ", first,
+                                             "; expected constant, 0 or 1; no hair"));
+  }
+  return sound && first == 1.0f;
+}
+
+}  // namespace
+
 Curves RoundShape::curves(const MeshInput& input, const MovingArray& points, const Candidate& track,
                           const MaterialTable& materials, std::uint32_t max_segments,
                           PrimLog& optional) const {
@@ -289,6 +307,11 @@ Curves RoundShape::curves(const MeshInput& input, const MovingArray& points, con
   out.shape.spans = curves_->spans;
   out.shape.loops = curves_->loops;
   out.span_curves = curves_->span_curves;
+  out.fibre = is_fibre(input, optional);
+  if (out.fibre && style_ == CurveShape::kOriented) {
+    optional.warn("primvars:msbvh:fibre", "hair is round, and these curves have normals; no hair");
+    out.fibre = false;
+  }
   add_primvars(input, materials, max_segments, out, optional);
   return out;
 }

@@ -27,13 +27,14 @@ nb::dict effect_row(Effect effect, const std::vector<Reason>& reasons, const Eff
   return row;
 }
 
-nb::dict effects(const SceneHandle& scene, std::uint32_t max_bounces, const std::string& aovs) {
+nb::dict effects(const SceneHandle& scene, std::uint32_t max_bounces, const std::string& aovs,
+                 bool refraction) {
   std::vector<Reason> reasons;
   EffectBytes bytes;
   {
     const nb::gil_scoped_release release;
     validate(*scene.scene);
-    reasons = all_reasons(*scene.scene, {.max_bounces = max_bounces, .aovs = aovs});
+    reasons = all_reasons(*scene.scene, {.max_bounces = max_bounces, .aovs = aovs, .refraction = refraction});
     bytes = effect_bytes(*scene.scene);
   }
   nb::list rows;
@@ -48,7 +49,8 @@ nb::dict effects(const SceneHandle& scene, std::uint32_t max_bounces, const std:
 
 void bind_plan(nb::module_& m) {
   m.def("effects", &effects, nb::arg("scene"), nb::kw_only(),
-        nb::arg("max_bounces") = RenderSettings{}.max_bounces, nb::arg("aovs") = "");
+        nb::arg("max_bounces") = RenderSettings{}.max_bounces, nb::arg("aovs") = "",
+        nb::arg("refraction") = false);
 }
 
 }  // namespace msbvh::python

@@ -142,6 +142,7 @@ void bind_specs(nb::module_& m) {
       .def_ro("noise", &OwnSettings::noise)
       .def_ro("edge_length", &OwnSettings::edge_length)
       .def_ro("segments", &OwnSettings::segments)
+      .def_ro("refraction", &OwnSettings::refraction)
       .def_ro("interpolation", &OwnSettings::interpolation)
       .def_ro("builder", &OwnSettings::builder)
       .def_ro("layout", &OwnSettings::layout);

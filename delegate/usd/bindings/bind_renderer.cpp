@@ -305,7 +305,7 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
                   const std::string& refit, bool keep_topology, const std::vector<std::string>& aovs,
                   const std::string& sampler, float split_budget, bool sample_stages,
                   const FilmSettings& film, double texture_memory_mb, float noise, std::uint32_t min_spp,
-                  float clamp_indirect, float texture_rate) {
+                  float clamp_indirect, float texture_rate, bool refraction) {
   RenderSettings settings{.width = width,
                           .height = height,
                           .spp = spp,
@@ -314,6 +314,7 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
                           .max_bounces = max_bounces,
                           .threads = threads,
                           .show_domes = show_domes,
+                          .refraction = refraction,
                           .build = {}};
   settings.build.builder = named("builder", kBuilders, &BuilderName::builder, builder);
   settings.build.layout = named("layout", kTreeLayouts, &TreeLayoutName::layout, layout);
@@ -359,14 +360,15 @@ void bind_renderer(nb::module_& m) {
         nb::arg("sample_stages") = defaults.sample_stages, nb::arg("film") = FilmSettings(),
         nb::arg("texture_memory_mb") = double(defaults.textures.memory_limit_bytes >> 20),
         nb::arg("noise") = defaults.noise.target, nb::arg("min_spp") = defaults.noise.min_spp,
-        nb::arg("clamp_indirect") = defaults.clamp_indirect, nb::arg("texture_rate") = defaults.texture_rate);
+        nb::arg("clamp_indirect") = defaults.clamp_indirect, nb::arg("texture_rate") = defaults.texture_rate,
+        nb::arg("refraction") = defaults.refraction);
   };
   nb::class_<Renderer> renderer(m, "Renderer");
   def_with_settings(renderer, "__init__",
                     &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t,
                           std::uint32_t, bool, const std::string&, const std::string&, const std::string&,
                           bool, const std::vector<std::string>&, const std::string&, float, bool,
-                          const FilmSettings&, double, float, std::uint32_t, float, float>);
+                          const FilmSettings&, double, float, std::uint32_t, float, float, bool>);
   def_with_settings(renderer, "commit", &commit_scene);
   renderer.def("render", &render, nb::arg("progress") = nb::none())
       .def("render_with_aovs", &render_with_aovs, nb::arg("progress") = nb::none())

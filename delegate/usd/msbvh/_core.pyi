@@ -421,6 +421,8 @@ class RenderSettings(TypedDict, total=False):
     """Most indirect light of a path; 0: off."""
     texture_rate: float
     """Times the widths that textures are filtered over."""
+    refraction: bool
+    """Whether what is transparent bends light."""
 
 def aov_names() -> tuple[str, ...]:
     """Of what a pixel can tell beside its colour: core/film/aov.h says what each means."""
@@ -434,7 +436,7 @@ def aov_channels(aov: str, layer: str) -> list[str]:
     Raises ValueError for an unknown AOV.
     """
 
-def effects(scene: Scene, *, max_bounces: int = ..., aovs: str = "") -> FoundEffects:
+def effects(scene: Scene, *, max_bounces: int = ..., aovs: str = "", refraction: bool = False) -> FoundEffects:
     """All that a scene calls for, without building trees, and without the GIL. ``aovs``: their names, as text.
 
     Raises Error for a scene that is wrong.

@@ -26,6 +26,7 @@ RENDER_NAMES = (
     "spp",
     "seed",
     "max_bounces",
+    "refraction",
     "threads",
     "show_domes",
     "aovs",

@@ -25,6 +25,14 @@ MAX_BOUNCES = click.option(
     help="Bounces of indirect light; 0: direct light only.",
 )
 
+REFRACTION = click.option(
+    "--refraction",
+    is_flag=True,
+    help="Bend light that passes what is transparent (UsdPreviewSurface's opacity, opacityMode transparent) by its ior. Every"
+    " surface that it passes is a bounce: glass wants --max-bounces 4 or more. Alpha is 1 there, and its shadow is lit"
+    " by bounces alone: noisy, and not at all by lights without a size. Without: seen straight through.",
+)
+
 RENDER: Sequence[Decorator] = (
     click.option(
         "--spp",
@@ -42,6 +50,7 @@ RENDER: Sequence[Decorator] = (
         help="Random seed. The same seed gives the same pixels, whatever the number of threads.",
     ),
     MAX_BOUNCES,
+    REFRACTION,
     click.option(
         "--enableDomeLightVisibility",
         "show_domes",

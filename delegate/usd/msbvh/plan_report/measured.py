@@ -39,6 +39,8 @@ _PART_OF_STAGES: dict[str, Callable[[_core.StageSamples], bool]] = {
     "camera motion": lambda row: row["stage"] == "generate",
     "specular": lambda row: row["stage"] == "looks",
     "textures": lambda row: row["stage"] == "looks",
+    "refraction": lambda row: row["stage"] in ("looks", "scatter"),
+    "fibre": lambda row: row["stage"] in ("looks", "scatter"),
 }
 """Effects that are a part of such work."""
 

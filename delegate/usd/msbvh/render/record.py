@@ -69,6 +69,8 @@ class RenderSettings:
     sample_stages: bool = False
     """Whether the renderer's statistics say what its threads were found at."""
     film: Film = Film()
+    refraction: bool = False
+    """Whether what is transparent bends light by its ior."""
     texture_memory_mb: float = 1024.0
     """Of texels that are kept, at most: core/texture/texture_cache.h."""
     texture_rate: float = 1.0
@@ -292,7 +294,12 @@ def _record_frame(
         with stats.timed("ray_costs"):
             costs = renderer.ray_costs()
             rendered = ", ".join(sampling.aovs)
-            effects = _core.effects(result.scene, max_bounces=settings.render.max_bounces, aovs=rendered)
+            effects = _core.effects(
+                result.scene,
+                max_bounces=settings.render.max_bounces,
+                aovs=rendered,
+                refraction=settings.render.refraction,
+            )
             stats.render["ray_costs"] = {**costs, "effects": ray_shares(effects, costs)}
             stats.render["effects"] = measured_effects(effects, stats.render["stages"], costs)
     if camera.shutter.open == camera.shutter.close and MOTION_AOVS & set(settings.render.aovs):

@@ -95,6 +95,7 @@ def own_render_settings(own: OwnSettings, given: Set[str]) -> dict[str, Any]:
         "noise": own.noise,
         "seed": own.seed,
         "max_bounces": own.max_bounces,
+        "refraction": own.refraction,
         "builder": own.builder,
         "layout": own.layout,
     }

@@ -14,17 +14,23 @@ from .primvars import FoundPrimvar, MovingPrimvar, constant_primvar, find_primva
 _COLUMNS = {"Vec2": 2, "Vec3": 3, "Vec4": 4}
 _SCALARS = frozenset(("float", "double", "GfHalf", "int", "unsigned int", "int64_t", "uint64_t", "unsigned char"))
 
+FIBRE = "msbvh:fibre"
+"""Of curves: whether they scatter light as hair does, which is for the translator to say."""
+
 
 def add_material_primvars(
     mesh: MeshInput, part: Part, instead: str, materials: Materials, context: FrameContext
 ) -> None:
     """After the mesh's materials. `instead`: what the prim is if it is nothing that can be displaced, and stays as it
     is, with a warning. Nothing is read that no material asks for."""
-    numbers = {mesh.material} if mesh.face_materials is None else set(np.unique(mesh.face_materials).tolist())
+    own = set() if mesh.material is None else {mesh.material}
+    numbers = own if mesh.face_materials is None else set(np.unique(mesh.face_materials).tolist())
     displaced = [each for number in numbers if (each := materials.displacement(number)) is not None]
     needed: dict[str, int] = {}
     for name, width in (each for number in numbers for each in materials.reads(number)):
         needed[name] = max(width, needed.get(name, 0))
+    if mesh.round == "curves" and part.authors(f"primvars:{FIBRE}"):
+        needed[FIBRE] = 1
     if displaced and instead:
         leave_undisplaced(str(part.prim.GetPath()), context, instead)
         mesh.displaced = False
