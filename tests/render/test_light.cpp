@@ -287,6 +287,29 @@ double mean_square_error(const Scene& scene) {
   return sum;
 }
 
+// Ten lamps under a ceiling, and the rest above it.
+Scene floor_under_ceiling(std::size_t lamps) {
+  Scene scene = floor_under(lamps);
+  scene.camera.world_from_camera = {translation({0, 0, 3.9f})};
+  add(scene, polygon({rectangle(-50, -50, 66, 66, 4)}));
+  for (std::size_t i = 10; i < lamps; ++i) {
+    const Point2 place = Sampler(PixelSampler(9, std::uint32_t(i), 0), 0).pair(Dimension::kLight, 0);
+    scene.lights[i].world_from_light = {
+        translation({16.0f * place.x, 16.0f * place.y, 5.0f + 0.01f * float(i % 100)})};
+  }
+  return scene;
+}
+
+// Untaught, the squared error is 1,550 times that of the ten.
+TEST_CASE("a thousand lights of which a ceiling hides all but ten: it is learnt which") {
+  const double few = mean_square_error(floor_under_ceiling(10)),
+               many = mean_square_error(floor_under_ceiling(1000));
+  CAPTURE(few);
+  CAPTURE(many);
+  CHECK(few > 0.0);
+  CHECK(many < 8.0 * few);
+}
+
 TEST_CASE("a thousand lights of which ten matter are hardly noisier than the ten alone") {
   const double few = mean_square_error(floor_under(10)), many = mean_square_error(floor_under(1000));
   CAPTURE(few);

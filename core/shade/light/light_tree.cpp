@@ -171,17 +171,23 @@ float LightTree::importance(const Vec3f& point, const Vec3f& normal) const {
 }
 
 // Half where neither has any importance: what bounds both saw more than either.
-float LightTree::first_share(const Node& node, const Vec3f& point, const Vec3f& normal) const {
-  const float first = msbvh::importance((&node + 1)->reach, point, normal);
-  const float second = msbvh::importance(nodes_[node.second].reach, point, normal);
+float LightTree::first_share(const Node& node, const Vec3f& point, const Vec3f& normal,
+                             const std::uint8_t* seen) const {
+  float first = msbvh::importance((&node + 1)->reach, point, normal);
+  float second = msbvh::importance(nodes_[node.second].reach, point, normal);
+  if (seen) {  // of at most 255: a sum is still finite
+    first *= float(seen[&node + 1 - nodes_.data()]) * (1.0f / 255.0f);
+    second *= float(seen[node.second]) * (1.0f / 255.0f);
+  }
   return first + second > 0.0f ? first / (first + second) : 0.5f;
 }
 
-LightTree::Found LightTree::pick(float random, const Vec3f& point, const Vec3f& normal) const {
+LightTree::Found LightTree::pick(float random, const Vec3f& point, const Vec3f& normal,
+                                 const std::uint8_t* seen) const {
   float chance = 1.0f;
   std::uint32_t index = 0;
   while (nodes_[index].second != 0) {
-    const float share = first_share(nodes_[index], point, normal);
+    const float share = first_share(nodes_[index], point, normal, seen);
     const bool first = random < share;
     random = first ? random / share : (random - share) / (1.0f - share);
     random = std::min(random, 0x1.fffffep-1f);  // below 1, so that no share of 0 is taken
@@ -191,12 +197,13 @@ LightTree::Found LightTree::pick(float random, const Vec3f& point, const Vec3f& 
   return {nodes_[index].light, chance};
 }
 
-float LightTree::chance(std::uint32_t light, const Vec3f& point, const Vec3f& normal) const {
+float LightTree::chance(std::uint32_t light, const Vec3f& point, const Vec3f& normal,
+                        const std::uint8_t* seen) const {
   const std::uint32_t leaf = leaf_of_[light];
   float chance = 1.0f;
   std::uint32_t index = 0;
   while (nodes_[index].second != 0 && chance > 0.0f) {
-    const float share = first_share(nodes_[index], point, normal);
+    const float share = first_share(nodes_[index], point, normal, seen);
     const bool first = leaf < nodes_[index].second;
     chance *= first ? share : 1.0f - share;
     index = first ? index + 1 : nodes_[index].second;
