@@ -310,6 +310,23 @@ TEST_CASE("a thousand lights of which a ceiling hides all but ten: it is learnt 
   CHECK(many < 8.0 * few);
 }
 
+TEST_CASE("what is learnt of lights is the same for any number of threads, and keeps the mean") {
+  const Scene many = floor_under_ceiling(64);
+  RenderSettings settings{.width = 16, .height = 16, .spp = 256, .max_bounces = 1, .threads = 1, .build = {}};
+  const Image one = render(many, settings);
+  settings.threads = 3;
+  CHECK(render(many, settings).rgba == one.rgba);
+  Scene few = many;
+  few.lights.resize(10);
+  const Image expected = render(few, settings);
+  double found = 0.0, wanted = 0.0;
+  for (std::size_t i = 0; i < one.rgba.size(); i += 4) {
+    found += one.rgba[i];
+    wanted += expected.rgba[i];
+  }
+  CHECK(found == doctest::Approx(wanted).epsilon(5e-3));
+}
+
 TEST_CASE("a thousand lights of which ten matter are hardly noisier than the ten alone") {
   const double few = mean_square_error(floor_under(10)), many = mean_square_error(floor_under(1000));
   CAPTURE(few);
