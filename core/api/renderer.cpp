@@ -16,6 +16,7 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
+#include "core/integrate/learn_lights.h"
 #include "core/integrate/render_tile.h"
 #include "core/plan/known_effects.h"
 
@@ -242,6 +243,7 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   if (data->plan.set.has(Effect::kTextures)) data->textures.emplace(data->scene->textures, settings.textures);
   data->frame.emplace(frame_of(*data->scene, world, tracer_of(world, settings), settings, data->plan.set,
                                data->textures ? &*data->textures : nullptr));
+  Arena(settings.threads).execute([&] { learn_lights(*data->frame); });
   data_ = std::move(data);
 }
 
@@ -310,11 +312,11 @@ ProbeReport Renderer::probe(const ProbeSettings& settings, const ProbeProgress& 
 RayCosts Renderer::ray_costs(const RayCostSettings& settings, const RayCostProgress& progress) const {
   const Data& data = committed();
   const Bvh& world = data.trees->world().bvh();
-  const Frame logging =
-      frame_of(*data.scene, world, Tracer::logging(world), data.settings,
-               data.plan.set.without(Effect::kAovs), data.textures ? &*data.textures : nullptr);
+  Frame logging = frame_of(*data.scene, world, Tracer::logging(world), data.settings,
+                           data.plan.set.without(Effect::kAovs), data.textures ? &*data.textures : nullptr);
   RayCosts costs;
   Arena(data.settings.threads).execute([&] {
+    learn_lights(logging);
     costs = msbvh::ray_costs(logging, data.settings.build, data.settings.spp, settings, progress);
   });
   return costs;

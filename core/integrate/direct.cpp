@@ -2,6 +2,7 @@
 
 #include "core/integrate/controlled_shadow.h"
 #include "core/integrate/light_parts.h"
+#include "core/integrate/mesh_lights.h"
 #include "core/integrate/mis.h"
 #include "core/integrate/shadow.h"
 #include "core/integrate/special_variant.h"
@@ -26,7 +27,7 @@ class DirectLight {
     const LightPick pick = picked(path, place);
     LightSample light;
     if (!illuminates(pick, place)) return;
-    if (!sample_picked(pick, surface.position, time, random, light)) return;
+    if (!sample_picked(pick, surface, time, random, light)) return;
     const float cosine = dot(light.direction, surface.shading_normal);
     if (!takes(place, cosine, dot(light.direction, surface.geometric_normal))) return;
     Vec3f throughput = batch_.throughput[path];
@@ -127,16 +128,26 @@ class DirectLight {
     const LightSampler& lights = frame_.lights;
     if (!lights.by_chance()) return lights.pick(which_);
     const SurfaceHit& surface = batch_.surfaces[place];
-    return lights.pick(which_, batch_.sampler[path].pair(which_light_).x, surface.position,
-                       surface.shading_normal);
+    Vec3f normal = surface.shading_normal;
+    if constexpr (kSpecial) normal = lit_side(batch_.special[place], normal);
+    return lights.pick(which_, batch_.sampler[path].pair(which_light_).x, surface.position, normal);
   }
 
-  bool sample_picked(const LightPick& pick, const Vec3f& point, float time, Point2 random,
+  bool sample_picked(const LightPick& pick, const SurfaceHit& surface, float time, Point2 random,
                      LightSample& light) const {
+    if constexpr (kArea && kControls) {
+      if (pick.mesh) return sample_mesh(pick, surface, time, random, light);
+    }
+    const Vec3f& point = surface.position;
     const Camera& camera = frame_.scene().camera;
     return !kMoving || pick.still
                ? sample_light<kArea, kControls>(*pick.still, camera, point, time, random, light)
                : sample_light<kArea, kControls>(*pick.light, camera, point, time, random, light);
+  }
+  static bool sample_mesh(const LightPick& pick, const SurfaceHit& surface, float time, Point2 random,
+                          LightSample& light) {
+    return pick.still ? pick.mesh->sample(surface, pick.still->values, time, random, light)
+                      : pick.mesh->sample(surface, values_at(*pick.light, time), time, random, light);
   }
   static bool find_picked(const LightPick& pick, const Vec3f& point, const Ray& ray, LightAlong& along) {
     return !kMoving || pick.still ? find_light<kControls>(*pick.still, point, ray.dir, along)
@@ -179,6 +190,10 @@ void add_direct_light(const Frame& frame, PathBatch& batch) {
       for (const std::uint32_t place : batch.shaded) light.find(place);
       trace_and_credit<kOn>(frame, batch);
     }
+  }
+  if constexpr (kOn.has(Effect::kAreaLights) && kOn.has(Effect::kLightControls)) {
+    if (frame.lights.has_meshes())
+      add_met_meshes(frame, batch, kOn.has(Effect::kOpacity), kOn.has(Effect::kSpecular));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/integrate/looks.h"
+#include "core/integrate/mesh_lights.h"
 #include "core/plan/effect_variant.h"
 
 namespace msbvh {
@@ -88,6 +89,7 @@ void find_surfaces(const Frame& frame, PathBatch& batch) {
     find_looks<kOn>(frame, batch);
   else
     find_all<kGeometry>(frame, batch);
+  if (batch.depth > 0 && frame.lights.has_meshes()) hide_met_meshes(frame, batch);
   batch.shaded.clear();
   batch.shaded_paths.clear();
   for (std::uint32_t place = 0; place < batch.active.size(); ++place) {

@@ -44,6 +44,8 @@ std::string extent_phrase(const Light& light) {
              phrase(largest(light, &LightValues::height), "");
     case LightKind::kDome:
       return light.image ? "textured dome" : "";
+    case LightKind::kMesh:
+      return "mesh";
     case LightKind::kCamera:
       break;
   }
@@ -56,6 +58,7 @@ bool leaves_out_some(const std::vector<std::uint8_t>& groups) {
 
 // Empty where it has none.
 std::string controls_phrase(const Light& light) {
+  if (light.kind == LightKind::kMesh) return "mesh";
   const auto placed = [&] { return light.kind != LightKind::kDistant && light.kind != LightKind::kDome; };
   if (light.kind == LightKind::kRect && light.image) return "textured, " + image_phrase(*light.image);
   if (placed() && light.ies.profile) return "IES profile";

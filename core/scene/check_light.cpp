@@ -101,15 +101,24 @@ void check_moving_values(const Light& light, const std::string& part) {
   }
 }
 
+void check_portals(const Light& light, const std::string& part) {
+  expect(light.portals.empty() || is_image_dome(light), part, "portals",
+         std::to_string(light.portals.size()) + " portals", "none but on a dome with an image");
+  for (const LightPortal& portal : light.portals) {
+    expect_size(portal.width, part, "portal width");
+    expect_size(portal.height, part, "portal height");
+    expect_track(portal.world_from_portal, portal.segments, part, "worldFromPortal");
+  }
+}
+
 }  // namespace
 
 void check_light(const Light& light, std::uint32_t groups, const std::string& part) {
   check_still_parts(light, groups, part);
   check_light_values(light, light.kind, part);
   check_moving_values(light, part);
-  // Neither has a place of its own, so that it may come without a transform.
-  const bool placeless = (light.kind == LightKind::kDome && !light.image) || light.kind == LightKind::kCamera;
-  if (!placeless || !light.world_from_light.empty()) {
+  check_portals(light, part);
+  if (!is_placeless(light) || !light.world_from_light.empty()) {
     expect_track(light.world_from_light, light.segments, part, "worldFromLight");
   }
 }

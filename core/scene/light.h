@@ -15,14 +15,15 @@
 namespace msbvh {
 
 enum class LightKind : std::uint8_t {
-  kDistant,  // shines along -z of its space from a disc of `angle_degrees` across
-  kDome,     // from everywhere, constant or by its image
-  kSphere,   // `radius`, at the origin of its space; radius 0: a point
-  kRect,     // `width` x `height` in the xy plane of its space, shines along -z
-  kCamera,   // usdrecord's camera light: at the camera, unit irradiance times pi at any distance, casts no
-             // shadow
-  kDisk,     // `radius`, in the xy plane of its space, shines along -z
-  kCylinder  // `radius`, `length` along x, about the origin of its space; its ends do not shine
+  kDistant,   // shines along -z of its space from a disc of `angle_degrees` across
+  kDome,      // from everywhere, constant or by its image
+  kSphere,    // `radius`, at the origin of its space; radius 0: a point
+  kRect,      // `width` x `height` in the xy plane of its space, shines along -z
+  kCamera,    // usdrecord's camera light: at the camera, unit irradiance times pi at any distance, casts no
+              // shadow
+  kDisk,      // `radius`, in the xy plane of its space, shines along -z
+  kCylinder,  // `radius`, `length` along x, about the origin of its space; its ends do not shine
+  kMesh       // all triangles of a mesh of the scene, on both sides, where they are at the time
 };
 
 // What a light gives, and how large it is.
@@ -68,6 +69,22 @@ struct LightLook {
   std::vector<std::uint8_t> shadow_groups{};
 };
 
+// A rectangle through which a dome is seen: says where to look for its light, never what it gives.
+struct LightPortal {
+  float width = 1.0f, height = 1.0f;  // in the xy plane of its space; light comes through it along -z
+  std::uint32_t segments = 0;
+  std::vector<Affine3f> world_from_portal;  // key_count(segments)
+};
+
+// What a mesh light shines from. One light stands for one place of a mesh.
+struct LightSurface {
+  static constexpr std::uint32_t kNoSet = 0xffffffffu;
+  std::uint32_t mesh = 0;      // in Scene::meshes
+  std::uint32_t set = kNoSet;  // in Scene::instances, of a prototype that holds it; kNoSet: in the world
+  std::uint32_t instance = 0;  // in the set
+  bool operator==(const LightSurface&) const = default;
+};
+
 struct Light : LightValues, LightLook {  // its values while nothing but the transform moves
   std::string name;
   LightKind kind = LightKind::kDistant;
@@ -76,6 +93,8 @@ struct Light : LightValues, LightLook {  // its values while nothing but the tra
   // Empty, or key_count(segments): taken instead. A radius or angle that is 0 at one key is so at all of
   // them.
   std::vector<LightValues> moving_values;
+  LightSurface surface{};              // kMesh, which has no transform of its own
+  std::vector<LightPortal> portals{};  // of a dome with an image
 };
 
 // Whether it gives anything at any time; a light that does not takes no part in the rendering.
@@ -91,11 +110,18 @@ inline bool holds_group(const std::vector<std::uint8_t>& groups, std::uint32_t g
 // A dome whose light differs by direction.
 inline bool is_image_dome(const Light& light) { return light.kind == LightKind::kDome && light.image; }
 
-// Whether it is the same, in the same place, throughout the shutter. Where a camera light or a
-// dome without an image stands is of no matter.
+// Where a camera light or a dome without an image stands is of no matter, and a mesh light is where its mesh
+// is: they need no transform.
+inline bool is_placeless(const Light& light) {
+  return (light.kind == LightKind::kDome && !light.image) || light.kind == LightKind::kCamera ||
+         light.kind == LightKind::kMesh;
+}
+
+// Whether it is the same, in the same place of its own, throughout the shutter.
 inline bool is_still(const Light& light) {
-  const bool placeless = (light.kind == LightKind::kDome && !light.image) || light.kind == LightKind::kCamera;
-  return light.segments == 0 || (placeless && light.moving_values.empty());
+  const auto moves = [](const LightPortal& portal) { return portal.segments > 0; };
+  if (std::ranges::any_of(light.portals, moves)) return false;
+  return light.segments == 0 || (is_placeless(light) && light.moving_values.empty());
 }
 
 }  // namespace msbvh

@@ -206,6 +206,28 @@ std::uint32_t light_group_count(const Scene& scene) {
   return count;
 }
 
+// That a mesh light names a place of a mesh.
+void check_light_surface(const Light& light, const Scene& scene, const std::string& part) {
+  if (light.kind != LightKind::kMesh) return;
+  const LightSurface& surface = light.surface;
+  expect(surface.mesh < scene.meshes.size(), part, "surface", "mesh " + std::to_string(surface.mesh),
+         "one of " + std::to_string(scene.meshes.size()));
+  const GeometryId mesh = mesh_id(surface.mesh);
+  if (surface.set == LightSurface::kNoSet) {
+    expect(std::ranges::find(scene.world, mesh) != scene.world.end(), part, "surface",
+           "a mesh that is not in the world", "one that is");
+    return;
+  }
+  expect(
+      surface.set < scene.instances.size() && surface.instance < instance_count(scene.instances[surface.set]),
+      part, "surface",
+      "instance " + std::to_string(surface.instance) + " of set " + std::to_string(surface.set),
+      "an instance of the scene's");
+  const auto& geometry = scene.prototypes[scene.instances[surface.set].prototype].geometry;
+  expect(std::ranges::find(geometry, mesh) != geometry.end(), part, "surface",
+         "an instance that does not show the mesh", "one that does");
+}
+
 void check_window(const ScreenWindow& window, const std::string& part) {
   expect(window.left != window.right && window.bottom != window.top, part, "window",
          "an empty window (left " + std::to_string(window.left) + ", right " + std::to_string(window.right) +
@@ -290,6 +312,7 @@ void validate(const Scene& scene) {
   const std::uint32_t groups = light_group_count(scene);
   for (std::size_t i = 0; i < scene.lights.size(); ++i) {
     check_light(scene.lights[i], groups, label(scene.lights[i].name, "light", i));
+    check_light_surface(scene.lights[i], scene, label(scene.lights[i].name, "light", i));
   }
   check_camera(scene.camera);
 }

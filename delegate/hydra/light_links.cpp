@@ -22,7 +22,7 @@ void LightLinks::add(const Shape& shape, translate::FrameInput& frame) {
   for (const std::string& category : categories_)
     key.push_back(std::ranges::find(shape.categories(), category) != shape.categories().end());
   const auto next = std::uint32_t(groups_.size());
-  frame.light_groups[shape.path().GetString()] = groups_.try_emplace(key, next).first->second;
+  frame.light_groups[shape.path().GetString()] = {groups_.try_emplace(key, next).first->second};
 }
 
 std::vector<std::uint8_t> LightLinks::held(const std::string& category) const {

@@ -246,6 +246,24 @@ struct CameraInput {
   std::vector<ClippingPlane> clipping_planes{};  // those of checked_planes() (frame/clipping_planes.h)
 };
 
+// What a mesh light's material and its light have to do with each other (UsdLuxLightAPI's materialSyncMode).
+enum class MaterialSync : std::uint8_t {
+  kGlowTintsLight,  // the light's colour is multiplied by the material's constant glow, where it has one
+  kIndependent,
+  kNoMaterial  // the mesh is black and glows as the light does
+};
+
+struct MeshSurface {
+  std::string path{};  // of the prim whose triangles shine
+  MaterialSync sync = MaterialSync::kGlowTintsLight;
+  bool normalize = false;  // by the area in the world, which the front-end does not know
+};
+
+struct PortalInput {
+  TransformSamples world_from_portal;
+  float width = 1.0f, height = 1.0f;
+};
+
 struct LightInput {
   Light light;  // name, kind, and its values where none are sampled
   TransformSamples world_from_light;
@@ -253,6 +271,8 @@ struct LightInput {
   // None: still. A radius or angle that is 0 in one sample must be so in all.
   std::vector<double> values_times01;
   std::vector<LightValues> values;
+  MeshSurface surface{};               // kMesh
+  std::vector<PortalInput> portals{};  // kDome
 };
 
 }  // namespace msbvh::translate

@@ -35,6 +35,7 @@ Box3d box_of(const Light& light) {
       return {{-half, -r, -r}, {half, r, r}};
     }
     case LightKind::kCamera:
+    case LightKind::kMesh:
       break;
   }
   return {{}, {}};
@@ -93,12 +94,14 @@ bool is_plain(const LightLook& look) {
   return look.shadow == LightShadow{} && look.lit_groups.empty() && look.shadow_groups.empty();
 }
 
-// A constant dome is what rays meet that meet nothing else: no surface asks it for light. One with controls
-// is asked, as an image dome is.
+// A constant dome is what rays meet that meet nothing else: no surface asks it for light. One with controls,
+// or with portals that say where to look, is asked, as an image dome is.
 void ask_dome(const LightInput& input, Light& light) {
   if (light.kind != LightKind::kDome || light.image) return;
   const auto multiplies = [](const LightValues& v) { return v.diffuse != 1.0f || v.specular != 1.0f; };
-  if (is_plain(light) && !multiplies(light) && std::ranges::none_of(input.values, multiplies)) return;
+  if (is_plain(light) && input.portals.empty() && !multiplies(light) &&
+      std::ranges::none_of(input.values, multiplies))
+    return;
   light.image = light_image(light.name, ImageMap::kLatlong, 1, 1, {{1.0f, 1.0f, 1.0f}});
 }
 
@@ -107,6 +110,25 @@ TransformTrack without_translation(const TransformSamples& samples) {
   TransformSamples turned = samples;
   for (Matrix4d& m : turned.matrices) m[12] = m[13] = m[14] = 0.0;
   return TransformTrack(turned);
+}
+
+// Those that cannot be used are left out, with an error.
+std::vector<LightPortal> portals_of(const LightInput& input, const ScreenMeasure& measure,
+                                    const Vec3d& origin, const FitSettings& settings, PrimLog& log) {
+  std::vector<LightPortal> portals;
+  for (const PortalInput& portal : input.portals) {
+    if (!check_size(portal.width, "portals", log) || !check_size(portal.height, "portals", log) ||
+        !check_transform(portal.world_from_portal, "portals", log))
+      continue;
+    const double x = 0.5 * portal.width, y = 0.5 * portal.height;
+    const TransformTrack track = TransformTrack(portal.world_from_portal).rebased({}, origin);
+    const LinearTransformFitter fitter(track, measure, settings);
+    LightPortal& placed = portals.emplace_back(LightPortal{portal.width, portal.height, 0, {}});
+    placed.segments = fitter.fit(corners_of(Box3d{{-x, -y, 0.0}, {x, y, 0.0}})).segments;
+    placed.world_from_portal.resize(key_count(placed.segments));
+    fitter.keys(placed.segments, placed.world_from_portal.data());
+  }
+  return portals;
 }
 
 }  // namespace
@@ -122,6 +144,7 @@ std::optional<Light> translate_light(const LightInput& input, const ScreenMeasur
   const ScreenMeasure seen = at_infinity ? ScreenMeasure::filled_by(box, width, height) : measure;
   Light light = input.light;
   ask_dome(input, light);
+  light.portals = portals_of(input, measure, origin, settings, log);
   if (!input.values.empty()) {
     fit_moving_light(input, transform, seen, settings, light, log);
     return light;

@@ -9,10 +9,11 @@
 
 namespace msbvh::translate {
 
-using LightGroups = std::unordered_map<std::string, std::uint32_t>;
+// One, or of what places instances one for each of their ids (InstanceSet::ids).
+using LightGroups = std::unordered_map<std::string, std::vector<std::uint32_t>>;
 
 // To geometry by its prim's path; to instances by that of what places them, which overrides their geometry's.
-// What is not named stays in group 0.
+// What is not named, or has no group of its own, stays in group 0.
 void assign_light_groups(const LightGroups& groups, Scene& scene);
 
 }  // namespace msbvh::translate

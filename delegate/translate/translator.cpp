@@ -15,6 +15,7 @@
 #include "delegate/translate/light.h"
 #include "delegate/translate/material_table.h"
 #include "delegate/translate/mesh.h"
+#include "delegate/translate/mesh_lights.h"
 #include "delegate/translate/outside.h"
 #include "delegate/translate/screen_measure.h"
 #include "delegate/translate/transform_samples.h"
@@ -103,6 +104,7 @@ struct Translator::Data {
   std::vector<std::optional<Displacement>> displacements;  // by material
   std::vector<PrototypeState> prototypes;
   LightGroups light_groups;
+  std::vector<MeshLightDraft> mesh_lights;
   std::vector<Diagnostic> diagnostics;
   std::vector<TrackReport> tracks;
   std::size_t empty_meshes = 0;
@@ -325,7 +327,12 @@ void Translator::add_light(const LightInput& input) {
   PrimLog log(data_->diagnostics, input.light.name);
   std::optional<Light> light = translate_light(input, data_->measure, data_->origin, data_->settings.width,
                                                data_->settings.height, data_->fit, log);
-  if (light) data_->scene.lights.push_back(std::move(*light));
+  if (!light) return;
+  if (light->kind == LightKind::kMesh) {
+    data_->mesh_lights.push_back({std::move(*light), input.surface});
+  } else {
+    data_->scene.lights.push_back(std::move(*light));
+  }
 }
 
 void Translator::set_light_groups(LightGroups groups) { data_->light_groups = std::move(groups); }
@@ -347,8 +354,10 @@ std::shared_ptr<const Scene> Translator::finish() {
   sort_by_kind(data_->scene.world);
   for (Prototype& prototype : data_->scene.prototypes) sort_by_kind(prototype.geometry);
   const TranslatorSettings& settings = data_->settings;
+  add_stand_ins(data_->mesh_lights, data_->scene);
   std::vector<LeftOut> found =
       leave_out_unreached(data_->scene, settings.width, settings.height, settings.max_bounces);
+  place_mesh_lights(data_->mesh_lights, data_->scene, data_->diagnostics);
   data_->coarser.leave_out(found, data_->tracks);
   data_->coarser = {};
   std::ranges::move(found, std::back_inserter(data_->left_out));

@@ -126,9 +126,10 @@ class Translator {
   void add_instances(const InstancesInput& input);
   // Before the meshes that are bound to it.
   std::uint32_t add_material(SurfaceLook look, std::optional<Displacement> displacement = {});
+  // A mesh light is placed with the scene's end, when it is known where its mesh stands.
   void add_light(const LightInput& input);
-  // By the path of a prim, or of what places instances: its light group (core/scene/light.h). Of all others
-  // 0.
+  // By the path of a prim, or of what places instances: its light group (core/scene/light.h), or those of its
+  // instances. Of all others 0.
   void set_light_groups(LightGroups groups);
 
   // Whether the scene has geometry that can be seen.

@@ -22,7 +22,7 @@ class Recording:
         self.instances: list[dict] = []
         self.looks: list[_core.SurfaceLook] = []
         self.lights: list[dict] = []
-        self.light_groups: dict[str, int] = {}
+        self.light_groups: dict[str, list[int]] = {}
         self._core = _core.Translator(**camera)
         self._scene: Any = None
 
@@ -58,7 +58,7 @@ class Recording:
         self.lights.append(light)
         self._core.add_light(**light)
 
-    def set_light_groups(self, groups: dict[str, int]) -> None:
+    def set_light_groups(self, groups: dict[str, list[int]]) -> None:
         self.light_groups = groups
         self._core.set_light_groups(groups)
 

@@ -287,6 +287,46 @@ double mean_square_error(const Scene& scene) {
   return sum;
 }
 
+// Ten lamps under a ceiling, and the rest above it.
+Scene floor_under_ceiling(std::size_t lamps) {
+  Scene scene = floor_under(lamps);
+  scene.camera.world_from_camera = {translation({0, 0, 3.9f})};
+  add(scene, polygon({rectangle(-50, -50, 66, 66, 4)}));
+  for (std::size_t i = 10; i < lamps; ++i) {
+    const Point2 place = Sampler(PixelSampler(9, std::uint32_t(i), 0), 0).pair(Dimension::kLight, 0);
+    scene.lights[i].world_from_light = {
+        translation({16.0f * place.x, 16.0f * place.y, 5.0f + 0.01f * float(i % 100)})};
+  }
+  return scene;
+}
+
+// Untaught, the squared error is 1,550 times that of the ten.
+TEST_CASE("a thousand lights of which a ceiling hides all but ten: it is learnt which") {
+  const double few = mean_square_error(floor_under_ceiling(10)),
+               many = mean_square_error(floor_under_ceiling(1000));
+  CAPTURE(few);
+  CAPTURE(many);
+  CHECK(few > 0.0);
+  CHECK(many < 8.0 * few);
+}
+
+TEST_CASE("what is learnt of lights is the same for any number of threads, and keeps the mean") {
+  const Scene many = floor_under_ceiling(64);
+  RenderSettings settings{.width = 16, .height = 16, .spp = 256, .max_bounces = 1, .threads = 1, .build = {}};
+  const Image one = render(many, settings);
+  settings.threads = 3;
+  CHECK(render(many, settings).rgba == one.rgba);
+  Scene few = many;
+  few.lights.resize(10);
+  const Image expected = render(few, settings);
+  double found = 0.0, wanted = 0.0;
+  for (std::size_t i = 0; i < one.rgba.size(); i += 4) {
+    found += one.rgba[i];
+    wanted += expected.rgba[i];
+  }
+  CHECK(found == doctest::Approx(wanted).epsilon(5e-3));
+}
+
 TEST_CASE("a thousand lights of which ten matter are hardly noisier than the ten alone") {
   const double few = mean_square_error(floor_under(10)), many = mean_square_error(floor_under(1000));
   CAPTURE(few);

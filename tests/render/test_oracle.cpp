@@ -181,6 +181,23 @@ void add_looks(Scene& scene, bool driven) {
   }
 }
 
+// The shards shine, and so do those of an instance.
+void add_mesh_lights(Scene& scene, std::uint32_t bits) {
+  Light glow;
+  glow.name = "/glow";
+  glow.kind = LightKind::kMesh;
+  glow.radiance = {2, 1, 3};
+  glow.diffuse = 0.75f;
+  if (bits & 8) glow.lit_groups = {1, 0, 1};
+  if (bits & 16) glow.shadow.enabled = false;
+  scene.lights.push_back(glow);
+  if (scene.instances.empty()) return;
+  glow.surface = {1, 0, 0};
+  glow.shadow = {};
+  glow.radiance = {0, 2, 1};
+  scene.lights.push_back(glow);
+}
+
 TEST_CASE("what reflects otherwise than diffusely is the scalar path tracer's to the bit too") {
   for (std::uint32_t bits = 0; bits < 128; bits += 3) {
     CAPTURE(bits);
@@ -189,6 +206,7 @@ TEST_CASE("what reflects otherwise than diffusely is the scalar path tracer's to
     calls.materials = false;
     Scene scene = called(calls, bits);
     add_looks(scene, driven);
+    if (bits % 4 == 1) add_mesh_lights(scene, bits & 16);
     const auto shared = std::make_shared<const Scene>(std::move(scene));
     const RenderSettings settings{.width = kSize,
                                   .height = kSize,
@@ -297,6 +315,7 @@ void add_controls(Scene& scene, std::uint32_t bits) {
     for (int i = 0; i < 12; ++i) texels.push_back({float(i % 5), 1, float(i % 3)});
     sky.image = light_image("sky", ImageMap::kLatlong, 4, 3, std::move(texels));
     sky.world_from_light = {Affine3f{}};
+    if (bit(5)) sky.portals = {{9.0f, 9.0f, 0, {translation({kSize, kSize, 40})}}};
     if (bit(1)) {
       sky.segments = 1;
       sky.world_from_light = {Affine3f{}, {{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}, {}}};
@@ -326,6 +345,7 @@ TEST_CASE("the picture is the scalar path tracer's to the bit, whatever lights a
     calls.instances = (bits >> 5 & 1) != 0;
     Scene made = called(calls, bits);
     add_controls(made, bits);
+    if (bits % 3 == 0) add_mesh_lights(made, bits);
     const auto scene = std::make_shared<const Scene>(std::move(made));
     const RenderSettings settings{.width = kSize,
                                   .height = kSize,

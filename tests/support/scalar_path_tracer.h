@@ -63,6 +63,7 @@ class ScalarPathTracer {
       SurfaceHit& surface = vertex.surface;
       if (depth == 0) result.alpha = 1.0f;
       throughput = throughput * vertex.cover.weight;
+      if (depth > 0 && vertex.of_light) surface.emission = {};
       result.radiance += throughput * surface.emission;
       if (depth == 1) direct = result.radiance;
       if (!specular()) throughput = throughput * surface.albedo;
@@ -92,6 +93,7 @@ class ScalarPathTracer {
     Cover cover;
     float distance = 0.0f, width = 0.0f;  // of the ray that found it, and of its cone there
     std::uint32_t light_group = 0;
+    bool of_light = false;  // on a mesh that shines
   };
   struct Scattered {
     float pdf = 0.0f;
@@ -152,8 +154,14 @@ class ScalarPathTracer {
         continue;
       }
       cover.bends = passes;
-      vertex = {
-          surface_at(frame_.scene(), source, hit, ray), {}, {}, cover, hit.t, width, source.light_group()};
+      vertex = {surface_at(frame_.scene(), source, hit, ray),
+                {},
+                {},
+                cover,
+                hit.t,
+                width,
+                source.light_group(),
+                frame_.lights.mesh_at(source) != nullptr};
       if (specular() || effects_.has(Effect::kTextures)) add_look(source, hit, ray, within, vertex);
       return true;
     }
@@ -210,19 +218,60 @@ class ScalarPathTracer {
     const float random = sampler.pair(Dimension::kLightPick, depth).x;
     for (std::uint32_t i = 0; i < frame_.lights.picks(); ++i) {
       const LightPick pick =
-          frame_.lights.pick(i, random, vertex.surface.position, vertex.surface.shading_normal);
+          frame_.lights.pick(i, random, vertex.surface.position,
+                             lit_side(vertex.special, vertex.surface.shading_normal));
       if (!holds_group(pick.light->lit_groups, vertex.light_group)) continue;
       result.radiance +=
           sampled_light(sampler.pair(Dimension::kLight, depth, i), vertex, throughput, time, pick);
       if (pick.extended) result.radiance += met_light(sampler, vertex, throughput, time, depth, pick);
     }
+    if (frame_.lights.has_meshes()) add_met_meshes(sampler, vertex, throughput, time, depth, result);
+  }
+
+  void add_met_meshes(const Sampler& sampler, const Vertex& vertex, const Vec3f& throughput, float time,
+                      std::uint32_t depth, FilmSample& result) const {
+    Ray ray;
+    ray.time = time;
+    Scattered next;
+    if (!bounce(sampler, vertex, depth, ray, next) || !(next.pdf > 0.0f)) return;
+    Hit hit;
+    for (float left = 1.0f; left > 0.0f && frame_.tracer.intersect(ray, hit); step_past(hit, ray)) {
+      const HitSource source = frame_.index.resolve(hit);
+      if (const LightPick* light = frame_.lights.mesh_at(source); light && light->mesh->is_met())
+        result.radiance += met_mesh(*light, ray, hit, vertex, throughput, next.pdf, left);
+      left *= 1.0f - shadow_of(source, hit, ray, vertex.width);
+    }
+  }
+
+  Vec3f met_mesh(const LightPick& light, const Ray& ray, const Hit& hit, const Vertex& vertex,
+                 const Vec3f& throughput, float pdf, float left) const {
+    if (!holds_group(light.light->lit_groups, vertex.light_group)) return {};
+    const SurfaceHit& surface = vertex.surface;
+    const LightValues values = values_at(*light.light, ray.time);
+    const float expected = frame_.lights.expected(light, surface.position,
+                                                  lit_side(vertex.special, surface.shading_normal));
+    const float share = power_heuristic(pdf, expected * light.mesh->pdf(ray.dir, hit, ray.time)) * left;
+    Vec3f carried = throughput * values.diffuse;
+    if (specular()) {
+      carried = throughput *
+                seen(value_of(vertex.special, vertex.bsdf, surface.shading_normal, ray.dir), values.diffuse,
+                     values.specular) *
+                (1.0f / pdf);
+    }
+    return carried * values.radiance * share;
+  }
+
+  bool sample(const LightPick& pick, const SurfaceHit& surface, float time, Point2 random,
+              LightSample& light) const {
+    if (pick.mesh) return pick.mesh->sample(surface, values_at(*pick.light, time), time, random, light);
+    return sample_light(*pick.light, frame_.scene().camera, surface.position, time, random, light);
   }
 
   Vec3f sampled_light(Point2 random, const Vertex& vertex, const Vec3f& throughput, float time,
                       const LightPick& pick) const {
     const SurfaceHit& surface = vertex.surface;
     LightSample light;
-    if (!sample_light(*pick.light, frame_.scene().camera, surface.position, time, random, light)) return {};
+    if (!sample(pick, surface, time, random, light)) return {};
     const float cosine = dot(light.direction, surface.shading_normal);
     if (!takes(vertex, light.direction)) return {};
     Vec3f carried = throughput;

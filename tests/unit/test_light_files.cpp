@@ -16,9 +16,10 @@ namespace {
 
 // A file with these angles and intensities; multiplier 2, ballast factor 0.5.
 std::string file(const std::string& vertical, const std::string& horizontal, const std::string& candela,
-                 const std::string& counts, const std::string& tilt = "TILT=NONE") {
-  return "IESNA:LM-63-2002\r\n[TEST] TILT= in a label\r\n" + tilt + "\r\n1 1000 2 " + counts +
-         " 1 2 0.1, 0.2 0\r\n0.5 1 50\r\n" + vertical + "\r\n" + horizontal + "\r\n" + candela + "\r\n";
+                 const std::string& counts, const std::string& tilt = "TILT=NONE", int type = 1) {
+  return "IESNA:LM-63-2002\r\n[TEST] TILT= in a label\r\n" + tilt + "\r\n1 1000 2 " + counts + " " +
+         std::to_string(type) + " 2 0.1, 0.2 0\r\n0.5 1 50\r\n" + vertical + "\r\n" + horizontal + "\r\n" +
+         candela + "\r\n";
 }
 
 std::string complaint(const std::string& text) {
@@ -78,21 +79,54 @@ TEST_CASE("IES: a tilt that the file holds is passed over") {
   CHECK(parse_ies(file("0 90", "0", "7 7", "2 1", tilt)).candela == std::vector<float>{7, 7, 7, 7});
 }
 
-TEST_CASE("IES: what is wrong is said") {
+// Of floodlights: vertical angles turn about the horizontal axis, horizontal ones lead out of that plane.
+TEST_CASE("IES: type B, and type A with the two angles in each other's place") {
+  const std::string vertical = "-90 0 90", horizontal = "-90 0 90", candela = "0 0 0  10 100 20  0 40 0";
+  const IesProfile b = parse_ies(file(vertical, horizontal, candela, "3 3", "TILT=NONE", 2));
+  CHECK(b.vertical.size() == 181);
+  CHECK(b.horizontal.size() == 361);
+  CHECK(ies_intensity(b, 0.0f, 0.0f) == doctest::Approx(100.0));
+  CHECK(ies_intensity(b, 45.0f, 0.0f) == doctest::Approx(70.0));    // right, in the plane
+  CHECK(ies_intensity(b, 45.0f, 180.0f) == doctest::Approx(50.0));  // left
+  CHECK(ies_intensity(b, 45.0f, 90.0f) == doctest::Approx(60.0));   // up
+  CHECK(ies_intensity(b, 45.0f, 270.0f) == doctest::Approx(55.0));  // down
+  CHECK(ies_intensity(b, 135.0f, 45.0f) == 0.0f);                   // behind
+  // 45 degrees to each side: of type B 45 degrees about the horizontal axis, then asin(1/sqrt 3) out of the
+  // plane.
+  const float off = 54.7356f;
+  const float across = 35.2644f;
+  CHECK(ies_intensity(b, off, 45.0f) ==
+        doctest::Approx((1 - across / 90) * 60 + across / 90 * 20).epsilon(2e-2));
+  const IesProfile a = parse_ies(file(vertical, horizontal, candela, "3 3", "TILT=NONE", 3));
+  CHECK(ies_intensity(a, off, 45.0f) ==
+        doctest::Approx((1 - across / 90) * 70 + across / 90 * 10).epsilon(2e-2));
+}
+
+TEST_CASE("IES: what begins at 0 of types A and B is the same on both sides") {
+  const IesProfile b = parse_ies(file("0 90", "0 90", "100 20  40 0", "2 2", "TILT=NONE", 2));
+  for (const float around : {0.0f, 180.0f}) CHECK(ies_intensity(b, 45.0f, around) == doctest::Approx(70.0));
+  for (const float around : {90.0f, 270.0f}) CHECK(ies_intensity(b, 45.0f, around) == doctest::Approx(60.0));
+}
+
+TEST_CASE("IES: what is wrong is said, with its line") {
   CHECK(complaint("") == "found no line TILT=; expected an IES file");
   CHECK(complaint("IESNA\n[X] TILT=NONE\n") == "found no line TILT=; expected an IES file");
-  CHECK(complaint(file("0 90", "0", "7", "2 1")) == "found the end of the file; expected candela values");
+  CHECK(complaint(file("0 90", "0", "7", "2 1")) ==
+        "line 9: found the end of the file; expected candela values");
   CHECK(complaint(file("0 90", "0", "7 nan", "2 1")) ==
-        "found \"nan\"; expected candela values, a finite number");
-  CHECK(complaint(file("0 90", "0", "7 x", "2 1")).starts_with("found \"x"));
-  CHECK(complaint(file("0 90", "0", "7 -1", "2 1")).starts_with("found -1.000000 candela"));
+        "line 8: found \"nan\"; expected candela values, a finite number");
+  CHECK(complaint(file("0 90", "0", "7\r\nx", "2 1")).starts_with("line 9: found \"x"));
+  CHECK(complaint(file("0 90", "0", "7 -1", "2 1")).starts_with("line 8: found -1.000000 candela"));
   CHECK(complaint(file("90 0", "0", "7 7", "2 1"))
             .ends_with("expected vertical angles that increase, 0 to 180"));
-  CHECK(complaint(file("0 90", "45 60", "7 7 7 7", "2 2")).starts_with("found horizontal angles from 45"));
+  CHECK(complaint(file("0 90", "45 60", "7 7 7 7", "2 2")).find(": found horizontal angles from 45") !=
+        std::string::npos);
   CHECK(complaint(file("0 90", "0", "7 7", "2 1e9")).find("expected a number of horizontal angles") !=
         std::string::npos);
-  const std::string other = file("0 90", "0", "7 7", "2 1 2 2 2\r\n");
-  CHECK(complaint(other) == "found photometric type 2; expected 1, type C");
+  CHECK(complaint(file("10 90", "0", "7 7", "2 1", "TILT=NONE", 2))
+            .starts_with("line 6: found vertical angles from 10"));
+  const std::string other = file("0 90", "0", "7 7", "2 1", "TILT=NONE", 4);
+  CHECK(complaint(other) == "line 4: found 4.000000; expected a photometric type (1: C, 2: B, 3: A), 1 to 3");
   for (std::size_t length = 0; length < other.size(); length += 7) complaint(other.substr(0, length));
 }
 

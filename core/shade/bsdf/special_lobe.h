@@ -20,6 +20,11 @@ inline bool takes_light(const SpecialLobe& lobe, float shading_cosine, float geo
   return std::holds_alternative<Glass>(lobe) && shading_cosine < 0.0f && geometric_cosine < 0.0f;
 }
 
+// The normal by which lights are chosen: none where light counts from either side (light_tree.h).
+inline Vec3f lit_side(const SpecialLobe& lobe, const Vec3f& normal) {
+  return is_special(lobe) ? Vec3f{} : normal;
+}
+
 // Of light from everywhere: what is scattered.
 inline Vec3f albedo_of(const SpecialLobe& lobe, const Bsdf& bsdf) {
   if (std::holds_alternative<Glass>(lobe)) return {1.0f, 1.0f, 1.0f};

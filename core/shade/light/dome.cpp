@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "core/shade/light/image.h"
+#include "core/shade/light/portal.h"
 #include "core/shade/light/shapes.h"
 
 namespace msbvh {
@@ -18,7 +19,35 @@ Affine3f dome_rotation(const Affine3f& m) {
   return {dot(x, m.x) < 0.0f ? -x : x, y, z, {}};
 }
 
-bool sample_dome(const PlacedLight& light, Point2 random, LightSample& sample) {
+namespace {
+
+// Half of the samples go through the portals, and all of them have the density of both ways together.
+bool sample_guided(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample) {
+  LightAlong along;
+  if (random.x < kPortalShare) {
+    random.x = std::min(random.x / kPortalShare, 0x1.fffffep-1f);
+    if (!sample_portal(light, point, random, sample.direction)) return false;
+  } else {
+    random.x = std::min((random.x - kPortalShare) / (1.0f - kPortalShare), 0x1.fffffep-1f);
+    const ImagePlace place = sample_image(*light.source->image, random);
+    const Vec3f own = image_direction(light.source->image->map, place.u, place.v);
+    sample.direction = normalize(light.world_from_light.vector(own));
+  }
+  if (!find_dome(light, point, sample.direction, along) || !(along.pdf > 0.0f)) return false;
+  sample.pdf = along.pdf;
+  sample.distance = along.distance;
+  sample.irradiance = along.radiance * (1.0f / along.pdf);
+  return true;
+}
+
+bool is_guided(const PlacedLight& light, const Vec3f& point) {
+  return !light.source->portals.empty() && any_portal(light, point);
+}
+
+}  // namespace
+
+bool sample_dome(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample) {
+  if (is_guided(light, point)) return sample_guided(light, point, random, sample);
   const LightImage& image = *light.source->image;
   const ImagePlace place = sample_image(image, random);
   const float angle = solid_angle(image, place.u, place.v);
@@ -30,7 +59,7 @@ bool sample_dome(const PlacedLight& light, Point2 random, LightSample& sample) {
   return true;
 }
 
-bool find_dome(const PlacedLight& light, const Vec3f& direction, LightAlong& along) {
+bool find_dome(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along) {
   const LightImage& image = *light.source->image;
   const Affine3f& m = light.world_from_light;
   const Point2 place =
@@ -38,6 +67,8 @@ bool find_dome(const PlacedLight& light, const Vec3f& direction, LightAlong& alo
   const float angle = solid_angle(image, place.x, place.y);
   along = {light.values.radiance * image_at(image, place.x, place.y), std::numeric_limits<float>::infinity(),
            image_density(image, place.x, place.y) / angle};
+  if (is_guided(light, point))
+    along.pdf = kPortalShare * portal_pdf(light, point, direction) + (1.0f - kPortalShare) * along.pdf;
   return true;
 }
 

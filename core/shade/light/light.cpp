@@ -47,9 +47,11 @@ bool sample_kind(const PlacedLight& light, const Camera& camera, const Vec3f& po
     case LightKind::kCylinder:
       return kExtended && sample_cylinder(light, point, random, sample);
     case LightKind::kDome:
-      return kExtended && light.source->image && sample_dome(light, random, sample);
+      return kExtended && light.source->image && sample_dome(light, point, random, sample);
     case LightKind::kCamera:
       return sample_camera_light(light, camera, point, time, sample);
+    case LightKind::kMesh:  // mesh_light.h
+      break;
   }
   return false;
 }
@@ -69,8 +71,9 @@ bool find_kind(const PlacedLight& light, const Vec3f& point, const Vec3f& direct
     case LightKind::kCylinder:
       return find_cylinder(light, point, direction, along);
     case LightKind::kDome:
-      return light.source->image && find_dome(light, direction, along);
+      return light.source->image && find_dome(light, point, direction, along);
     case LightKind::kCamera:
+    case LightKind::kMesh:
       break;
   }
   return false;
@@ -79,8 +82,8 @@ bool find_kind(const PlacedLight& light, const Vec3f& point, const Vec3f& direct
 }  // namespace
 
 PlacedLight::PlacedLight(const Light& light, float time)
-    : kind(light.kind), values(values_at(light, time)), source(&light) {
-  if (kind == LightKind::kCamera || (kind == LightKind::kDome && !light.image)) return;
+    : kind(light.kind), values(values_at(light, time)), source(&light), time(time) {
+  if (is_placeless(light)) return;
   world_from_light = evaluate(light.world_from_light, light.segments, time);
   if (kind == LightKind::kDistant) {
     axis = normalize(world_from_light.z);
@@ -196,6 +199,7 @@ bool has_extent(const Light& light) {
     case LightKind::kDome:
       return light.image != nullptr;
     case LightKind::kCamera:
+    case LightKind::kMesh:
       break;
   }
   return false;

@@ -34,6 +34,7 @@ struct PlacedLight {
   LightValues values;
   Affine3f world_from_light;  // of an image dome a rotation
   const Light* source;
+  float time;
   bool shaped = false;  // is_shaped()
   // Of the kind that each is for.
   Affine3f light_from_world;  // cylinder, and where an IES profile shapes it

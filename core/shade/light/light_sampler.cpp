@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "core/shade/light/shapes.h"
 #include "core/shade/warp.h"
@@ -39,6 +40,7 @@ float irradiance(const Light& light, const LightValues& values, float distance_s
     }
     case LightKind::kCamera:
     case LightKind::kDome:
+    case LightKind::kMesh:
       break;
   }
   return radiance * image_mean(light) * kPi;
@@ -98,7 +100,24 @@ void aim(const Light& light, LightReach& reach) {
   reach.cos_beyond = flat ? 0.0f : std::cos(std::min(cone, right));
 }
 
-LightReach reach_of(const Light& light) {
+// A mesh may shine anywhere.
+LightReach reach_of(const MeshLight& mesh) {
+  const Light& light = mesh.light();
+  LightReach reach;
+  reach.box = mesh.bounds();
+  float brightest = 0.0f;
+  const auto look_at = [&](const LightValues& v) {
+    brightest = std::max({brightest, v.radiance.x, v.radiance.y, v.radiance.z});
+  };
+  if (light.moving_values.empty()) look_at(light);
+  for (const LightValues& values : light.moving_values) look_at(values);
+  reach.power = usable(brightest * static_cast<float>(mesh.area(0.0f)));
+  return reach;
+}
+
+LightReach reach_of(const LightPick& pick) {
+  if (pick.mesh) return reach_of(*pick.mesh);
+  const Light& light = *pick.light;
   LightReach reach;
   reach.power = usable(most_irradiance(light, 1.0f));
   for (std::size_t key = 0; key < light.world_from_light.size(); ++key) {
@@ -109,9 +128,13 @@ LightReach reach_of(const Light& light) {
   return reach;
 }
 
+auto key_of(const Light& light) {
+  return std::tuple(light.surface.mesh, light.surface.set, light.surface.instance);
+}
+
 }  // namespace
 
-LightSampler::LightSampler(const Scene& scene, const Box3f& bounds) {
+LightSampler::LightSampler(const Scene& scene, const Box3f& bounds) : scene_(&scene), bounds_(bounds) {
   placed_.reserve(scene.lights.size());  // picks point into it
   for (const Light& light : scene.lights) {
     if (!shines(light)) continue;
@@ -119,6 +142,7 @@ LightSampler::LightSampler(const Scene& scene, const Box3f& bounds) {
     if (light.kind != LightKind::kDome || light.image) {
       const PlacedLight* still = is_still(light) ? &placed_.emplace_back(light, 0.0f) : nullptr;
       lights_.push_back({&light, still, 1.0f, has_extent(light)});
+      if (light.kind == LightKind::kMesh) add_mesh(light);
       continue;
     }
     has_dome_ = true;
@@ -130,6 +154,43 @@ LightSampler::LightSampler(const Scene& scene, const Box3f& bounds) {
   }
   picks_ = static_cast<std::uint32_t>(std::min<std::size_t>(kLightPicks, lights_.size()));
   if (lights_.size() > kLightPicks) weigh(bounds);
+  sort_meshes();
+}
+
+void LightSampler::add_mesh(const Light& light) {
+  shares_.resize(scene_->meshes.size());
+  std::shared_ptr<const TriangleShares>& shares = shares_[light.surface.mesh];
+  if (!shares)
+    shares = std::make_shared<const TriangleShares>(scene_->mesh(mesh_id(light.surface.mesh)).shape);
+  meshes_.push_back(std::make_unique<MeshLight>(*scene_, light, shares));
+  lights_.back().mesh = meshes_.back().get();
+}
+
+void LightSampler::sort_meshes() {
+  for (std::uint32_t i = 0; i < lights_.size(); ++i) {
+    if (lights_[i].mesh) by_surface_.push_back(i);
+  }
+  std::ranges::sort(by_surface_, {}, [this](std::uint32_t i) { return key_of(*lights_[i].light); });
+}
+
+const LightPick* LightSampler::mesh_at(const HitSource& source) const {
+  if (!source.mesh) return nullptr;
+  const auto mesh = static_cast<std::uint32_t>(source.mesh - scene_->meshes.data());
+  if (mesh >= shares_.size() || !shares_[mesh]) return nullptr;
+  const std::uint32_t set = source.instances
+                                ? static_cast<std::uint32_t>(source.instances - scene_->instances.data())
+                                : LightSurface::kNoSet;
+  const auto key = std::tuple(mesh, set, source.instance);
+  const auto found = std::ranges::lower_bound(by_surface_, key, {},
+                                              [this](std::uint32_t i) { return key_of(*lights_[i].light); });
+  if (found == by_surface_.end() || key_of(*lights_[*found].light) != key) return nullptr;
+  return &lights_[*found];
+}
+
+float LightSampler::expected(const LightPick& light, const Vec3f& point, const Vec3f& normal) const {
+  if (!by_chance()) return 1.0f;
+  const auto which = static_cast<std::uint32_t>(&light - lights_.data());
+  return chance(which, importance(point, normal), point, normal) * static_cast<float>(picks_);
 }
 
 void LightSampler::weigh(const Box3f& bounds) {
@@ -143,13 +204,25 @@ void LightSampler::weigh(const Box3f& bounds) {
     place_in_its_list_.push_back(static_cast<std::uint32_t>(list.size()));
     list.push_back(i);
     if (has_place(light)) {
-      reaches.push_back(reach_of(light));
+      reaches.push_back(reach_of(lights_[i]));
     } else {
       sum = std::min(sum + usable(most_irradiance(light, distance_squared)), kMostImportance);
       cumulative_.push_back(sum);
     }
   }
   tree_ = LightTree(reaches);
+}
+
+float LightSampler::importance(const Vec3f& point, const Vec3f& normal) const {
+  const float all = tree_.importance(point, normal);
+  const std::uint8_t* seen = visibility_.at(point);
+  return seen ? all * (float(seen[0]) * (1.0f / 255.0f)) : all;
+}
+
+LightSampler::Tried LightSampler::try_light(float random, const Vec3f& point, const Vec3f& normal) const {
+  if (!(tree_.importance(point, normal) > 0.0f)) return {};
+  const std::uint32_t light = tree_.pick(random, point, normal).light;
+  return {&lights_[placed_lights_[light]], light};
 }
 
 float LightSampler::chance(std::uint32_t light, float importance, const Vec3f& point,
@@ -159,7 +232,7 @@ float LightSampler::chance(std::uint32_t light, float importance, const Vec3f& p
   if (!(all > 0.0f)) return alike;
   const std::uint32_t place = place_in_its_list_[light];
   const float share = has_place(*lights_[light].light)
-                          ? importance * tree_.chance(place, point, normal)
+                          ? importance * tree_.chance(place, point, normal, visibility_.at(point))
                           : cumulative_[place] - (place > 0 ? cumulative_[place - 1] : 0.0f);
   return kAlikeShare * alike + (1.0f - kAlikeShare) * (share / all);
 }
@@ -177,14 +250,15 @@ std::uint32_t LightSampler::found(float random, float importance, const Vec3f& p
     const auto most = static_cast<std::ptrdiff_t>(cumulative_.size()) - 1;
     return distant_lights_[static_cast<std::size_t>(std::min(after - cumulative_.begin(), most))];
   }
-  return placed_lights_[tree_.pick((place - distant) / importance, point, normal).light];
+  return placed_lights_[tree_.pick((place - distant) / importance, point, normal, visibility_.at(point))
+                            .light];
 }
 
 LightPick LightSampler::pick(std::uint32_t which, float random, const Vec3f& point,
                              const Vec3f& normal) const {
   if (!by_chance()) return lights_[which];
   const auto picks = static_cast<float>(picks_);
-  const float importance = tree_.importance(point, normal);
+  const float importance = this->importance(point, normal);
   const std::uint32_t light = found((static_cast<float>(which) + random) / picks, importance, point, normal);
   LightPick pick = lights_[light];
   pick.expected = chance(light, importance, point, normal) * picks;

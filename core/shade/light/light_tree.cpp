@@ -116,15 +116,17 @@ Cut best_cut(std::span<const std::uint32_t> order, const std::vector<LightReach>
 
 float importance(const LightReach& reach, const Vec3f& point, const Vec3f& normal) {
   const Vec3f half = reach.box.extent() * 0.5f, to_center = reach.box.center() - point;
+  const bool either_side = normal == Vec3f{};
   const float above = dot(to_center, normal) + dot(half, abs(normal));
-  if (!(above > 0.0f)) return 0.0f;  // all of the box is below the horizon
+  if (!(above > 0.0f) && !either_side) return 0.0f;  // all of the box is below the horizon
   const float radius_squared = dot(half, half), distance_squared = dot(to_center, to_center);
   if (!(distance_squared > radius_squared))
     return std::min(radius_squared > 0.0f ? reach.power / radius_squared : reach.power, kMost);
   const Vec3f direction = to_center * (1.0f / std::sqrt(distance_squared));
   const float cos_box = std::sqrt(std::max(0.0f, 1.0f - radius_squared / distance_squared));
   // What is above the horizon is not left out by the roundings of an angle.
-  const float facing = std::max(cos_of_rest(dot(direction, normal), cos_box), kLeastCosine);
+  const float facing =
+      either_side ? 1.0f : std::max(cos_of_rest(dot(direction, normal), cos_box), kLeastCosine);
   const float off_normals = cos_of_rest(-dot(direction, reach.axis), reach.cos_around);
   const float leaving = cos_of_rest(off_normals, cos_box);
   if (!(leaving > reach.cos_beyond - kLeastCosine)) return 0.0f;
@@ -171,17 +173,23 @@ float LightTree::importance(const Vec3f& point, const Vec3f& normal) const {
 }
 
 // Half where neither has any importance: what bounds both saw more than either.
-float LightTree::first_share(const Node& node, const Vec3f& point, const Vec3f& normal) const {
-  const float first = msbvh::importance((&node + 1)->reach, point, normal);
-  const float second = msbvh::importance(nodes_[node.second].reach, point, normal);
+float LightTree::first_share(const Node& node, const Vec3f& point, const Vec3f& normal,
+                             const std::uint8_t* seen) const {
+  float first = msbvh::importance((&node + 1)->reach, point, normal);
+  float second = msbvh::importance(nodes_[node.second].reach, point, normal);
+  if (seen) {  // of at most 255: a sum is still finite
+    first *= float(seen[&node + 1 - nodes_.data()]) * (1.0f / 255.0f);
+    second *= float(seen[node.second]) * (1.0f / 255.0f);
+  }
   return first + second > 0.0f ? first / (first + second) : 0.5f;
 }
 
-LightTree::Found LightTree::pick(float random, const Vec3f& point, const Vec3f& normal) const {
+LightTree::Found LightTree::pick(float random, const Vec3f& point, const Vec3f& normal,
+                                 const std::uint8_t* seen) const {
   float chance = 1.0f;
   std::uint32_t index = 0;
   while (nodes_[index].second != 0) {
-    const float share = first_share(nodes_[index], point, normal);
+    const float share = first_share(nodes_[index], point, normal, seen);
     const bool first = random < share;
     random = first ? random / share : (random - share) / (1.0f - share);
     random = std::min(random, 0x1.fffffep-1f);  // below 1, so that no share of 0 is taken
@@ -191,12 +199,13 @@ LightTree::Found LightTree::pick(float random, const Vec3f& point, const Vec3f& 
   return {nodes_[index].light, chance};
 }
 
-float LightTree::chance(std::uint32_t light, const Vec3f& point, const Vec3f& normal) const {
+float LightTree::chance(std::uint32_t light, const Vec3f& point, const Vec3f& normal,
+                        const std::uint8_t* seen) const {
   const std::uint32_t leaf = leaf_of_[light];
   float chance = 1.0f;
   std::uint32_t index = 0;
   while (nodes_[index].second != 0 && chance > 0.0f) {
-    const float share = first_share(nodes_[index], point, normal);
+    const float share = first_share(nodes_[index], point, normal, seen);
     const bool first = leaf < nodes_[index].second;
     chance *= first ? share : 1.0f - share;
     index = first ? index + 1 : nodes_[index].second;

@@ -22,8 +22,8 @@ struct LightReach {
   float power = 0.0f;  // irradiance at normal incidence and distance 1
 };
 
-// About how much reaches a point of a surface with the unit `normal`: 0 only where none does, but for
-// rounding.
+// About how much reaches a point of a surface with the unit `normal`, or with none (0, 0, 0) where light
+// counts from either side, as on glass: 0 only where none does, but for rounding.
 float importance(const LightReach& reach, const Vec3f& point, const Vec3f& normal);
 
 class LightTree {
@@ -39,8 +39,30 @@ class LightTree {
     float chance;         // that it is taken, above 0
   };
   // `random` in [0, 1].
-  Found pick(float random, const Vec3f& point, const Vec3f& normal) const;
-  float chance(std::uint32_t light, const Vec3f& point, const Vec3f& normal) const;
+  // `seen`: null, or by node what share of its lights is seen from there, above 0; in any unit.
+  Found pick(float random, const Vec3f& point, const Vec3f& normal, const std::uint8_t* seen = nullptr) const;
+  float chance(std::uint32_t light, const Vec3f& point, const Vec3f& normal,
+               const std::uint8_t* seen = nullptr) const;
+
+  std::size_t node_count() const { return nodes_.size(); }
+  // visit(node) from the root, which is node 0, down to a light.
+  template <typename Visit>
+  void for_path(std::uint32_t light, const Visit& visit) const {
+    for (std::uint32_t index = 0;;) {
+      visit(index);
+      if (nodes_[index].second == 0) return;
+      index = leaf_of_[light] < nodes_[index].second ? index + 1 : nodes_[index].second;
+    }
+  }
+  // visit(parent, child), parents first.
+  template <typename Visit>
+  void for_children(const Visit& visit) const {
+    for (std::uint32_t parent = 0; parent < nodes_.size(); ++parent) {
+      if (nodes_[parent].second == 0) continue;
+      visit(parent, parent + 1);
+      visit(parent, nodes_[parent].second);
+    }
+  }
 
  private:
   struct Node {
@@ -51,7 +73,8 @@ class LightTree {
 
   std::uint32_t build(std::vector<std::uint32_t>& order, std::size_t begin, std::size_t end,
                       const std::vector<LightReach>& lights);
-  float first_share(const Node& node, const Vec3f& point, const Vec3f& normal) const;
+  float first_share(const Node& node, const Vec3f& point, const Vec3f& normal,
+                    const std::uint8_t* seen) const;
 
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> leaf_of_;  // by light

@@ -38,10 +38,10 @@ Vec3f dark_disk_area(float radius, const Affine3f& world_from_light);
 bool sample_cylinder(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample);
 bool find_cylinder(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along);
 
-// By what its image gives over the sphere of directions. The transform counts as the rotation, or the mirror,
-// that keeps its y axis.
-bool sample_dome(const PlacedLight& light, Point2 random, LightSample& sample);
-bool find_dome(const PlacedLight& light, const Vec3f& direction, LightAlong& along);
+// By what its image gives over the sphere of directions and, where it has portals, through them. The
+// transform counts as the rotation, or the mirror, that keeps its y axis.
+bool sample_dome(const PlacedLight& light, const Vec3f& point, Point2 random, LightSample& sample);
+bool find_dome(const PlacedLight& light, const Vec3f& point, const Vec3f& direction, LightAlong& along);
 Affine3f dome_rotation(const Affine3f& world_from_light);
 
 // usdrecord's light: a white diffuse surface that faces the camera has the light's colour, at any distance.

@@ -19,22 +19,39 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 bool is_close(float a, float b) { return std::abs(a - b) < kSameAngle; }
 
+std::size_t lines_in(std::string_view text) {
+  std::size_t lines = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool both = text[i] == '\r' && i + 1 < text.size() && text[i + 1] == '\n';
+    lines += !both && (text[i] == '\n' || text[i] == '\r');
+  }
+  return lines;
+}
+
 // Numbers one after the other; commas count as spaces.
 class Numbers {
  public:
-  explicit Numbers(std::string_view text) : text_(text) {}
+  // `text` is the end of the whole file.
+  Numbers(std::string_view file, std::string_view text) : file_(file), text_(text) {}
+
+  // What is wrong with the number that was read last.
+  [[noreturn]] void fail(const std::string& found_and_expected) const {
+    const std::size_t line = 1 + lines_in(file_.substr(0, std::min(begin_, file_.size())));
+    throw Error("line " + std::to_string(line) + ": " + found_and_expected);
+  }
 
   double next(const char* name) {
     const auto is_space = [](char c) { return c == ' ' || c == ',' || (c >= '\t' && c <= '\r'); };
     while (!text_.empty() && is_space(text_.front())) text_.remove_prefix(1);
     if (!text_.empty() && text_.front() == '+') text_.remove_prefix(1);
-    if (text_.empty()) throw Error(std::string("found the end of the file; expected ") + name);
+    begin_ = file_.size() - text_.size();
+    if (text_.empty()) fail(std::string("found the end of the file; expected ") + name);
     double value = 0.0;
     const auto [end, fault] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
     if (fault != std::errc() || !std::isfinite(value)) {
-      throw Error("found \"" +
-                  std::string(text_.substr(0, std::min<std::size_t>(text_.find_first_of(" ,\t\r\n"), 16))) +
-                  "\"; expected " + name + ", a finite number");
+      fail("found \"" +
+           std::string(text_.substr(0, std::min<std::size_t>(text_.find_first_of(" ,\t\r\n"), 16))) +
+           "\"; expected " + name + ", a finite number");
     }
     text_.remove_prefix(std::size_t(end - text_.data()));
     return value;
@@ -43,22 +60,23 @@ class Numbers {
     const double value = next(name);
     if (value >= double(least) && value <= double(most) && value == std::floor(value))
       return std::size_t(value);
-    throw Error("found " + std::to_string(value) + "; expected " + name + ", " + std::to_string(least) +
-                " to " + std::to_string(most));
+    fail("found " + std::to_string(value) + "; expected " + name + ", " + std::to_string(least) + " to " +
+         std::to_string(most));
   }
-  std::vector<float> angles(std::size_t count, const char* name, float most) {
+  std::vector<float> angles(std::size_t count, const char* name, float least, float most) {
     std::vector<float> angles(count);
-    for (float& angle : angles) angle = float(next(name));
     for (std::size_t i = 0; i < count; ++i) {
-      if (angles[i] >= 0.0f && angles[i] <= most && (i == 0 || angles[i] > angles[i - 1])) continue;
-      throw Error("found " + std::to_string(angles[i]) + "; expected " + name + " that increase, 0 to " +
-                  std::to_string(int(most)));
+      angles[i] = float(next(name));
+      if (angles[i] >= least && angles[i] <= most && (i == 0 || angles[i] > angles[i - 1])) continue;
+      fail("found " + std::to_string(angles[i]) + "; expected " + name + " that increase, " +
+           std::to_string(int(least)) + " to " + std::to_string(int(most)));
     }
     return angles;
   }
 
  private:
-  std::string_view text_;
+  std::string_view file_, text_;
+  std::size_t begin_ = 0;  // of the number that was read last
 };
 
 // Behind the labels, and behind the line or block that says how the lamp is tilted.
@@ -70,7 +88,7 @@ Numbers behind_tilt(std::string_view text) {
   if (at == std::string_view::npos) throw Error("found no line TILT=; expected an IES file");
   const std::string_view rest = text.substr(at + key.size());
   const std::size_t line = std::min(rest.find_first_of("\r\n"), rest.size());
-  Numbers numbers(rest.substr(line));
+  Numbers numbers(text, rest.substr(line));
   if (!rest.starts_with("INCLUDE")) return numbers;
   numbers.next("the lamp's place in the luminaire");
   const std::size_t tilts = numbers.count("a number of tilt angles", 0, kMostAngles);
@@ -116,7 +134,7 @@ struct Around {
   }
 };
 
-void fill(Around& around) {
+void fill(Around& around, const Numbers& numbers) {
   const float first = around.angles.front(), last = around.angles.back();
   if (around.angles.size() == 1) {
     around.angles = {0.0f};
@@ -125,8 +143,8 @@ void fill(Around& around) {
     around.mirror_at_end();
     around.turn_back();
   } else if (!is_close(first, 0.0f)) {
-    throw Error("found horizontal angles from " + std::to_string(first) + " to " + std::to_string(last) +
-                "; expected from 0, or 90 to 270");
+    numbers.fail("found horizontal angles from " + std::to_string(first) + " to " + std::to_string(last) +
+                 "; expected from 0, or 90 to 270");
   } else if (is_close(last, 90.0f) || is_close(last, 180.0f)) {
     around.mirror_at_end();
     if (is_close(around.angles.back(), 180.0f)) around.mirror_at_end();
@@ -153,6 +171,88 @@ double mean_intensity(const IesProfile& profile) {
 
 }  // namespace
 
+namespace {
+
+// Of types A and B: angles from -90 to 90, both about the light's aim.
+struct Rectangle {
+  std::vector<float> vertical, horizontal;
+  std::vector<Row> rows;  // by horizontal angle
+
+  // What begins at 0 is the same on both sides of it.
+  void mirror() {
+    if (is_close(vertical.front(), 0.0f)) {
+      mirror_angles(vertical);
+      for (Row& row : rows) mirror_angles(row, 1.0f);
+    }
+    if (!is_close(horizontal.front(), 0.0f)) return;
+    mirror_angles(horizontal);
+    const std::vector<Row> given = rows;
+    for (std::size_t i = 1; i < given.size(); ++i) rows.insert(rows.begin(), given[i]);
+  }
+  float at(float v, float h) const {
+    if (v < vertical.front() || v > vertical.back() || h < horizontal.front() || h > horizontal.back())
+      return 0.0f;
+    const Place row = place(horizontal, h), column = place(vertical, v);
+    const Row mix = mixed(rows[row.first], rows[row.second], row.w);
+    return mix[column.first] * (1.0f - column.w) + mix[column.second] * column.w;
+  }
+
+ private:
+  struct Place {
+    std::size_t first, second;
+    float w;
+  };
+
+  static void mirror_angles(std::vector<float>& angles, float sign = -1.0f) {
+    const std::vector<float> given = angles;
+    for (std::size_t i = 1; i < given.size(); ++i) angles.insert(angles.begin(), sign * given[i]);
+  }
+  static Place place(const std::vector<float>& angles, float angle) {
+    if (angles.size() == 1) return {0, 0, 0.0f};
+    const auto after = std::size_t(std::ranges::upper_bound(angles, angle) - angles.begin());
+    const std::size_t first = std::clamp<std::size_t>(after, 1, angles.size() - 1) - 1;
+    return {first, first + 1, (angle - angles[first]) / (angles[first + 1] - angles[first])};
+  }
+};
+
+// As type C has it, a value each degree. Looking along the aim, horizontal angles count to the right, which
+// is +x of the light, and vertical ones up, +y. Of type A the horizontal angle turns about the vertical axis
+// and the vertical one leads out of the plane; of type B the other way round (IES LM-75).
+void resample(const Rectangle& given, bool type_a, IesProfile& profile) {
+  for (int v = 0; v <= 180; ++v) profile.vertical.push_back(float(v));
+  for (int h = 0; h <= 360; ++h) profile.horizontal.push_back(float(h));
+  for (int around = 0; around <= 360; ++around) {
+    for (int off_aim = 0; off_aim <= 180; ++off_aim) {
+      const double sine = std::sin(off_aim * kDegree), aim = std::cos(off_aim * kDegree);
+      const double right = sine * std::cos(around * kDegree), up = sine * std::sin(around * kDegree);
+      const double latitude = std::asin(std::clamp(type_a ? up : right, -1.0, 1.0)) / kDegree;
+      const double longitude = std::atan2(type_a ? right : up, aim) / kDegree;
+      profile.candela.push_back(type_a ? given.at(float(latitude), float(longitude))
+                                       : given.at(float(longitude), float(latitude)));
+    }
+  }
+}
+
+std::vector<Row> candela_rows(Numbers& numbers, std::size_t rows, std::size_t columns, double factor) {
+  std::vector<Row> found(rows, Row(columns));
+  for (Row& row : found) {
+    for (float& candela : row) {
+      candela = float(factor * numbers.next("candela values"));
+      if (candela >= 0.0f && std::isfinite(candela)) continue;
+      numbers.fail("found " + std::to_string(candela) + " candela; expected a finite number of at least 0");
+    }
+  }
+  return found;
+}
+
+void expect_from_middle(const std::vector<float>& angles, const char* name, const Numbers& numbers) {
+  if (angles.front() < kSameAngle && (angles.size() == 1 || angles.back() > 0.0f)) return;
+  numbers.fail(std::string("found ") + name + " from " + std::to_string(angles.front()) + " to " +
+               std::to_string(angles.back()) + "; expected from 0, or from below it to above it");
+}
+
+}  // namespace
+
 IesProfile parse_ies(std::string_view text) {
   Numbers numbers = behind_tilt(text);
   numbers.next("a number of lamps");
@@ -160,28 +260,28 @@ IesProfile parse_ies(std::string_view text) {
   double factor = numbers.next("a candela multiplier");
   const std::size_t columns = numbers.count("a number of vertical angles", 2, kMostAngles);
   const std::size_t rows = numbers.count("a number of horizontal angles", 1, kMostAngles);
-  const double type = numbers.next("a photometric type");
-  if (type != 1.0)
-    throw Error("found photometric type " + std::to_string(int(type)) + "; expected 1, type C");
+  const std::size_t type = numbers.count("a photometric type (1: C, 2: B, 3: A)", 1, 3);
   for (const char* name : {"units", "a width", "a length", "a height"}) numbers.next(name);
   factor *= numbers.next("a ballast factor");
   factor *= numbers.next("a ballast-lamp factor");
   numbers.next("input watts");
   IesProfile profile;
-  profile.vertical = numbers.angles(columns, "vertical angles", 180.0f);
-  Around around{numbers.angles(rows, "horizontal angles", 360.0f), {}};
-  for (std::size_t i = 0; i < rows; ++i) {
-    Row& row = around.rows.emplace_back(columns);
-    for (float& candela : row) {
-      candela = float(factor * numbers.next("candela values"));
-      if (!(candela >= 0.0f && std::isfinite(candela))) {
-        throw Error("found " + std::to_string(candela) + " candela; expected a finite number of at least 0");
-      }
-    }
+  if (type == 1) {
+    profile.vertical = numbers.angles(columns, "vertical angles", 0.0f, 180.0f);
+    Around around{numbers.angles(rows, "horizontal angles", 0.0f, 360.0f), {}};
+    around.rows = candela_rows(numbers, rows, columns, factor);
+    fill(around, numbers);
+    profile.horizontal = around.angles;
+    for (const Row& row : around.rows) profile.candela.insert(profile.candela.end(), row.begin(), row.end());
+  } else {
+    Rectangle rectangle{numbers.angles(columns, "vertical angles", -90.0f, 90.0f), {}, {}};
+    expect_from_middle(rectangle.vertical, "vertical angles", numbers);
+    rectangle.horizontal = numbers.angles(rows, "horizontal angles", -90.0f, 90.0f);
+    expect_from_middle(rectangle.horizontal, "horizontal angles", numbers);
+    rectangle.rows = candela_rows(numbers, rows, columns, factor);
+    rectangle.mirror();
+    resample(rectangle, type == 3, profile);
   }
-  fill(around);
-  profile.horizontal = around.angles;
-  for (const Row& row : around.rows) profile.candela.insert(profile.candela.end(), row.begin(), row.end());
   profile.power = float(mean_intensity(profile));
   return profile;
 }

@@ -34,7 +34,8 @@ inline LightKind light_kind_from(const std::string& name) {
   if (name == "disk") return LightKind::kDisk;
   if (name == "cylinder") return LightKind::kCylinder;
   if (name == "camera") return LightKind::kCamera;
-  bad_choice("kind", name, "distant, dome, sphere, rect, disk, cylinder or camera");
+  if (name == "mesh") return LightKind::kMesh;
+  bad_choice("kind", name, "distant, dome, sphere, rect, disk, cylinder, mesh or camera");
 }
 
 inline ImageMap image_map_from(const std::string& name) {

@@ -350,7 +350,7 @@ class Translator:
         self,
         *,
         name: str,
-        kind: Literal["distant", "dome", "sphere", "rect", "disk", "cylinder", "camera"],
+        kind: Literal["distant", "dome", "sphere", "rect", "disk", "cylinder", "mesh", "camera"],
         radiance: Rgb,
         angle_degrees: float,
         radius: float,
@@ -368,12 +368,19 @@ class Translator:
         diffuse: float = 1.0,
         specular: float = 1.0,
         look: LightLook | None = None,
+        surface: str = ...,
+        material_sync: Literal["materialGlowTintsLight", "independent", "noMaterialResponse"] = ...,
+        normalize: bool = ...,
+        portals: Sequence[tuple[float, float, F64, F64]] | None = None,
     ) -> None:
         """``world_from_light`` [T, 4, 4] at times01 [T]. Where a light's values change inside the shutter,
         ``radiances`` [V, 3] and ``numbers`` [V, 10] (LIGHT_NUMBERS) at ``values_times01`` [V] are taken
-        instead of the still ones. Two samples within 2e-6 make a jump."""
-    def set_light_groups(self, groups: Mapping[str, int]) -> None:
-        """Of prims by their paths, or instances by what places them: see LightLook.set_links. Of all others 0."""
+        instead of the still ones. Two samples within 2e-6 make a jump. A mesh light shines from the mesh of the path
+        ``surface`` wherever it stands, its radiance divided by the area there if ``normalize``; the three are of
+        mesh lights alone. ``portals`` of a dome: width, height, times01 [T] and world_from_portal [T, 4, 4] of each."""
+    def set_light_groups(self, groups: Mapping[str, Sequence[int]]) -> None:
+        """Of prims by their paths, or instances by what places them, one or one an instance: see LightLook.set_links.
+        Of all others 0."""
     @property
     def empty(self) -> bool:
         """Whether there is nothing that could be seen."""

@@ -31,7 +31,7 @@ def light_look(prim: Usd.Prim, kind: str, links: Links, context: FrameContext) -
     return look
 
 
-def _read(prim: Usd.Prim, name: str, kind: Kind, fallback: Any, context: FrameContext) -> Any:
+def input_at_frame(prim: Usd.Prim, name: str, kind: Kind, fallback: Any, context: FrameContext) -> Any:
     """An input by its name, at the frame; the fallback where there is none or it is of another type, which is named."""
     attribute = prim.GetAttribute(f"inputs:{name}")
     if not attribute:
@@ -58,7 +58,7 @@ def _add_image(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext
         return
     layout = "rect"
     if kind == "dome":
-        given = str(_read(prim, "texture:format", TOKEN, "automatic", context))
+        given = str(input_at_frame(prim, "texture:format", TOKEN, "automatic", context))
         if given not in FORMATS:
             message = f"found {given}, expected one of {', '.join(FORMATS)}; lit by the plain colour"
             context.diagnostics.warning(path, "inputs:texture:format", message)
@@ -91,15 +91,15 @@ def _colour_space(attribute: Usd.Attribute) -> str:
 
 
 def _add_shaping(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext) -> None:
-    if kind in ("distant", "dome"):
+    if kind in ("distant", "dome", "mesh"):
         _name_shaping(prim, kind, context)
         return
-    look.set_focus_tint(tuple(_read(prim, "shaping:focusTint", FLOAT3, Gf.Vec3f(0), context)))
-    asset = _read(prim, "shaping:ies:file", ASSET, None, context)
+    look.set_focus_tint(tuple(input_at_frame(prim, "shaping:focusTint", FLOAT3, Gf.Vec3f(0), context)))
+    asset = input_at_frame(prim, "shaping:ies:file", ASSET, None, context)
     if not asset:
         return
-    scale = float(_read(prim, "shaping:ies:angleScale", FLOAT, 0.0, context))
-    normalize = bool(_read(prim, "shaping:ies:normalize", BOOL, False, context))
+    scale = float(input_at_frame(prim, "shaping:ies:angleScale", FLOAT, 0.0, context))
+    normalize = bool(input_at_frame(prim, "shaping:ies:normalize", BOOL, False, context))
     try:
         if not asset.resolvedPath:
             raise ValueError("no such file")
@@ -123,16 +123,16 @@ def _name_shaping(prim: Usd.Prim, kind: str, context: FrameContext) -> None:
 
 
 def _add_shadow(look: LightLook, prim: Usd.Prim, context: FrameContext) -> None:
-    gamma = float(_read(prim, "shadow:falloffGamma", FLOAT, 1.0, context))
+    gamma = float(input_at_frame(prim, "shadow:falloffGamma", FLOAT, 1.0, context))
     if not 0.0 < gamma < float("inf"):
         message = f"found {gamma:g}, expected a finite number above 0; took 1"
         context.diagnostics.warning(str(prim.GetPath()), "inputs:shadow:falloffGamma", message)
         gamma = 1.0
     look.set_shadow(
-        bool(_read(prim, "shadow:enable", BOOL, True, context)),
-        tuple(_read(prim, "shadow:color", FLOAT3, Gf.Vec3f(0), context)),
-        float(_read(prim, "shadow:distance", FLOAT, -1.0, context)),
-        float(_read(prim, "shadow:falloff", FLOAT, -1.0, context)),
+        bool(input_at_frame(prim, "shadow:enable", BOOL, True, context)),
+        tuple(input_at_frame(prim, "shadow:color", FLOAT3, Gf.Vec3f(0), context)),
+        float(input_at_frame(prim, "shadow:distance", FLOAT, -1.0, context)),
+        float(input_at_frame(prim, "shadow:falloff", FLOAT, -1.0, context)),
         gamma,
     )
 

@@ -4,12 +4,12 @@ multiplies out."""
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import product
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom
 
 from .._core import LARGEST_ELEMENT, InstanceLevel, MotionSamples, PixelSize
 from ..base.errors import Diagnostics
@@ -72,6 +72,8 @@ class Placement:
     """Of `count` instances; None: the group's own colours."""
     values: Values
     """Primvars of `count` instances that come before the group's own."""
+    homes: Callable[[], list[Sdf.Path]]
+    """Of `count` instances: the prim that each is, or the point instancer that shows it."""
     place: Callable[[], Motion]
     """The levels multiplied out by USD itself, which is for lights: there are few of them."""
 
@@ -107,12 +109,30 @@ class Placement:
             common_intervals(self.visible, outer.visible),
             colour,
             partial(self.values_inside, outer),
+            self.homes,
             lambda: self.motion.inside(outer.motion),
         )
 
 
 def _itself(motion: Motion) -> Motion:
     return motion
+
+
+def _paths(parts: list[Part]) -> list[Sdf.Path]:
+    return [part.prim.GetPath() for part in parts]
+
+
+def _repeated(path: Sdf.Path, count: int) -> list[Sdf.Path]:
+    return [path] * count
+
+
+def _homes(own: Callable[[], list[Sdf.Path]], root: Usd.Prim | None, outer: Placement) -> list[Sdf.Path]:
+    """Of paths in a group with that root, which stands at each of the homes of `outer`; None: in the world."""
+    paths = own()
+    if root is None:
+        return paths
+    start = root.GetPath()
+    return [path.ReplacePrefix(start, home) for home in outer.homes() for path in paths]
 
 
 class Placer:
@@ -127,7 +147,7 @@ class Placer:
     def placements(self) -> Iterator[Placement]:
         """Every group wherever it stands; the world first, once, at the identity."""
         identity = Motion(self._caches.shutter, 1, True, lambda _: np.eye(4)[None])
-        yield from self._below(Placement("/", WORLD, (), None, None, no_values, lambda: identity))
+        yield from self._below(Placement("/", WORLD, (), None, None, no_values, list, lambda: identity))
 
     def _below(self, outer: Placement) -> Iterator[Placement]:
         yield outer
@@ -139,7 +159,9 @@ class Placer:
                 continue
             if self._context.found is not None:
                 self._context.found.inside(inner.path, outer.path)
-            yield from self._below(inner.inside(outer))
+            root = None if outer.key == WORLD else group.root
+            inside = replace(inner.inside(outer), homes=partial(_homes, inner.homes, root, outer))
+            yield from self._below(inside)
 
     def _inner(self, group: Group) -> Iterator[Placement]:
         """What instances in a group show, in the group's space; those that move alike together."""
@@ -155,7 +177,8 @@ class Placer:
                     self._context.found.instances(prims, same[0].blinking, group.root, shutter)
                 visible = self._visible(same[0])
                 path = str(same[0].prim.GetPath())
-                yield Placement(path, key, (Level(motion),), visible, None, no_values, partial(_itself, motion))
+                homes = partial(_paths, same)
+                yield Placement(path, key, (Level(motion),), visible, None, no_values, homes, partial(_itself, motion))
         for part in group.instancers:
             with leaving_out(part.prim, self._context.code):
                 yield from self._points(part, group)
@@ -193,9 +216,11 @@ class Placer:
             root = self._groups[Traversal.prototype_key(points.prototype)]
             whole = own.inside(placed)
             values = points.values
-            yield Placement(path, root.key, (Level(own), *outer), visible, colour, values, partial(_itself, whole))
+            homes = partial(_repeated, part.prim.GetPath(), arrays.count)
+            levels = (Level(own), *outer)
+            yield Placement(path, root.key, levels, visible, colour, values, homes, partial(_itself, whole))
             if root.reset is not None:
-                yield Placement(path, root.reset, outer, visible, colour, values, partial(_itself, placed))
+                yield Placement(path, root.reset, outer, visible, colour, values, homes, partial(_itself, placed))
 
     def _root_shutter(self, prototype: Usd.Prim) -> Shutter:
         """Of a point instancer's prototype: its own motion:blurScale scales it."""

@@ -11,15 +11,13 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from pxr import Sdf, Tf, Usd, UsdGeom
+from pxr import Tf, Usd, UsdGeom
 
 from .._core import EDGE_LENGTHS, MOST_PLACES, SILHOUETTES, InstanceLevel, MeshInput, PixelSize, RefinementCache
 from ..base.crash_line import crash_line
 from ..base.errors import Diagnostics, SceneError
 from ..camera.render_camera import Blur, RenderCamera, optics, read_camera
-from ..look.light_links import Links
-from ..look.light_values import Switches
-from ..look.lights import add_lights, camera_light
+from ..look.lights import camera_light
 from ..look.materials import Materials
 from ..motion.boxes import Box
 from ..motion.context import FrameContext
@@ -29,9 +27,9 @@ from ..motion.times import is_held
 from ..motion.transforms import XformCaches
 from ..stage.opening import tf_messages, tf_reason
 from ..stage.overs import report_overs
-from ..stage.usd_faults import leaving_out
 from ..stage.values import reported_to
 from .coarser_tracks import CoarserTracks, coarser_tracks
+from .frame_lights import FrameLights
 from .instance_count import InstanceGraph
 from .instances import Placement, Placer, coarse_level, sampled_levels
 from .part import Part
@@ -165,7 +163,8 @@ class _FrameReader:
         self._shared = SharedShapes(
             self._context, self._caches, materials, self._translator, settings.motion_tolerance, silhouette
         )
-        self._light_count = 0
+        self._lights = FrameLights(self._traversal, self._caches, self._context, self._translator)
+        self._linked = self._lights.links().any
         self._progress, self._steps_done = progress, 0
         self._steps = sum(len(group.shapes) + 1 for group in self._traversal.groups.values())
         if found is not None and self._camera.path:
@@ -242,7 +241,7 @@ class _FrameReader:
 
     def _add_world_meshes(self) -> None:
         """Meshes by the hundred, so that those that move alike are evaluated together."""
-        crowds, parts = self._shared.gather(self._traversal.groups[WORLD].shapes, None)
+        crowds, parts = self._gathered(self._traversal.groups[WORLD].shapes, None)
         self._shared.add_to_world(crowds, self._pixel)
         self._step(sum(len(crowd.parts) for crowd in crowds))
         batch: list[Shape] = []
@@ -294,7 +293,11 @@ class _FrameReader:
         """Of a group that stands in few places."""
         if sum(placement.count for placement in placed) > MOST_PLACES:
             return [], group.shapes
-        return self._shared.gather(group.shapes, group.root)
+        return self._gathered(group.shapes, group.root)
+
+    def _gathered(self, parts: list[Part], root: Usd.Prim | None) -> tuple[list[Crowd], list[Part]]:
+        """None where links may tell shapes apart that are alike."""
+        return ([], parts) if self._linked else self._shared.gather(parts, root)
 
     def _add_prototype(
         self, group: Group, placed: list[Placement], drafts: list[Draft], pixel: PixelSize, box: Box
@@ -347,52 +350,19 @@ class _FrameReader:
             name: ("vertex", taken(indices, each), None) for name, each in found.items() if each is not None
         } or None
 
-    def _links(self, placements: list[Placement]) -> Links:
-        """With the light groups of all that is drawn, which the translator gets."""
-        groups = self._traversal.groups
-        links = Links(part.prim for group in groups.values() for part in group.lights)
-        if not links.any:
-            return links
-        found = {str(part.prim.GetPath()): links.group(part.prim.GetPath()) for part in groups[WORLD].shapes}
-        for placement in placements[1:]:
-            found[placement.path] = self._group_of(placement, links)
-        self._translator.set_light_groups(groups=found)
-        return links
-
-    def _group_of(self, placement: Placement, links: Links) -> int:
-        """Of instances that are placed together."""
-        placed = [part for each in self._traversal.groups.values() for part in each.instances.get(placement.key, [])]
-        found = links.group_of_all([part.prim.GetPath() for part in placed] or [Sdf.Path(placement.path)])
-        if found is None:
-            message = (
-                "light links that tell instances of one prototype apart are not supported yet; all lights reach it"
-            )
-            self._context.diagnostics.group(placement.path, "", message)
-        return found or 0
-
     def _add_lights(self, placements: list[Placement]) -> None:
-        links = self._links(placements)
-        for placement in placements:
-            group = self._traversal.groups[placement.key]
-            for part in group.lights:
-                shutter = self._context.shutter.scaled(part.scales.blur)
-                motion = self._caches.motion([part.prim], group.root, part.varying, shutter, part.breakpoints)
-                motion = motion.inside(placement.motion)
-                switches = Switches(part.blinking, placement.visible)
-                with leaving_out(part.prim, self._context.code):
-                    self._light_count += add_lights(self._translator, part.prim, switches, motion, self._context, links)
-        if self._light_count == 0 and not self._settings.disable_camera_light:
+        if self._lights.add(placements) == 0 and not self._settings.disable_camera_light:
             self._translator.add_light(**camera_light(self._camera.times01, self._camera.world_from_camera))
 
     def _finish(self) -> ReadResult:
         diagnostics = self._context.diagnostics
+        empty, scene = self._translator.empty, self._translator.finish()
         diagnostics.take(self._translator.diagnostics())
-        if self._translator.empty:
+        if empty:
             diagnostics.warning(
                 "", "", "nothing to draw: no visible meshes or instances at this frame; the image is empty"
             )
             report_overs(self._context.stage, diagnostics)
-        scene = self._translator.finish()
         tracks = self._translator.tracks()
         return ReadResult(
             scene, self._camera, diagnostics, tracks, self._seconds, self._translator.left_out(), self._settings

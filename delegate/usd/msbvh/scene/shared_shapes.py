@@ -198,7 +198,7 @@ class SharedShapes:
                 for outer in placed:
                     visible = common_intervals(own, outer.visible)
                     chain = Placement(
-                        outer.path, outer.key, (level, *outer.levels), visible, None, no_values, outer.place
+                        outer.path, outer.key, (level, *outer.levels), visible, None, no_values, list, outer.place
                     )
                     for levels, indices in measure(chain, box):
                         inner = indices[: levels[0].matrices.shape[1]] % level.count
