@@ -80,7 +80,8 @@ Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const
           settings.film.frame_time,
           settings.film.origin,
           asked.crypto() ? CryptoNames(scene) : CryptoNames(),
-          settings.film.shutter_slices};
+          settings.film.shutter_slices,
+          settings.film.exposure};
 }
 
 Tracer tracer_of(const Bvh& world, const RenderSettings& settings) {

@@ -37,6 +37,7 @@ struct Frame {
   Vec3d origin{};                    // of the frame's world, in the stage's
   CryptoNames crypto_names{};        // where they are asked for
   std::uint32_t shutter_slices = 0;  // 0: the shutter is not kept in slices
+  float exposure = 1.0f;             // FilmSettings::exposure
 
   const Scene& scene() const { return index.scene(); }
   Surroundings surroundings() const { return {index, world}; }

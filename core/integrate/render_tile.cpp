@@ -19,26 +19,36 @@ void for_pixels(const Tile& tile, const Image& image, const Body& body) {
   }
 }
 
+// Colour, not alpha.
+void expose(float exposure, float* rgba) {
+  for (int channel = 0; channel < 3; ++channel) rgba[channel] *= exposure;
+}
+
 // `seconds`: that a pixel took; read for the AOV of that name alone.
-void resolve(const Tile& tile, const TileWorkspace& workspace, double seconds, Image& image) {
+void resolve(const Tile& tile, const TileWorkspace& workspace, float exposure, double seconds, Image& image) {
   const SumTrees<FilmSum>& sums = workspace.sums;
   for_pixels(tile, image, [&](std::size_t in_tile, std::size_t pixel) {
     sums.total(in_tile).resolve(sums.count(), &image.rgba[4 * pixel]);
+    expose(exposure, &image.rgba[4 * pixel]);
   });
   if (image.aovs.empty()) return;
   for_pixels(tile, image, [&](std::size_t in_tile, std::size_t pixel) {
     AovTotals totals = workspace.aov_sums.total(in_tile);
     totals.seconds = seconds;
+    totals.expose(exposure);
     for (AovImage& aov : image.aovs) aov.set(pixel, totals);
   });
 }
 
-void resolve_slices(const Tile& tile, const TileWorkspace& workspace, std::uint32_t slices, Image& image) {
+void resolve_slices(const Tile& tile, const TileWorkspace& workspace, const Frame& frame, Image& image) {
+  const std::uint32_t slices = frame.shutter_slices;
   const std::size_t pixels = std::size_t(image.width) * image.height;
   for_pixels(tile, image, [&](std::size_t in_tile, std::size_t pixel) {
     for (std::size_t slice = 0; slice < slices; ++slice) {
       const FilmSum sum = workspace.slice_sums.total(in_tile * slices + slice);
-      sum.resolve(workspace.slice_sums.count(), &image.slices[4 * (slice * pixels + pixel)]);
+      float* rgba = &image.slices[4 * (slice * pixels + pixel)];
+      sum.resolve(workspace.slice_sums.count(), rgba);
+      expose(frame.exposure, rgba);
     }
   });
 }
@@ -65,8 +75,8 @@ TraceModes render_part(const TileJob& job, const Tile& tile, TileWorkspace& work
     if (slices > 0) accumulate_slices(workspace.batch, pixels, slices, workspace.slice_sums);
     traced += workspace.batch.traced;
   }
-  resolve(tile, workspace, watch.seconds() / pixels, image);
-  if (slices > 0) resolve_slices(tile, workspace, slices, image);
+  resolve(tile, workspace, job.frame.exposure, watch.seconds() / pixels, image);
+  if (slices > 0) resolve_slices(tile, workspace, job.frame, image);
   return traced;
 }
 

@@ -326,7 +326,7 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
                   bool show_domes, const std::string& builder, const std::string& layout,
                   const std::string& refit, bool keep_topology, const std::vector<std::string>& aovs,
                   const std::string& sampler, float split_budget, bool sample_stages,
-                  const FilmSettings& film, double texture_memory_mb) {
+                  const FilmSettings& film, double texture_memory_mb, const std::string& rendering_space) {
   RenderSettings settings{.width = width,
                           .height = height,
                           .spp = spp,
@@ -345,6 +345,7 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
   settings.sample_stages = sample_stages;
   settings.film = film;
   settings.textures.memory_limit_bytes = static_cast<std::uint64_t>(texture_memory_mb * 1048576.0);
+  settings.textures.rendering_space = rendering_space;
   settings.film.origin = scene.origin;
   commit(self, scene.scene, std::move(settings));
 }
@@ -375,14 +376,15 @@ void bind_renderer(nb::module_& m) {
                  nb::arg("aovs") = std::vector<std::string>(), nb::arg("sampler") = "sobol",
                  nb::arg("split_budget") = defaults.build.spatial_split_budget,
                  nb::arg("sample_stages") = defaults.sample_stages, nb::arg("film") = FilmSettings(),
-                 nb::arg("texture_memory_mb") = double(defaults.textures.memory_limit_bytes >> 20));
+                 nb::arg("texture_memory_mb") = double(defaults.textures.memory_limit_bytes >> 20),
+                 nb::arg("rendering_space") = defaults.textures.rendering_space);
   };
   nb::class_<Renderer> renderer(m, "Renderer");
   def_with_settings(
       renderer, "__init__",
       &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, bool,
             const std::string&, const std::string&, const std::string&, bool, const std::vector<std::string>&,
-            const std::string&, float, bool, const FilmSettings&, double>);
+            const std::string&, float, bool, const FilmSettings&, double, const std::string&>);
   def_with_settings(renderer, "commit", &commit_scene);
   renderer.def("render", &render, nb::arg("progress") = nb::none())
       .def("render_with_aovs", &render_with_aovs, nb::arg("progress") = nb::none())

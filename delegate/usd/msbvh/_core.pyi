@@ -414,6 +414,8 @@ class RenderSettings(TypedDict, total=False):
     film: FilmSettings
     texture_memory_mb: float
     """Of texels that are kept, at most."""
+    rendering_space: str
+    """That textures are converted to: OpenColorIO's name."""
 
 def aov_names() -> tuple[str, ...]:
     """Of what a pixel can tell beside its colour: core/film/aov.h says what each means."""

@@ -34,6 +34,7 @@ RENDER_NAMES = (
     "sampler",
     "split_budget",
     "texture_memory_mb",
+    "rendering_space",
 )
 """Options that are fields of RenderSettings."""
 RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")
@@ -105,7 +106,7 @@ def _color_correction(options: dict[str, Any]) -> ColorCorrection:
     mode, display, view = options["color_mode"], options["ocio_display"], options["ocio_view"]
     if (display or view) and mode != "openColorIO":
         raise click.UsageError("--ocio-display and --ocio-view need --colorCorrectionMode openColorIO")
-    color = ColorCorrection(mode, display, view)
+    color = ColorCorrection(mode, display, view, options["rendering_space"])
     try:
         color.resolve()
     except ColorError as error:

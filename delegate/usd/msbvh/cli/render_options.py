@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import click
 
 from .. import _core
+from ..stage.rendering_space import LINEAR_REC709, RENDERING_SPACES
 from .options import MAX_SPP, Decorator, finite
 
 THREADS = click.option(
@@ -83,6 +84,14 @@ RENDER: Sequence[Decorator] = (
         show_default=True,
         metavar="MB",
         help="Memory for what is read of textures. Less: parts are read again and again. The picture is the same.",
+    ),
+    click.option(
+        "--rendering-space",
+        type=click.Choice(RENDERING_SPACES),
+        default=LINEAR_REC709,
+        show_default=True,
+        help="Colour space to render in. Colours of textures, materials, lights and primvars are converted to it; EXR files"
+        " hold it and say so, display formats are converted from it. acescg: wider, for pictures that go on to compositing.",
     ),
     click.option(
         "--layout",

@@ -10,14 +10,13 @@ from pxr import Gf, Sdf, Usd
 from .._core import Error, LightLook
 from ..motion.context import FrameContext
 from ..motion.held_values import any_but, values_within
+from ..stage.rendering_space import color_space, rendered_color, rendering_space
 from ..stage.value_types import ASSET, BOOL, FLOAT, FLOAT3, TOKEN, Kind
 from ..stage.values import Unreadable, might_vary, value
 from .light_links import Links
 from .light_texture import read_ies_profile, read_light_image
 
 FORMATS = {"automatic": "latlong", "latlong": "latlong", "angular": "angular", "mirroredBall": "mirroredBall"}
-_RAW_SPACES = {"raw", "data", "lin_rec709", "lin_rec709_scene", "linear"}
-_SRGB_SPACES = {"sRGB", "srgb_texture", "srgb_rec709_scene"}
 
 
 def light_look(prim: Usd.Prim, kind: str, links: Links, context: FrameContext) -> LightLook:
@@ -71,7 +70,7 @@ def _add_image(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext
         resolved = assets[0].resolvedPath
         if not resolved:
             raise ValueError("no such file")
-        picture = read_light_image(resolved, _colour_space(attribute), layout)
+        picture = read_light_image(resolved, color_space(attribute), layout, rendering_space())
     except (ValueError, Error) as fault:
         message = f"found @{assets[0].path}@, which cannot be read ({fault}); lit by the plain colour"
         context.diagnostics.warning(path, name, message)
@@ -82,19 +81,17 @@ def _add_image(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext
         context.diagnostics.warning(path, name, message)
 
 
-def _colour_space(attribute: Usd.Attribute) -> str:
-    """As UsdUVTexture's sourceColorSpace."""
-    space = attribute.GetColorSpace()
-    if space in _RAW_SPACES:
-        return "raw"
-    return "sRGB" if space in _SRGB_SPACES else "auto"
+def _color(prim: Usd.Prim, name: str, context: FrameContext) -> tuple[float, ...]:
+    found = _read(prim, name, FLOAT3, Gf.Vec3f(0), context)
+    attribute = prim.GetAttribute(f"inputs:{name}")
+    return tuple(rendered_color(found, attribute) if attribute else found)
 
 
 def _add_shaping(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext) -> None:
     if kind in ("distant", "dome"):
         _name_shaping(prim, kind, context)
         return
-    look.set_focus_tint(tuple(_read(prim, "shaping:focusTint", FLOAT3, Gf.Vec3f(0), context)))
+    look.set_focus_tint(_color(prim, "shaping:focusTint", context))
     asset = _read(prim, "shaping:ies:file", ASSET, None, context)
     if not asset:
         return
@@ -130,7 +127,7 @@ def _add_shadow(look: LightLook, prim: Usd.Prim, context: FrameContext) -> None:
         gamma = 1.0
     look.set_shadow(
         bool(_read(prim, "shadow:enable", BOOL, True, context)),
-        tuple(_read(prim, "shadow:color", FLOAT3, Gf.Vec3f(0), context)),
+        _color(prim, "shadow:color", context),
         float(_read(prim, "shadow:distance", FLOAT, -1.0, context)),
         float(_read(prim, "shadow:falloff", FLOAT, -1.0, context)),
         gamma,

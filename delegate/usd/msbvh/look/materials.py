@@ -9,6 +9,7 @@ from pxr import Tf, Usd, UsdShade
 from .._core import Displacement, SurfaceLook, displacement, preview_surface
 from ..motion.context import FrameContext
 from ..stage.opening import tf_reason
+from ..stage.rendering_space import rendering_space
 from .networks import surface_network
 from .texture_channel import texture_channel
 from .texture_files import locate
@@ -70,7 +71,7 @@ class Materials:
 
     def _read(self, material: UsdShade.Material) -> int | None:
         network = surface_network(material, self._context)
-        surface, found = preview_surface(network, locate)
+        surface, found = preview_surface(network, locate, rendering_space())
         displaced, found_too = displacement(network, texture_channel)
         self._context.diagnostics.take([*found, *found_too])
         if surface is None:

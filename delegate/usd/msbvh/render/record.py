@@ -28,6 +28,7 @@ from ..render_settings.asked import SettingsChoice, applied_to_reading, asked_of
 from ..render_settings.layers import FileLayers, file_layers, tell_unwritten
 from ..scene.reader import ReadResult, ReadSettings, read_frame
 from ..stage.opening import open_stage
+from ..stage.rendering_space import LINEAR_REC709
 from ..stage.stage_metadata import frames_per_second, start_time
 from .budget import AIM, Goals, Outcome, render_within, writing_seconds
 from .budget_told import tell_budget
@@ -64,6 +65,8 @@ class RenderSettings:
     film: Film = Film()
     texture_memory_mb: float = 1024.0
     """Of texels that are kept, at most: core/texture/texture_cache.h."""
+    rendering_space: str = LINEAR_REC709
+    """That textures are converted to; the same as of what is read, and of the picture."""
 
 
 @dataclass(frozen=True)
@@ -169,10 +172,14 @@ def with_render_settings(
         if layers.color_half is not None and "exr_float" not in given:
             image = replace(image, exr_float=not layers.color_half)
         read = applied_to_reading(asked, settings.read, given, diagnostics)
+        space = read.rendering_space
+        image = replace(image, color=replace(image.color, rendering_space=space))
         settings = replace(
             settings,
             read=replace(read, keep_faces="elementId" in layers.aovs),
-            render=replace(settings.render, aovs=layers.aovs, **own_render_settings(asked.spec.own, given)),
+            render=replace(
+                settings.render, aovs=layers.aovs, rendering_space=space, **own_render_settings(asked.spec.own, given)
+            ),
             image=image,
             layers=layers,
         )

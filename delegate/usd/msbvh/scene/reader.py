@@ -29,6 +29,7 @@ from ..motion.times import is_held
 from ..motion.transforms import XformCaches
 from ..stage.opening import tf_messages, tf_reason
 from ..stage.overs import report_overs
+from ..stage.rendering_space import rendered_in
 from ..stage.usd_faults import leaving_out
 from ..stage.values import reported_to
 from .coarser_tracks import CoarserTracks, coarser_tracks
@@ -91,8 +92,8 @@ def read_frame(
     make_translator = make_translator or partial(_core_translator, refinements)
     where = stage.GetRootLayer().realPath or stage.GetRootLayer().identifier
     # What is not finite is looked for where it matters.
-    quiet = np.errstate(over="ignore", invalid="ignore", divide="ignore")
-    with crash_line(where), reported_to(diagnostics), tf_messages(diagnostics), _no_collection(), quiet:
+    space, quiet = rendered_in(settings.rendering_space), np.errstate(over="ignore", invalid="ignore", divide="ignore")
+    with crash_line(where), reported_to(diagnostics), tf_messages(diagnostics), space, _no_collection(), quiet:
         try:
             return _FrameReader(stage, frame, settings, diagnostics, make_translator, progress, found).read()
         except (Tf.ErrorException, UnicodeDecodeError) as error:

@@ -17,6 +17,7 @@ from pxr import Gf, Usd, Vt
 from .._core import UnitForm, unit_form
 from ..motion.context import FrameContext
 from ..motion.times import Shutter, sample_times
+from ..stage.rendering_space import rendered_color
 from ..stage.values import might_vary, raw
 from .implicit import IMPLICIT_TYPES
 from .part import Part
@@ -94,7 +95,9 @@ class SimpleShapes:
             return None
         colour, opacity = above.colour, above.opacity
         if recipe.colour:
-            colour = _single(self._steady(prim.GetAttribute(COLOUR), shutter))
+            attribute = prim.GetAttribute(COLOUR)
+            colour = _single(self._steady(attribute, shutter))
+            colour = colour if colour is _ODD else Gf.Vec3f(*rendered_color(colour, attribute))
         if recipe.opacity:
             opacity = _single(self._steady(prim.GetAttribute(OPACITY), shutter))
         form = unit_form(recipe.kind, values, axis)
