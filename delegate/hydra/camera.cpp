@@ -243,7 +243,7 @@ ImageFrame image_frame(const HdRenderPassState& state) {
 }
 
 float exposure_of(const HdRenderPassState& state) {
-#if PXR_VERSION >= 2505
+#if MSBVH_CAMERAS_EXPOSE
   if (const HdCamera* camera = state.GetCamera()) {
     const float scale = camera->GetLinearExposureScale();
     return scale >= 0.0f && std::isfinite(scale) ? scale : 1.0f;
