@@ -79,4 +79,4 @@ def read_ies_profile(path: str) -> IesProfile:
         raise ValueError("no such file")
     if asset.GetSize() > MOST_PROFILE_BYTES:
         raise ValueError(f"found {asset.GetSize()} bytes; expected at most {MOST_PROFILE_BYTES}")
-    return ies_profile(bytes(asset.GetBuffer()))
+    return ies_profile(bytes(asset.GetBuffer()) if asset.GetSize() else b"")

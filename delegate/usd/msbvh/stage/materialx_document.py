@@ -47,8 +47,8 @@ def layer_of(resolved: str) -> Sdf.Layer:
     try:
         if Ar.IsPackageRelativePath(resolved):
             asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved))
-            if not asset:
-                raise DocumentFault("there is no such file")
+            if not asset or not asset.GetSize():
+                raise DocumentFault("there is no such file, or an empty one")
             mx.readFromXmlString(document, bytes(asset.GetBuffer()).decode("utf-8"), folders)
         else:
             mx.readFromXmlFile(document, resolved, folders)
