@@ -22,6 +22,7 @@ FORMATS = {"automatic": "latlong", "latlong": "latlong", "angular": "angular", "
 def light_look(prim: Usd.Prim, kind: str, links: Links, context: FrameContext) -> LightLook:
     """By the frame's values. What cannot be read or has no effect is named."""
     look = LightLook()
+    _name_no_area(prim, kind, context)
     _add_image(look, prim, kind, context)
     _add_shaping(look, prim, kind, context)
     _add_shadow(look, prim, context)
@@ -41,6 +42,17 @@ def _read(prim: Usd.Prim, name: str, kind: Kind, fallback: Any, context: FrameCo
         context.diagnostics.warning(str(prim.GetPath()), attribute.GetName(), fault.message)
         return fallback
     return fallback if found is None else found
+
+
+_SIDES = {"rect": ("width", "height"), "disk": ("radius",), "cylinder": ("radius", "length")}
+
+
+def _name_no_area(prim: Usd.Prim, kind: str, context: FrameContext) -> None:
+    """What has none gives no light; a sphere without a radius is a point, and shines."""
+    for name in _SIDES.get(kind, ()):
+        attribute = prim.GetAttribute(f"inputs:{name}")
+        if attribute and not any_but(0.0, attribute, context.shutter):
+            context.diagnostics.group(str(prim.GetPath()), f"inputs:{name}", f"found 0: this {kind} light gives no light")
 
 
 def _add_image(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext) -> None:
