@@ -127,7 +127,9 @@ def test_lights_without_size(kind: str, normalize: bool) -> None:
     shot = lit()
     light = getattr(UsdLux, f"{kind}Light").Define(shot.stage, "/Lamp")
     light.CreateNormalizeAttr(normalize)
-    sizes = [light.GetPrim().GetAttribute(f"inputs:{name}") for name in ("radius", "width", "height", "length", "angle")]
+    sizes = [
+        light.GetPrim().GetAttribute(f"inputs:{name}") for name in ("radius", "width", "height", "length", "angle")
+    ]
     for size in filter(None, sizes):
         size.Set(0.0)
     dark = kind in ("Disk", "Cylinder", "Rect")

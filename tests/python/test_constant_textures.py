@@ -17,7 +17,9 @@ from test_textured_pictures import GlowingShot
 FLAT = np.tile(np.array((0.8, 0.4, 0.2, 0.5)), (8, 8, 1))
 
 
-def with_texture(pixels: np.ndarray, path: Path, wrap: str = "repeat", kind: object = oiio.UINT8, **to: str) -> GlowingShot:
+def with_texture(
+    pixels: np.ndarray, path: Path, wrap: str = "repeat", kind: object = oiio.UINT8, **to: str
+) -> GlowingShot:
     shot = GlowingShot()
     texture = shot.glowing(write_image(path, pixels, kind), **to)
     for name in ("wrapS", "wrapT"):

@@ -48,7 +48,9 @@ BALL = """
         }
 """
 REFERENCE = 'def Scope "Materials" (prepend references = @./look.mtlx@</MaterialX/Materials>) {\n}'
-MODEL = '#usda 1.0\n(defaultPrim = "Model")\ndef Xform "Model" {' + BALL % "/Model/Materials/Plastic" + REFERENCE + "\n}\n"
+MODEL = (
+    '#usda 1.0\n(defaultPrim = "Model")\ndef Xform "Model" {' + BALL % "/Model/Materials/Plastic" + REFERENCE + "\n}\n"
+)
 
 
 def write(folder: Path, **texts: str) -> Path:

@@ -88,7 +88,9 @@ def test_a_prim_above_says_it_unless_the_attribute_does() -> None:
     constant(shot, Path())
     Usd.ColorSpaceAPI.Apply(shot.stage.GetPrimAtPath("/Look")).CreateColorSpaceNameAttr("lin_ap1_scene")
     material = read_frame(shot.stage, 10.0).scene.materials[0]
-    assert material["emissive_color"] == pytest.approx(np.maximum(by_ocio(COLOUR, "ACEScg", LINEAR_REC709), 0), abs=1e-4)
+    assert material["emissive_color"] == pytest.approx(
+        np.maximum(by_ocio(COLOUR, "ACEScg", LINEAR_REC709), 0), abs=1e-4
+    )
     shot.surface.GetInput("emissiveColor").GetAttr().SetColorSpace(LINEAR_REC709)
     assert read_frame(shot.stage, 10.0).scene.materials[0]["emissive_color"] == pytest.approx(COLOUR, abs=1e-7)
 

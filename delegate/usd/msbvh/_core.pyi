@@ -42,6 +42,8 @@ from ._core_look import LightPicture as LightPicture
 from ._core_look import LightSamples as LightSamples
 from ._core_look import Optics as Optics
 from ._core_look import SampledLight as SampledLight
+from ._core_look import converted_colors as converted_colors
+from ._core_look import exposure_scale as exposure_scale
 from ._core_look import ies_profile as ies_profile
 from ._core_look import image_height as image_height
 from ._core_look import is_similarity as is_similarity

@@ -52,7 +52,9 @@ def _name_no_area(prim: Usd.Prim, kind: str, context: FrameContext) -> None:
     for name in _SIDES.get(kind, ()):
         attribute = prim.GetAttribute(f"inputs:{name}")
         if attribute and not any_but(0.0, attribute, context.shutter):
-            context.diagnostics.group(str(prim.GetPath()), f"inputs:{name}", f"found 0: this {kind} light gives no light")
+            context.diagnostics.group(
+                str(prim.GetPath()), f"inputs:{name}", f"found 0: this {kind} light gives no light"
+            )
 
 
 def _add_image(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext) -> None:
@@ -93,10 +95,11 @@ def _add_image(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext
         context.diagnostics.warning(path, name, message)
 
 
-def _color(prim: Usd.Prim, name: str, context: FrameContext) -> tuple[float, ...]:
+def _color(prim: Usd.Prim, name: str, context: FrameContext) -> tuple[float, float, float]:
     found = _read(prim, name, FLOAT3, Gf.Vec3f(0), context)
     attribute = prim.GetAttribute(f"inputs:{name}")
-    return tuple(rendered_color(found, attribute) if attribute else found)
+    red, green, blue = rendered_color(found, attribute) if attribute else found
+    return red, green, blue
 
 
 def _add_shaping(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext) -> None:

@@ -121,7 +121,7 @@ def _repoint(owner: Sdf.Layer, arc: _Arc, to: str) -> bool:
         if spec is None:
             return False
         lists = (spec.referenceList, Sdf.Reference), (spec.payloadList, Sdf.Payload)
-        return any([_repointed(edits, kind, leads_there, to) for edits, kind in lists])
+        return sum(_repointed(edits, kind, leads_there, to) for edits, kind in lists) > 0  # each of them
     finally:
         owner.SetPermissionToEdit(editable)
 

@@ -100,7 +100,7 @@ def rendered(colors: np.ndarray, attribute: Usd.Attribute | None) -> np.ndarray:
 
 
 def rendered_color(color: Sequence[float], attribute: Usd.Attribute | None) -> Sequence[float]:
-    """One colour, or the same object where nothing is to be done."""
+    """One colour of three or four numbers, or the same object where nothing is to be done."""
     values = np.array([color], np.float32)
     found = rendered(values, attribute)
     return color if found is values else tuple(found[0].tolist())
