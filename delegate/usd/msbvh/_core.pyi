@@ -374,6 +374,8 @@ class Translator:
         """``world_from_light`` [T, 4, 4] at times01 [T]. Where a light's values change inside the shutter,
         ``radiances`` [V, 3] and ``numbers`` [V, 10] (LIGHT_NUMBERS) at ``values_times01`` [V] are taken
         instead of the still ones. Two samples within 2e-6 make a jump."""
+    def keep_primvar(self, name: str) -> None:
+        """Of every prim that brings it along, whatever its materials read. Before the meshes."""
     def set_light_groups(self, groups: Mapping[str, int]) -> None:
         """Of prims by their paths, or instances by what places them: see LightLook.set_links. Of all others 0."""
     @property

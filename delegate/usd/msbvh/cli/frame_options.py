@@ -91,6 +91,7 @@ def read_settings(options: dict[str, Any]) -> ReadSettings:
         displacement=options["displacement"],
         curves=options["curves"],
         keep_faces="elementId" in options.get("aovs", ()),
+        keep_st="st" in options.get("aovs", ()),
     )
 
 

@@ -18,7 +18,11 @@ from .texture_files import locate
 class Materials:
     """Hands each material down once."""
 
-    def __init__(self, translator: Any, context: FrameContext) -> None:
+    def __init__(self, translator: Any, context: FrameContext, kept: tuple[str, ...] = ()) -> None:
+        """`kept`: names of primvars that are handed down of every prim that has them."""
+        self.kept = kept
+        for name in kept:
+            translator.keep_primvar(name)
         self._translator = translator
         self._context = context
         self._ids: dict[str, int | None] = {}
@@ -50,8 +54,8 @@ class Materials:
 
     @property
     def read_primvars(self) -> list[str]:
-        """The names of all that those that have been handed down read to be shaded."""
-        return sorted({name for reads in self._reads.values() for name, _ in reads})
+        """The names of all that those that have been handed down read to be shaded, and of what is kept."""
+        return sorted({*self.kept, *(name for reads in self._reads.values() for name, _ in reads)})
 
     def reads(self, material: int | None) -> list[tuple[str, int]]:
         """The names of the primvars that a material reads to be shaded, and of how many numbers at least."""

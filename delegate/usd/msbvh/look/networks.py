@@ -11,7 +11,7 @@ from pxr import Gf, Sdf, Usd, UsdShade
 from .. import _core
 from ..motion.context import FrameContext
 from ..motion.held_values import values_within
-from ..stage.rendering_space import color_space, is_color, rendered_color
+from ..stage.rendering_space import color_space, rendered_color
 from ..stage.value_types import TOKEN
 from ..stage.values import raw, type_name, value
 from .texture_files import texture_files
@@ -132,7 +132,7 @@ def _data(found: Any, source: Usd.Attribute) -> _core.ShaderData:
     if isinstance(found, NUMBERS):
         return float(found)
     numbers = _vector(found)
-    return rendered_color(numbers, source) if numbers and len(numbers) > 2 and is_color(source) else numbers
+    return rendered_color(numbers, source) if numbers and len(numbers) > 2 else numbers
 
 
 def _vector(found: Any) -> Sequence[float] | None:

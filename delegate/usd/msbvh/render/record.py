@@ -176,7 +176,7 @@ def with_render_settings(
         image = replace(image, color=replace(image.color, rendering_space=space))
         settings = replace(
             settings,
-            read=replace(read, keep_faces="elementId" in layers.aovs),
+            read=replace(read, keep_faces="elementId" in layers.aovs, keep_st="st" in layers.aovs),
             render=replace(
                 settings.render, aovs=layers.aovs, rendering_space=space, **own_render_settings(asked.spec.own, given)
             ),

@@ -11,7 +11,7 @@ from .._core import knots_within
 from ..motion.context import FrameContext, array
 from ..motion.held_values import Stretch, changes_within, values_within
 from ..motion.times import sample_times
-from ..stage.rendering_space import is_color, rendered
+from ..stage.rendering_space import rendered
 from ..stage.value_types import COLOR_PRIMVAR, COORDINATE_PRIMVAR, FLOAT_PRIMVAR, INTS, VECTOR4_PRIMVAR, Kind
 from ..stage.values import Unreadable, ignore, might_vary, required, value
 
@@ -42,8 +42,7 @@ class FoundPrimvar:
 
     def rendered(self, values: np.ndarray) -> np.ndarray:
         """Its values; of colours in the space that is rendered in."""
-        colors = self.columns in (3, 4) and len(values) and is_color(self.attribute)
-        return rendered(values, self.attribute) if colors else values
+        return rendered(values, self.attribute) if self.columns in (3, 4) and len(values) else values
 
 
 def find_primvar(

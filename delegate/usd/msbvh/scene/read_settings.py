@@ -71,6 +71,8 @@ class ReadSettings:
     """More are refused, nested ones multiplied out."""
     keep_faces: bool = False
     """Which face each triangle is of, for the AOV elementId: four bytes a triangle."""
+    keep_st: bool = False
+    """The primvar st of every prim, for the AOV of that name, whether its material reads it or not."""
     max_bounces: int | None = None
     """Of the render that the scene is for: prims that none of its rays can reach are left out. None: of any render."""
     measure_shape: bool = False

@@ -159,7 +159,7 @@ class _FrameReader:
             self._caches = XformCaches(shutter)
         self._pixel = self._camera.pixel_size()
         self._translator = make_translator(**self._translator_settings())
-        self._materials = materials = Materials(self._translator, self._context)
+        self._materials = materials = Materials(self._translator, self._context, ("st",) if settings.keep_st else ())
         silhouette = SILHOUETTES[settings.complexity]
         tolerance, edge = settings.motion_tolerance, self._edge_length
         self._shapes = Shapes(self._context, self._caches, materials, tolerance, silhouette, edge)

@@ -97,7 +97,8 @@ class SimpleShapes:
         if recipe.colour:
             attribute = prim.GetAttribute(COLOUR)
             colour = _single(self._steady(attribute, shutter))
-            colour = colour if colour is _ODD else Gf.Vec3f(*rendered_color(colour, attribute))
+            if colour is not _ODD and (shown := rendered_color(colour, attribute)) is not colour:
+                colour = Gf.Vec3f(*shown)
         if recipe.opacity:
             opacity = _single(self._steady(prim.GetAttribute(OPACITY), shutter))
         form = unit_form(recipe.kind, values, axis)

@@ -9,83 +9,66 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field
 
 import numpy as np
 from pxr import Sdf, Usd
 
 from .._core import Error, converted_colors
-from .value_types import TOKEN
-from .values import diagnostics, value
+from .values import diagnostics
 
 LINEAR_REC709 = "lin_rec709_scene"
 RENDERING_SPACES = (LINEAR_REC709, "acescg")
 """OpenColorIO's names."""
 
 
-@dataclass
-class _Reading:
-    """A frame that is being read."""
-
-    space: str = LINEAR_REC709
-    of_prims: dict[Sdf.Path, str] = field(default_factory=dict)
-
-
-_reading: ContextVar[_Reading] = ContextVar("reading")
+_space: ContextVar[str] = ContextVar("rendering_space", default=LINEAR_REC709)
 """A context, as that of values.diagnostics(): colours are read in many places that know nothing else of this."""
 
 
 @contextmanager
 def rendered_in(space: str) -> Iterator[None]:
     """Colours that are read inside come out in that space."""
-    token = _reading.set(_Reading(space))
+    token = _space.set(space)
     try:
         yield
     finally:
-        _reading.reset(token)
-
-
-def _current() -> _Reading:
-    found = _reading.get(None)
-    return _Reading() if found is None else found
+        _space.reset(token)
 
 
 def rendering_space() -> str:
     """Of the frame that is being read."""
-    return _current().space
+    return _space.get()
 
 
 def color_space(attribute: Usd.Attribute) -> str:
     """What the stage says of the colours of an attribute, or of the file that it names: its own colorSpace, or that of the
     nearest prim with a ColorSpaceAPI; empty for neither."""
-    if attribute.HasColorSpace():
-        return str(attribute.GetColorSpace())
-    return _of_prim(attribute.GetPrim(), _current().of_prims)
+    return str(Usd.ColorSpaceAPI.ComputeColorSpaceName(attribute, None))
 
 
-def _of_prim(prim: Usd.Prim, known: dict[Sdf.Path, str]) -> str:
-    if not prim or prim.IsPseudoRoot():
-        return ""
-    path = prim.GetPath()
-    if path not in known:
-        own = ""
-        if prim.HasAPI(Usd.ColorSpaceAPI):
-            own = value(prim.GetAttribute("colorSpace:name"), Usd.TimeCode.Default(), TOKEN) or ""
-        known[path] = str(own) or _of_prim(prim.GetParent(), known)
-    return known[path]
+_COLOR_NAMES = ("primvars:displayColor", "model:drawModeColor")
+"""Colours whatever their type."""
 
 
 def is_color(attribute: Usd.Attribute) -> bool:
     """Whether its values are colours, not other numbers."""
-    return attribute.GetTypeName().role == Sdf.ValueRoleNames.Color or attribute.GetName() == "primvars:displayColor"
+    return attribute.GetTypeName().role == Sdf.ValueRoleNames.Color or attribute.GetName() in _COLOR_NAMES
+
+
+def _given(attribute: Usd.Attribute | None) -> str | None:
+    """What an attribute's colours are converted from; None: from nothing."""
+    given = color_space(attribute) if attribute is not None else ""
+    if (given or LINEAR_REC709) == rendering_space() or (attribute is not None and not is_color(attribute)):
+        return None
+    return given
 
 
 def rendered(colors: np.ndarray, attribute: Usd.Attribute | None) -> np.ndarray:
     """float32[N, 3], or [N, 4] with alpha, of an attribute in the space that is rendered in: the very same array where
-    nothing is to be done. None: linear Rec.709. A space that nobody knows counts as that, with a warning."""
-    space = rendering_space()
-    given = color_space(attribute) if attribute is not None else ""
-    if (given or LINEAR_REC709) == space:
+    nothing is to be done, or the attribute is none of colours. None: linear Rec.709. A space that nobody knows counts as
+    that, with a warning."""
+    given, space = _given(attribute), rendering_space()
+    if given is None:
         return colors
     flat = np.ascontiguousarray(colors[:, :3], np.float32)
     try:
@@ -101,6 +84,6 @@ def rendered(colors: np.ndarray, attribute: Usd.Attribute | None) -> np.ndarray:
 
 def rendered_color(color: Sequence[float], attribute: Usd.Attribute | None) -> Sequence[float]:
     """One colour of three or four numbers, or the same object where nothing is to be done."""
-    values = np.array([color], np.float32)
-    found = rendered(values, attribute)
-    return color if found is values else tuple(found[0].tolist())
+    if _given(attribute) is None:
+        return color
+    return tuple(rendered(np.array([color], np.float32), attribute)[0].tolist())
