@@ -25,40 +25,15 @@ namespace {
 // How long Ctrl-C may go unheard during the build.
 constexpr std::chrono::milliseconds kSignalInterval{50};
 
-Builder builder_from(const std::string& name) {
+// Of a table's rows, what the one of that name stands for. ValueError with all names.
+template <typename Table, typename Member>
+auto named(const Table& table, Member member, const char* what, const std::string& name) {
   std::string known;
-  for (const BuilderName& builder : kBuilders) {
-    if (name == builder.name) return builder.builder;
-    known += (known.empty() ? "" : " or ") + std::string(builder.name);
+  for (const auto& row : table) {
+    if (name == row.name) return row.*member;
+    known += (known.empty() ? "" : " or ") + std::string(row.name);
   }
-  throw nb::value_error(("builder: found \"" + name + "\"; expected " + known).c_str());
-}
-
-Sampling sampling_from(const std::string& name) {
-  std::string known;
-  for (const SamplingName& sampling : kSamplings) {
-    if (name == sampling.name) return sampling.sampling;
-    known += (known.empty() ? "" : " or ") + std::string(sampling.name);
-  }
-  throw nb::value_error(("sampler: found \"" + name + "\"; expected " + known).c_str());
-}
-
-TreeLayout layout_from(const std::string& name) {
-  std::string known;
-  for (const TreeLayoutName& layout : kTreeLayouts) {
-    if (name == layout.name) return layout.layout;
-    known += (known.empty() ? "" : " or ") + std::string(layout.name);
-  }
-  throw nb::value_error(("layout: found \"" + name + "\"; expected " + known).c_str());
-}
-
-Refit refit_from(const std::string& name) {
-  std::string known;
-  for (const RefitName& refit : kRefits) {
-    if (name == refit.name) return refit.refit;
-    known += (known.empty() ? "" : " or ") + std::string(refit.name);
-  }
-  throw nb::value_error(("refit: found \"" + name + "\"; expected " + known).c_str());
+  throw nb::value_error((std::string(what) + ": found \"" + name + "\"; expected " + known).c_str());
 }
 
 // What `call`, or the handler of a signal that has arrived, raised; null if nothing. Needs the GIL.
@@ -330,15 +305,15 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
   RenderSettings settings{.width = width,
                           .height = height,
                           .spp = spp,
-                          .sampling = sampling_from(sampler),
+                          .sampling = named(kSamplings, &SamplingName::sampling, "sampler", sampler),
                           .seed = seed,
                           .max_bounces = max_bounces,
                           .threads = threads,
                           .show_domes = show_domes,
                           .build = {}};
-  settings.build.builder = builder_from(builder);
-  settings.build.layout = layout_from(layout);
-  settings.build.refit = refit_from(refit);
+  settings.build.builder = named(kBuilders, &BuilderName::builder, "builder", builder);
+  settings.build.layout = named(kTreeLayouts, &TreeLayoutName::layout, "layout", layout);
+  settings.build.refit = named(kRefits, &RefitName::refit, "refit", refit);
   settings.build.keep_topology = keep_topology;
   settings.build.spatial_split_budget = split_budget;
   settings.aovs = aovs_from(aovs);
