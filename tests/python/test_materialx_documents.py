@@ -147,6 +147,11 @@ def test_without_the_package_one_line_says_what_to_install(tmp_path: Path, monke
     open_stage(str(scene), diagnostics)
     said = [str(each) for each in diagnostics]
     assert len(said) == 1 and "pip install 'msbvh[materialx]'" in said[0] and said[0].startswith("/")
+    scene.write_text(scene.read_text() + REFERENCE.replace("look.mtlx", "other.mtlx").replace("Materials", "More", 1))
+    (scene.parent / "other.mtlx").write_text(DOCUMENT)
+    diagnostics = Diagnostics()
+    open_stage(str(scene), diagnostics)
+    assert len([each for each in diagnostics if "materialx" in str(each)]) == 1, "once for all documents"
 
 
 def test_what_else_is_missing_is_still_said(tmp_path: Path) -> None:

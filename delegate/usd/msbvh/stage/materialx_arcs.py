@@ -18,7 +18,11 @@ from pxr import Ar, Sdf
 from ..base.errors import Diagnostics
 from .materialx_document import DocumentFault, layer_of
 
-_MISSING_PACKAGE = "is a MaterialX document, which usd-core cannot open: pip install 'msbvh[materialx]' reads it"
+_MISSING_PACKAGE = (
+    "refers to a MaterialX document (.mtlx), which usd-core cannot open; drawn without it: pip install 'msbvh[materialx]'"
+    " brings what reads it"
+)
+"""The same of all documents, so that it is said once."""
 _OPENED = re.compile(r"Could not open asset @(.+?\.mtlx\]*)@ for (\w+) introduced by @(.+?)@<(.+?)>")
 _SUBLAYER = re.compile(r"Could not load sublayer @(.+?\.mtlx\]*)@ of layer @(.+?)@")
 _PRIM = re.compile(r"^In <(/[^>]*)>")
@@ -82,7 +86,8 @@ def _mend(arc: _Arc, diagnostics: Diagnostics) -> None:
         if owner is None or not _repoint(owner, arc, made.identifier):
             message = "is a MaterialX document, and cannot be found where it is referred to"
     except ImportError:
-        message = _MISSING_PACKAGE
+        diagnostics.group(subject, "", _MISSING_PACKAGE)
+        return
     except DocumentFault as fault:
         message = f"cannot be read as MaterialX: {fault}"
     if message:
