@@ -98,7 +98,8 @@ Frame frame_of(const Scene& scene, const Bvh& world, const Tracer& tracer, const
           settings.texture_rate,
           settings.clamp_indirect,
           effects.has(Effect::kRefraction),
-          effects.has(Effect::kFibre)};
+          effects.has(Effect::kFibre),
+          settings.film.exposure};
 }
 
 Tracer tracer_of(const Bvh& world, const RenderSettings& settings) {

@@ -45,6 +45,14 @@ double MomentSum::error(std::uint32_t count) const {
   return std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1.0));
 }
 
+void AovTotals::expose(double factor) {
+  for (Vec3d* part :
+       {&light.emission, &light.direct, &light.direct_specular, &light.indirect, &light.indirect_specular})
+    *part = *part * factor;
+  moments.sum *= factor;
+  moments.squares *= factor * factor;
+}
+
 void AovTotals::resolve(Aov aov, float* out) const {
   const auto mean = [&](const Vec3d& sum) { put(Vec3f(sum * (1.0 / count)), out); };
   const AovSample& nearest = seen.nearest;

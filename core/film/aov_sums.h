@@ -142,6 +142,8 @@ struct AovTotals {
   double seconds = 0.0;
   std::array<const CoverageSum*, kCryptoKinds> coverage{};  // where asked for
 
+  // As if all light had been so many times as bright.
+  void expose(double factor);
   // form_of(aov).numbers numbers. Not for ids.
   void resolve(Aov aov, float* out) const;
   std::int32_t id(Aov aov) const;

@@ -42,6 +42,8 @@ void check(const FilmSettings& settings) {
   const float frames = settings.frame_time.shutter_frames;
   if (!(frames >= 0.0f && std::isfinite(frames) && std::isfinite(settings.frame_time.time01)))
     refuse("frame time", frames, "a finite number of frames from 0 on");
+  if (!(settings.exposure >= 0.0f && std::isfinite(settings.exposure)))
+    refuse("exposure", settings.exposure, "a finite number from 0 on");
   if (!is_share(rolling.share)) refuse("rolling shutter", rolling.share, "a share of the shutter, 0 to 1");
 }
 

@@ -25,6 +25,9 @@ struct FilmSettings {
   std::uint32_t shutter_slices = 0;
   FrameTime frame_time{};  // read for AOVs of motion alone
   Vec3d origin{};          // of the frame's world, in the stage's: Pworld counts from there
+  // Of the camera: what colours, and the AOVs that are light, are multiplied by. Powers of two change no
+  // other bit.
+  float exposure = 1.0f;
 
   // Whether samples lie anywhere but evenly in the pixel and in the shutter.
   bool shapes_samples() const { return !filter.is_pixel() || !shutter_curve.empty() || rolling.share > 0.0f; }

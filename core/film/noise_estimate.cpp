@@ -33,8 +33,9 @@ void check(const NoiseGoal& goal) {
   throw Error(text.str());
 }
 
-void NoiseEstimate::reset(const NoiseGoal& goal, std::size_t pixels) {
+void NoiseEstimate::reset(const NoiseGoal& goal, std::size_t pixels, double exposure) {
   goal_ = goal;
+  darkest_ = kDarkest / exposure;
   run_ = goal.least_samples() / kMostRuns;
   count_ = 0;
   kept_ = 0;
@@ -79,7 +80,7 @@ double NoiseEstimate::relative_variance(std::size_t pixel) const {
     of_alpha += square(run.alpha * scale - alpha);
   }
   const double of_mean = 1.0 / (runs * (runs - 1.0));
-  const double level = std::max(kDarkest, (mean.x + mean.y + mean.z) / 3.0);
+  const double level = std::max(darkest_, (mean.x + mean.y + mean.z) / 3.0);
   return of_mean * std::max(of_radiance / 3.0 / square(level), of_alpha);
 }
 

@@ -41,6 +41,7 @@ struct Frame {
   float clamp_indirect = 0.0f;  // most indirect light of a path (clamp_indirect.h); 0: as much as there is
   bool refraction = false;           // something transparent bends light
   bool fibres = false;               // some curves scatter light as hair does
+  float exposure = 1.0f;             // FilmSettings::exposure
 
   const Scene& scene() const { return index.scene(); }
   Surroundings surroundings() const { return {index, world}; }

@@ -11,6 +11,11 @@
 namespace msbvh {
 namespace {
 
+// Colour, not alpha.
+void expose(float exposure, float* rgba) {
+  for (int channel = 0; channel < 3; ++channel) rgba[channel] *= exposure;
+}
+
 template <typename Body>
 void for_pixels(const Tile& tile, const Image& image, const Body& body) {
   std::size_t in_tile = 0;
@@ -30,7 +35,7 @@ void PixelArea::begin(const TileJob& job, const Tile& pixels) {
   sums_.reset(count);
   if (!job.frame.aovs.empty()) aov_sums_.reset(job.frame.aovs, count);
   slice_sums_.reset(std::size_t(count) * job.frame.shutter_slices);
-  if (job.noise.decides()) noise_.reset(job.noise, count);
+  if (job.noise.decides()) noise_.reset(job.noise, count, job.frame.exposure);
 }
 
 bool PixelArea::advance(const TileJob& job, std::uint32_t count, PathBatch& batch, AreaTraced& traced) {
@@ -81,22 +86,27 @@ bool PixelArea::take(const TileJob& job, std::uint32_t count, PathBatch& batch, 
 void PixelArea::resolve(const Frame& frame, Image& image) const {
   for_pixels(pixels_, image, [&](std::size_t in_tile, std::size_t pixel) {
     sums_.total(in_tile).resolve(sums_.count(), &image.rgba[4 * pixel]);
+    expose(frame.exposure, &image.rgba[4 * pixel]);
   });
-  if (frame.shutter_slices > 0) resolve_slices(frame.shutter_slices, image);
+  if (frame.shutter_slices > 0) resolve_slices(frame, image);
   if (image.aovs.empty()) return;
   for_pixels(pixels_, image, [&](std::size_t in_tile, std::size_t pixel) {
     AovTotals totals = aov_sums_.total(in_tile);
     totals.seconds = seconds_ / pixels_.pixels();
+    totals.expose(frame.exposure);
     for (AovImage& aov : image.aovs) aov.set(pixel, totals);
   });
 }
 
-void PixelArea::resolve_slices(std::uint32_t slices, Image& image) const {
+void PixelArea::resolve_slices(const Frame& frame, Image& image) const {
+  const std::uint32_t slices = frame.shutter_slices;
   const std::size_t pixels = std::size_t(image.width) * image.height;
   for_pixels(pixels_, image, [&](std::size_t in_tile, std::size_t pixel) {
     for (std::size_t slice = 0; slice < slices; ++slice) {
       const FilmSum sum = slice_sums_.total(in_tile * slices + slice);
-      sum.resolve(slice_sums_.count(), &image.slices[4 * (slice * pixels + pixel)]);
+      float* rgba = &image.slices[4 * (slice * pixels + pixel)];
+      sum.resolve(slice_sums_.count(), rgba);
+      expose(frame.exposure, rgba);
     }
   });
 }

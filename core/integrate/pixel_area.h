@@ -54,7 +54,7 @@ class PixelArea {
  private:
   bool take(const TileJob& job, std::uint32_t count, PathBatch& batch, AreaTraced& traced);
   void judge();
-  void resolve_slices(std::uint32_t slices, Image& image) const;
+  void resolve_slices(const Frame& frame, Image& image) const;
 
   Tile pixels_{};
   std::uint32_t taken_ = 0;

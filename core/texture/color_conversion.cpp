@@ -36,7 +36,8 @@ bool is_srgb(const std::string& name) {
 }
 
 bool is_raw(const std::string& name) {
-  return name.empty() || name == "raw" || name == "Raw" || name == "data" || name == "identity";
+  return name.empty() || name == "raw" || name == "Raw" || name == "data" || name == "identity" ||
+         name == "unknown";
 }
 
 float linear_of_srgb(float value) {

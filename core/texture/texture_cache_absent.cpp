@@ -2,6 +2,9 @@
 // texture is drawn as its fallback, and is a fault that says so.
 #include <algorithm>
 
+#include "core/base/error.h"
+#include "core/texture/constant_image.h"
+#include "core/texture/plain_color.h"
 #include "core/texture/texture_cache.h"
 
 namespace msbvh {
@@ -26,6 +29,14 @@ TextureSize TextureCache::size(TextureId) const { return {}; }
 bool TextureCache::same_everywhere(TextureId texture, TexelColor& value) const {
   value = data_->textures[texture].fallback;
   return true;
+}
+
+std::optional<TexelColor> constant_color(const ImageTexture&, const std::string&) { return std::nullopt; }
+
+void convert_colors(std::span<float>, const std::string& from, const std::string& to) {
+  const bool as_it_is = from.empty() ? to == kLinearRec709 : from == to || from == "raw" || from == "data";
+  if (!as_it_is)
+    throw Error("colour space '" + from + "': this msbvh was built without OpenImageIO (MSBVH_TEXTURES)");
 }
 
 TextureStatistics TextureCache::statistics() const { return {}; }

@@ -29,6 +29,9 @@
 #define MSBVH_DECLARES_MOTION (HD_API_VERSION >= 90)
 #define MSBVH_HAS_CREATE_ARGS (HD_API_VERSION >= 101)
 
+// Whether cameras say how much they brighten a picture.
+#define MSBVH_CAMERAS_EXPOSE (PXR_VERSION >= 2505)
+
 // The reader of usdz packages has moved.
 #if __has_include(<pxr/usd/sdf/zipFile.h>)
 #include <pxr/usd/sdf/zipFile.h>

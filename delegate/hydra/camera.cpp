@@ -242,6 +242,16 @@ ImageFrame image_frame(const HdRenderPassState& state) {
   return image;
 }
 
+float exposure_of(const HdRenderPassState& state) {
+#if MSBVH_CAMERAS_EXPOSE
+  if (const HdCamera* camera = state.GetCamera()) {
+    const float scale = camera->GetLinearExposureScale();
+    return scale >= 0.0f && std::isfinite(scale) ? scale : 1.0f;
+  }
+#endif
+  return 1.0f;
+}
+
 Shutter shutter_of(const HdRenderPassState& state, Diagnostics& said) {
   const HdCamera* camera = state.GetCamera();
   if (!camera) return {};

@@ -40,6 +40,9 @@ ImageFrame image_frame(const HdRenderPassState& state);
 // Closed, with a word, where the camera's times make no sense; and where there is no camera.
 Shutter shutter_of(const HdRenderPassState& state, Diagnostics& said);
 
+// What the camera multiplies light by; 1 where there is none, or it makes no sense.
+float exposure_of(const HdRenderPassState& state);
+
 // The camera of a render pass over its shutter, or what its matrices say where there is no camera. Throws
 // Error where nothing can be seen through it.
 translate::CameraInput camera_input(const HdRenderPassState& state, const Shutter& shutter,

@@ -8,6 +8,8 @@
 #include <pxr/usd/ar/resolver.h>
 #include <pxr/usd/sdf/assetPath.h>
 
+#include "core/base/error.h"
+#include "core/texture/plain_color.h"
 #include "delegate/hydra/render_param.h"
 
 namespace msbvh::hydra {
@@ -73,6 +75,17 @@ ShaderData data_of(const VtValue& value) {
   return std::monostate{};
 }
 
+// A colour that something is said about, of three numbers. One of no known space stays as it is.
+void to_rendering_space(std::vector<double>& color, const std::string& space) {
+  if (color.size() != 3) return;
+  std::vector<float> rgb(color.begin(), color.end());
+  try {
+    convert_colors(rgb, space, kLinearRec709);
+    color.assign(rgb.begin(), rgb.end());
+  } catch (const Error&) {
+  }
+}
+
 ShaderNode node_of(const SdfPath& path, const HdMaterialNode2& from) {
   ShaderNode node{path.GetString(), from.nodeTypeId.GetString(), {}};
   for (const auto& [name, sources] : from.inputConnections) {
@@ -85,7 +98,10 @@ ShaderNode node_of(const SdfPath& path, const HdMaterialNode2& from) {
     if (from.inputConnections.contains(name)) continue;
     ShaderInput input{name.GetString()};
     input.value = {data_of(value), TfStringify(value), value.GetTypeName()};
-    if (auto* file = std::get_if<Asset>(&input.value->data)) file->color_space = color_space_of(from, name);
+    const std::string space = color_space_of(from, name);
+    if (auto* file = std::get_if<Asset>(&input.value->data)) file->color_space = space;
+    if (auto* color = std::get_if<std::vector<double>>(&input.value->data); color && !space.empty())
+      to_rendering_space(*color, space);
     node.inputs.push_back(std::move(input));
   }
   return node;

@@ -109,6 +109,7 @@ void RenderPass::render(const HdRenderPassState& state) {
   translate::AssembledFrame frame = delegate_.builder().build(view, seen_.image, shutter, settings);
   tell(frame.diagnostics, param);
   settings.render.film.origin = frame.origin;
+  settings.render.film.exposure = exposure_of(state);
   settings.render.film.frame_time = {float(shutter.time01(0.0)), float(shutter.frames())};
   delegate_.count_scene();
   jobs_->set_current(own_);

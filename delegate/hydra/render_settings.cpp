@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/texture/plain_color.h"
+
 namespace msbvh::hydra {
 namespace {
 
@@ -91,6 +93,11 @@ void tell_unwritten(const translate::RenderSpec& spec, const std::string& path, 
         {Severity::kWarning, product.path, "",
          message("product '", product.name,
                  "' is not written: the host's render pass says what is rendered, and where it goes")});
+  }
+  if (!spec.rendering_space.empty() && spec.rendering_space != kLinearRec709) {
+    said.push_back({Severity::kWarning, path, "renderingColorSpace",
+                    message("found '", spec.rendering_space, "', expected ", kLinearRec709,
+                            ", which is rendered in through Hydra")});
   }
   if (spec.material_purpose != HdTokens->full.GetString()) {
     said.push_back({Severity::kWarning, path, "materialBindingPurposes",

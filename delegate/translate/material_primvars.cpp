@@ -12,7 +12,7 @@ std::set<PrimvarName> names_read(const MeshInput& input, const MaterialTable& ma
   for (const int material : input.face_materials) {
     if (material >= 0) numbers.insert(std::uint32_t(material));
   }
-  std::set<PrimvarName> names;
+  std::set<PrimvarName> names(materials.kept().begin(), materials.kept().end());
   for (const std::uint32_t number : numbers) {
     const std::span<const PrimvarName> read = materials.reads(number);
     names.insert(read.begin(), read.end());

@@ -82,6 +82,8 @@ PrimvarName MaterialTable::primvar(const std::string& name, Scene& scene) {
   return found->second;
 }
 
+void MaterialTable::keep(const std::string& name, Scene& scene) { kept_.push_back(primvar(name, scene)); }
+
 std::span<const PrimvarName> MaterialTable::reads(std::uint32_t material) const {
   return material < reads_.size() ? std::span<const PrimvarName>(reads_[material])
                                   : std::span<const PrimvarName>();

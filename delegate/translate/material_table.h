@@ -20,6 +20,10 @@ class MaterialTable {
   // but becomes the default one, with a warning. Throws Error where `look` reads what it does not list.
   std::uint32_t add(SurfaceLook look, Scene& scene, PrimLog& log);
 
+  // A primvar that is read of whatever has it: for the AOV st.
+  void keep(const std::string& name, Scene& scene);
+  std::span<const PrimvarName> kept() const { return kept_; }
+
   // What a material reads, by increasing names; of one that there is not, nothing.
   std::span<const PrimvarName> reads(std::uint32_t material) const;
   // None: no material reads one of that name.
@@ -32,6 +36,7 @@ class MaterialTable {
   std::map<std::string, std::vector<TextureId>> textures_;  // by their first file
   std::map<std::string, PrimvarName> primvars_;
   std::vector<std::vector<PrimvarName>> reads_;  // by material
+  std::vector<PrimvarName> kept_;
 };
 
 }  // namespace msbvh::translate

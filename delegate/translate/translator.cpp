@@ -323,6 +323,8 @@ std::uint32_t Translator::add_material(SurfaceLook look, std::optional<Displacem
   return number;
 }
 
+void Translator::keep_primvar(const std::string& name) { data_->materials.keep(name, data_->scene); }
+
 void Translator::add_light(const LightInput& input) {
   PrimLog log(data_->diagnostics, input.light.name);
   std::optional<Light> light = translate_light(input, data_->measure, data_->origin, data_->settings.width,

@@ -126,6 +126,9 @@ class Translator {
   void add_instances(const InstancesInput& input);
   // Before the meshes that are bound to it.
   std::uint32_t add_material(SurfaceLook look, std::optional<Displacement> displacement = {});
+  // A primvar that is kept of every prim which brings it along, whatever its materials read: for the AOV st.
+  // Before the meshes.
+  void keep_primvar(const std::string& name);
   // A mesh light is placed with the scene's end, when it is known where its mesh stands.
   void add_light(const LightInput& input);
   // By the path of a prim, or of what places instances: its light group (core/scene/light.h), or those of its

@@ -175,3 +175,21 @@ def test_motion_is_that_of_the_frame_whatever_moves(msbvh: Run, tmp_path: Path) 
         np.testing.assert_allclose(found["Peye.X"][:, 15], 3.75, atol=0.26)
     done = msbvh("record", "moving.usda", "closed.exr", "-w", 4, "--spp", 1, "--shutter", "0:0", "--aov", "forward")
     assert done.returncode == 0 and "AOVs of motion are 0: the shutter is closed" in done.stderr
+
+
+def test_st_is_told_of_what_no_material_reads(stage: Path, tmp_path: Path, msbvh: Run) -> None:
+    text = stage.read_text().replace(
+        "    color3f[] primvars:displayColor",
+        '    float2[] primvars:st = [(0.25, 0.75)] (interpolation = "constant")\n    color3f[] primvars:displayColor',
+    )
+    stage.write_text(text)
+    out = tmp_path / "out.exr"
+    assert msbvh("record", stage, out, "-w", "40", "--spp", "4", "--aov", "st,primId").returncode == 0
+    image = oiio.ImageInput.open(str(out))
+    pixels = image.read_image(oiio.FLOAT)
+    channels = {name: pixels[..., i] for i, name in enumerate(image.spec().channelnames)}
+    image.close()
+    prims = json.loads(oiio.ImageInput.open(str(out)).spec().getattribute("msbvh:prims"))
+    wall = channels["primId"] == prims.index("/Wall")
+    assert wall.any() and np.allclose(channels["st.s"][wall], 0.25) and np.allclose(channels["st.t"][wall], 0.75)
+    assert not channels["st.s"][~wall].any()

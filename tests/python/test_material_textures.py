@@ -12,7 +12,7 @@ from msbvh.look.texture_files import locate
 from pxr import Gf, Sdf, Usd, UsdShade, UsdUtils
 from recording import messages
 
-GREY = np.full((4, 4, 3), 0.5)
+GREY = np.linspace(0.4, 0.6, 48).reshape(4, 4, 3)
 
 
 def png(path: Path) -> str:

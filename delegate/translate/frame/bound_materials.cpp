@@ -4,6 +4,8 @@
 #include <set>
 #include <utility>
 
+#include "core/texture/plain_color.h"
+#include "delegate/translate/look/constant_textures.h"
 #include "delegate/translate/look/displacement.h"
 #include "delegate/translate/look/preview_surface.h"
 
@@ -33,6 +35,7 @@ BoundMaterials::Bound BoundMaterials::hand_down(const ShaderNetwork& network) {
     }
     return {};
   }
+  fold_constant_textures(*surface, kLinearRec709);
   Bound found;
   for (const NeededPrimvar& each : surface->primvars) found.needed_primvars.push_back(each.name);
   if (displaced && !displaced->needed_primvar().empty())

@@ -30,6 +30,11 @@ Lens thin_lens(const Optics& optics) {
   return {float(radius), float(optics.focus_distance)};
 }
 
+double exposure_scale(const Exposure& exposure) {
+  return exposure.time_seconds * exposure.iso * std::exp2(exposure.stops) * exposure.responsivity /
+         (100.0 * exposure.f_stop * exposure.f_stop);
+}
+
 std::span<const std::string_view> aspect_policy_names() { return kPolicies; }
 
 std::optional<AspectPolicy> aspect_policy(std::string_view name) {

@@ -33,6 +33,15 @@ Window window_of(const Optics& optics);
 // f-number = focal length / diameter of the aperture; a pinhole where it or the focus distance is 0.
 Lens thin_lens(const Optics& optics);
 
+// UsdGeomCamera's exposure attributes at a time, with its defaults; `stops` is `exposure` itself.
+struct Exposure {
+  double stops = 0.0, time_seconds = 1.0, iso = 100.0, f_stop = 1.0, responsivity = 1.0;
+};
+
+// What the camera multiplies light by (UsdGeomCamera::ComputeLinearExposureScale): 1 for the defaults. Not
+// finite, or negative, where the attributes make no sense.
+double exposure_scale(const Exposure& exposure);
+
 // UsdRenderSettings' aspectRatioConformPolicy.
 enum class AspectPolicy {
   kExpandAperture,

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "delegate/translate/look/constant_textures.h"
 #include "delegate/translate/look/materialx.h"
 #include "delegate/translate/look/shader_values.h"
 #include "delegate/translate/look/surface_texture.h"
@@ -112,8 +113,6 @@ SurfaceLook SurfaceReader::look() {
   return std::move(look_);
 }
 
-// Fresnel reflectance tends to 1 at grazing angles by the specification's Schlick, whatever the rest says,
-// black specularColor and an ior of 1 included: the surface reflects unless it is nowhere.
 void SurfaceReader::read_specular() {
   Material& material = look_.material;
   material.specular_workflow = uses_specular_workflow();
@@ -127,12 +126,7 @@ void SurfaceReader::read_specular() {
   material.clearcoat = float(share("clearcoat", SurfaceInput::kClearcoat, kClearcoat));
   material.clearcoat_roughness =
       float(share("clearcoatRoughness", SurfaceInput::kClearcoatRoughness, kClearcoatRoughness));
-  const bool by_constant = !material.opacity_from_display_opacity &&
-                           std::ranges::find(material.driven, SurfaceInput::kOpacity, &DrivenInput::input) ==
-                               material.driven.end();
-  const bool nowhere = by_constant && !material.transparent_reflects &&
-                       (material.opacity <= 0.0f || material.opacity < material.opacity_threshold);
-  material.specular = !nowhere;
+  material.specular = reflects(material);
 }
 
 // A threshold makes of opacity a presence, whatever the mode says.

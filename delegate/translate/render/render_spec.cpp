@@ -13,8 +13,9 @@ namespace {
 
 constexpr std::string_view kPurposes[] = {"default", "render", "proxy", "guide"};
 constexpr std::string_view kFallbackPurposes[] = {"default", "render"};
-// Names of the space that is rendered in: linear Rec. 709 (sRGB's primaries).
+// Names of the spaces that can be rendered in; the first of each is OpenColorIO's.
 constexpr std::string_view kLinearRec709[] = {"lin_rec709_scene", "lin_rec709", "Linear Rec.709 (sRGB)"};
+constexpr std::string_view kAcesCg[] = {"acescg", "lin_ap1_scene", "lin_ap1", "ACEScg"};
 constexpr double kLargestAspect = 1e4;
 
 bool is_among(std::span<const std::string_view> names, std::string_view name) {
@@ -158,11 +159,14 @@ void take_material_purposes(const RenderSettingsInput& input, RenderSpec& spec, 
         message("found more than one purpose, expected one and an empty string; took '", known.front(), "'"));
 }
 
-void check_color_space(const RenderSettingsInput& input, PrimLog& log) {
+std::string rendering_space(const RenderSettingsInput& input, PrimLog& log) {
   const std::string found = input.rendering_color_space.value_or("");
-  if (found.empty() || is_among(kLinearRec709, found)) return;
+  if (found.empty()) return {};
+  if (is_among(kLinearRec709, found)) return std::string(kLinearRec709[0]);
+  if (is_among(kAcesCg, found)) return std::string(kAcesCg[0]);
   log.warn("renderingColorSpace",
-           message("found '", found, "', expected ", kLinearRec709[0], "; rendered in linear Rec. 709"));
+           message("found '", found, "', expected ", kLinearRec709[0], " or ", kAcesCg[0], "; left out"));
+  return {};
 }
 
 }  // namespace
@@ -175,7 +179,7 @@ RenderSpec render_spec(const RenderSettingsInput& input, std::vector<Diagnostic>
     spec.products.push_back(product_spec(product, spec.base, diagnostics));
   take_purposes(input, spec, log);
   take_material_purposes(input, spec, log);
-  check_color_space(input, log);
+  spec.rendering_space = rendering_space(input, log);
   spec.own = own_settings(input.base.settings, input.base.path, diagnostics);
   return spec;
 }

@@ -38,6 +38,7 @@ struct RenderSpec {
   bool sets_purposes = false;
   std::vector<std::string> included_purposes;  // default, render, proxy, guide
   std::string material_purpose = "full";       // full, preview, or empty for allPurpose; weaker: allPurpose
+  std::string rendering_space{};  // OpenColorIO's name; empty: nothing that is known is asked for
   OwnSettings own{};
 };
 

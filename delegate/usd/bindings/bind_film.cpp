@@ -45,13 +45,14 @@ ShutterCurve curve_from(const Knots& knots) {
 
 void init(FilmSettings* self, const std::string& pixel_filter, std::optional<float> filter_width,
           const Knots& shutter_curve, const std::tuple<float, float, float>& rolling,
-          const std::pair<float, float>& frame_time, std::uint32_t shutter_slices) {
+          const std::pair<float, float>& frame_time, std::uint32_t shutter_slices, float exposure) {
   FilmSettings settings;
   settings.filter = filter_from(pixel_filter, filter_width);
   settings.shutter_curve = curve_from(shutter_curve);
   settings.rolling = {std::get<0>(rolling), std::get<1>(rolling), std::get<2>(rolling)};
   settings.frame_time = {frame_time.first, frame_time.second};
   settings.shutter_slices = shutter_slices;
+  settings.exposure = exposure;
   check(settings);
   new (self) FilmSettings(std::move(settings));
 }
@@ -75,7 +76,7 @@ void bind_film(nb::module_& m) {
       .def("__init__", &init, nb::kw_only(), nb::arg("pixel_filter") = "box",
            nb::arg("filter_width") = nb::none(), nb::arg("shutter_curve") = Knots(),
            nb::arg("rolling") = std::tuple(0.0f, 0.0f, 1.0f), nb::arg("frame_time") = std::pair(0.0f, 0.0f),
-           nb::arg("shutter_slices") = 0u);
+           nb::arg("shutter_slices") = 0u, nb::arg("exposure") = 1.0f);
 }
 
 }  // namespace msbvh::python

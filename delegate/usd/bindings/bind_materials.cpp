@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/texture/plain_color.h"
+#include "delegate/translate/look/constant_textures.h"
 #include "delegate/translate/look/displacement.h"
 #include "delegate/translate/look/preview_surface.h"
 #include "delegate/usd/bindings/arguments.h"
@@ -82,9 +84,11 @@ void bind_displacement(nb::module_& m) {
   m.def("displacement", &displacement_of_network, "network"_a, "channel"_a);
 }
 
-nb::tuple preview_surface_of(const ShaderNetwork& network, nb::handle locate) {
+nb::tuple preview_surface_of(const ShaderNetwork& network, nb::handle locate,
+                             const std::string& rendering_space) {
   std::vector<Diagnostic> diagnostics;
   std::optional<SurfaceLook> look = preview_surface(network, PythonFiles(locate), diagnostics);
+  if (look) fold_constant_textures(*look, rendering_space);
   return nb::make_tuple(look ? nb::cast(std::move(*look)) : nb::none(), diagnostics);
 }
 
@@ -98,7 +102,7 @@ void bind_surface(nb::module_& m) {
   nb::class_<SurfaceLook>(m, "SurfaceLook")
       .def_prop_ro("name", [](const SurfaceLook& look) { return look.material.name; })
       .def_prop_ro("primvars", &primvars_of);
-  m.def("preview_surface", &preview_surface_of, "network"_a, "locate"_a);
+  m.def("preview_surface", &preview_surface_of, "network"_a, "locate"_a, "rendering_space"_a = kLinearRec709);
 }
 
 std::vector<std::string> input_names(const std::string& identifier) {

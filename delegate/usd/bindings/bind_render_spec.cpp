@@ -152,6 +152,7 @@ void bind_specs(nb::module_& m) {
       .def_ro("sets_purposes", &RenderSpec::sets_purposes)
       .def_ro("included_purposes", &RenderSpec::included_purposes)
       .def_ro("material_purpose", &RenderSpec::material_purpose)
+      .def_ro("rendering_space", &RenderSpec::rendering_space)
       .def_ro("own", &RenderSpec::own);
 }
 

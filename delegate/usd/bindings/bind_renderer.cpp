@@ -305,7 +305,8 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
                   const std::string& refit, bool keep_topology, const std::vector<std::string>& aovs,
                   const std::string& sampler, float split_budget, bool sample_stages,
                   const FilmSettings& film, double texture_memory_mb, float noise, std::uint32_t min_spp,
-                  float clamp_indirect, float texture_rate, bool refraction) {
+                  float clamp_indirect, float texture_rate, bool refraction,
+                  const std::string& rendering_space) {
   RenderSettings settings{.width = width,
                           .height = height,
                           .spp = spp,
@@ -325,6 +326,7 @@ void commit_scene(Renderer& self, const SceneHandle& scene, std::uint32_t width,
   settings.sample_stages = sample_stages;
   settings.film = film;
   settings.textures.memory_limit_bytes = static_cast<std::uint64_t>(texture_memory_mb * 1048576.0);
+  settings.textures.rendering_space = rendering_space;
   settings.film.origin = scene.origin;
   settings.noise = {noise, min_spp};
   settings.clamp_indirect = clamp_indirect;
@@ -361,14 +363,15 @@ void bind_renderer(nb::module_& m) {
         nb::arg("texture_memory_mb") = double(defaults.textures.memory_limit_bytes >> 20),
         nb::arg("noise") = defaults.noise.target, nb::arg("min_spp") = defaults.noise.min_spp,
         nb::arg("clamp_indirect") = defaults.clamp_indirect, nb::arg("texture_rate") = defaults.texture_rate,
-        nb::arg("refraction") = defaults.refraction);
+        nb::arg("refraction") = defaults.refraction,
+        nb::arg("rendering_space") = defaults.textures.rendering_space);
   };
   nb::class_<Renderer> renderer(m, "Renderer");
   def_with_settings(renderer, "__init__",
                     &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t,
                           std::uint32_t, bool, const std::string&, const std::string&, const std::string&,
                           bool, const std::vector<std::string>&, const std::string&, float, bool,
-                          const FilmSettings&, double, float, std::uint32_t, float, float, bool>);
+                          const FilmSettings&, double, float, std::uint32_t, float, float, bool, const std::string&>);
   def_with_settings(renderer, "commit", &commit_scene);
   renderer.def("render", &render, nb::arg("progress") = nb::none())
       .def("render_with_aovs", &render_with_aovs, nb::arg("progress") = nb::none())

@@ -314,6 +314,7 @@ void bind_translator(nb::module_& m) {
       .def("add_material", &Translator::add_material, nb::arg("look"),
            nb::arg("displacement").none() = nb::none())
       .def("add_light", &add_light)
+      .def("keep_primvar", &Translator::keep_primvar, nb::arg("name"))
       .def("set_light_groups", &Translator::set_light_groups, nb::arg("groups"))
       .def_prop_ro("empty", &Translator::empty)
       .def_prop_ro("empty_meshes", &Translator::empty_meshes)

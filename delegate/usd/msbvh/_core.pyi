@@ -42,6 +42,8 @@ from ._core_look import LightPicture as LightPicture
 from ._core_look import LightSamples as LightSamples
 from ._core_look import Optics as Optics
 from ._core_look import SampledLight as SampledLight
+from ._core_look import converted_colors as converted_colors
+from ._core_look import exposure_scale as exposure_scale
 from ._core_look import ies_profile as ies_profile
 from ._core_look import image_height as image_height
 from ._core_look import is_similarity as is_similarity
@@ -378,6 +380,8 @@ class Translator:
         instead of the still ones. Two samples within 2e-6 make a jump. A mesh light shines from the mesh of the path
         ``surface`` wherever it stands, its radiance divided by the area there if ``normalize``; the three are of
         mesh lights alone. ``portals`` of a dome: width, height, times01 [T] and world_from_portal [T, 4, 4] of each."""
+    def keep_primvar(self, name: str) -> None:
+        """Of every prim that brings it along, whatever its materials read. Before the meshes."""
     def set_light_groups(self, groups: Mapping[str, Sequence[int]]) -> None:
         """Of prims by their paths, or instances by what places them, one or one an instance: see LightLook.set_links.
         Of all others 0."""
@@ -430,6 +434,8 @@ class RenderSettings(TypedDict, total=False):
     """Times the widths that textures are filtered over."""
     refraction: bool
     """Whether what is transparent bends light."""
+    rendering_space: str
+    """That textures are converted to: OpenColorIO's name."""
 
 def aov_names() -> tuple[str, ...]:
     """Of what a pixel can tell beside its colour: core/film/aov.h says what each means."""

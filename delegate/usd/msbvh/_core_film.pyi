@@ -22,12 +22,14 @@ class FilmSettings:
         rolling: tuple[float, float, float] = (0.0, 0.0, 1.0),
         frame_time: tuple[float, float] = (0.0, 0.0),
         shutter_slices: int = 0,
+        exposure: float = 1.0,
     ) -> None:
         """``filter_width``: pixels across; None: what is usual for the filter. ``rolling``: share of the shutter by which the
         lowest row begins later, then the top and the height of the rows rendered as shares of the picture's.
         ``frame_time``: where the frame lies in the shutter, 0 being its opening and 1 its closing, and how many frames it is
         open: for AOVs of motion. ``shutter_slices``: equal parts of the shutter that render_sliced() keeps apart, a power of
-        two; with neither a curve nor a rolling shutter, which move samples in time.
+        two; with neither a curve nor a rolling shutter, which move samples in time. ``exposure``: what colours,
+        and AOVs that are light, are multiplied by.
 
         Raises Error for settings that make no sense.
         """

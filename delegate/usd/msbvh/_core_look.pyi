@@ -40,6 +40,13 @@ class Optics:
 def image_height(width: int, aspect_ratio: float) -> int:
     """By usdrecord's rule: rounded down, never below one pixel."""
 
+def exposure_scale(stops: float, time_seconds: float, iso: float, f_stop: float, responsivity: float) -> float:
+    """What a camera multiplies light by (UsdGeomCamera's exposure attributes); not finite where they make no sense."""
+
+def converted_colors(colors: F32, from_space: str, to_space: str) -> F32:
+    """A copy of float32[N, 3] from one colour space of OpenColorIO's built-in config to another; raw and data: as they
+    are; empty: linear Rec.709. Raises Error where one is none."""
+
 LIGHT_NUMBERS: dict[str, float]
 """Inputs of lights that are numbers and may change inside the shutter, by their names behind ``inputs:``, with the values
 of lights that have none: sizes (angle, radius, width, height, length), shaping, multipliers. Degrees and stage units."""

@@ -111,11 +111,13 @@ class SurfaceLook:
         least, 1 to 4."""
 
 def preview_surface(
-    network: ShaderNetwork, locate: Callable[[str], tuple[str, int, int] | None]
+    network: ShaderNetwork,
+    locate: Callable[[str], tuple[str, int, int] | None],
+    rendering_space: str = "lin_rec709_scene",
 ) -> tuple[SurfaceLook | None, list[Diagnostic]]:
     """What the network means, None where its surface is none that is drawn, and what is to be said about it. ``locate``:
     of a resolved file the path, and the offset and the number of its bytes there (0: all); None where they do not lie
-    anywhere as they stand."""
+    anywhere as they stand. Textures that are the same everywhere become constants, in the rendering space."""
 
 class Displacement:
     """How a material displaces what is bound to it."""

@@ -140,6 +140,9 @@ class RenderSpec:
     def material_purpose(self) -> str:
         """full, preview, or empty for those of all purposes."""
     @property
+    def rendering_space(self) -> str:
+        """OpenColorIO's name; empty: nothing that is known is asked for."""
+    @property
     def own(self) -> OwnSettings: ...
 
 def render_spec(settings: RenderSettingsInput) -> tuple[RenderSpec, list[Diagnostic]]:

@@ -30,6 +30,8 @@ class Picture:
     overscan."""
     asked_by: str = ""
     """The prim whose data window that is, for messages."""
+    exposed: bool = True
+    """Whether the camera's exposure attributes brighten it."""
 
     def sized(self, camera_aspect: float) -> tuple[int, int]:
         """Width and height for a camera of that aspect ratio."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdUtils
@@ -30,6 +30,7 @@ from ..stage.value_types import FLOAT
 from ..stage.values import value
 from .aspect import Window, optics_of, window_of
 from .camera_values import CameraValues
+from .exposure import exposure_scale
 from .framing import framing_camera
 from .lens import read_lenses
 from .picture import Picture, PixelWindow
@@ -71,6 +72,8 @@ class RenderCamera:
     """At the frame, of the whole picture."""
     pixel_aspect_ratio: float
     """Width of a pixel over its height; not 1 only where the conform policy or render settings say so."""
+    exposure: float = 1.0
+    """What the picture's colours are multiplied by."""
 
     @property
     def width(self) -> int:
@@ -132,7 +135,10 @@ def read_camera(
         course = Course(shutter, (), NO_TURNS, False)
         return _sampled("", shutter, course, lambda _: framing, picture, diagnostics)
     try:
-        return _read(prim, frame, picture, diagnostics, blur)
+        camera = _read(prim, frame, picture, diagnostics, blur)
+        return (
+            replace(camera, exposure=exposure_scale(prim, camera.shutter, diagnostics)) if picture.exposed else camera
+        )
     except Tf.ErrorException as error:
         raise SceneError(f"{prim.GetPath()}: USD cannot evaluate it: {tf_reason(error)}") from error
 

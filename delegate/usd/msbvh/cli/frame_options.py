@@ -18,6 +18,7 @@ from ..render.record import reading_progress, report
 from ..render_settings.asked import SettingsChoice, applied_to_reading, asked_of
 from ..scene.reader import ReadResult, ReadSettings, read_frame
 from ..stage.opening import open_stage
+from ..stage.rendering_space import LINEAR_REC709
 from ..stage.stage_metadata import start_time
 
 
@@ -83,11 +84,14 @@ def read_settings(options: dict[str, Any]) -> ReadSettings:
         segments=options["segments"] or 0,
         max_instances=options["max_instances"],
         disable_camera_light=options["disable_camera_light"],
+        exposure=not options["disable_exposure"],
+        rendering_space=options.get("rendering_space", LINEAR_REC709),
         complexity=options["complexity"],
         edge_length=options["edge_length"],
         displacement=options["displacement"],
         curves=options["curves"],
         keep_faces="elementId" in options.get("aovs", ()),
+        keep_st="st" in options.get("aovs", ()),
     )
 
 

@@ -168,6 +168,12 @@ READING: Sequence[Decorator] = (
         help="Do not add a light at the camera to scenes without lights.",
     ),
     click.option(
+        "--disableExposureCompensation",
+        "disable_exposure",
+        is_flag=True,
+        help="Ignore the camera's exposure attributes, which multiply the picture's colours.",
+    ),
+    click.option(
         "--complexity",
         "-c",
         type=click.Choice(("low", "medium", "high", "veryhigh")),

@@ -38,6 +38,7 @@ RENDER_NAMES = (
     "texture_memory_mb",
     "texture_rate",
     "min_spp",
+    "rendering_space",
 )
 """Options that are fields of RenderSettings."""
 RENDERER_NAMES = ("msbvh", "hdMsbvh", "HdMsbvhRendererPlugin")
@@ -122,7 +123,7 @@ def _color_correction(options: dict[str, Any]) -> ColorCorrection:
     mode, display, view = options["color_mode"], options["ocio_display"], options["ocio_view"]
     if (display or view) and mode != "openColorIO":
         raise click.UsageError("--ocio-display and --ocio-view need --colorCorrectionMode openColorIO")
-    color = ColorCorrection(mode, display, view)
+    color = ColorCorrection(mode, display, view, options["rendering_space"])
     try:
         color.resolve()
     except ColorError as error:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import click
 
 from .. import _core
+from ..stage.rendering_space import LINEAR_REC709, RENDERING_SPACES
 from .options import MAX_SPP, Decorator, finite
 
 THREADS = click.option(
@@ -103,6 +104,14 @@ RENDER: Sequence[Decorator] = (
         metavar="FACTOR",
         help="Width that textures are filtered over, times that of a ray's footprint. Above 1: softer, and fewer texels are"
         " read. Below: sharper with enough samples, noisier with few.",
+    ),
+    click.option(
+        "--rendering-space",
+        type=click.Choice(RENDERING_SPACES),
+        default=LINEAR_REC709,
+        show_default=True,
+        help="Colour space to render in. Colours of textures, materials, lights and primvars are converted to it; EXR files"
+        " hold it and say so, display formats are converted from it. acescg: wider, for pictures that go on to compositing.",
     ),
     click.option(
         "--layout",

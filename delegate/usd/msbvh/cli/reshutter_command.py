@@ -52,6 +52,6 @@ def reshutter_command(
         Reporter.error(str(error))
         return WRONG
     layers = Layers(pixels, origin=found.origin, display=found.display)
-    settings = ImageSettings(ColorCorrection(), False, exr_float)
+    settings = ImageSettings(ColorCorrection(rendering_space=found.rendering_space), False, exr_float)
     write_image(output, layers, replace(found.metadata, shutter=taken), settings)
     return DONE

@@ -1,4 +1,4 @@
-"""From linear Rec.709 to a display, by a built-in OpenColorIO config."""
+"""From the rendering space to a display, by a built-in OpenColorIO config."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import PyOpenColorIO as ocio
 
+from ..stage.rendering_space import LINEAR_REC709
+
 CONFIG = "ocio://cg-config-v4.0.0_aces-v2.0_ocio-v2.5"
 """Named in full, so that the same picture comes out of any later OpenColorIO."""
-WORKING_SPACE = "Linear Rec.709 (sRGB)"
+WORKING_SPACES = {LINEAR_REC709: "Linear Rec.709 (sRGB)", "acescg": "ACEScg"}
+"""By their names as rendering spaces."""
 SRGB_DISPLAY = "sRGB - Display"
 UNTONEMAPPED_VIEW = "Un-tone-mapped"
 
@@ -30,6 +33,8 @@ class ColorCorrection:
     """For mode openColorIO; None: the config's default."""
     view: str | None = None
     """For mode openColorIO; None: the display's default."""
+    rendering_space: str = LINEAR_REC709
+    """That the linear pixels are in."""
 
     def resolve(self) -> tuple[str, str] | None:
         """The display and the view that the mode stands for; None where pixels stay linear. Raises
@@ -50,7 +55,7 @@ class ColorCorrection:
         resolved = self.resolve()
         if resolved is not None:
             config = ocio.Config.CreateFromFile(CONFIG)
-            processor = config.getProcessor(WORKING_SPACE, *resolved, ocio.TRANSFORM_DIR_FORWARD)
+            processor = config.getProcessor(WORKING_SPACES[self.rendering_space], *resolved, ocio.TRANSFORM_DIR_FORWARD)
             processor.getDefaultCPUProcessor().apply(ocio.PackedImageDesc(pixels, pixels.shape[1], pixels.shape[0], 3))
         return pixels
 

@@ -10,19 +10,19 @@ from pxr import Gf, Sdf, Usd
 from .._core import Error, LightLook
 from ..motion.context import FrameContext
 from ..motion.held_values import any_but, values_within
+from ..stage.rendering_space import color_space, rendered_color, rendering_space
 from ..stage.value_types import ASSET, BOOL, FLOAT, FLOAT3, TOKEN, Kind
 from ..stage.values import Unreadable, might_vary, value
 from .light_links import Links
 from .light_texture import read_ies_profile, read_light_image
 
 FORMATS = {"automatic": "latlong", "latlong": "latlong", "angular": "angular", "mirroredBall": "mirroredBall"}
-_RAW_SPACES = {"raw", "data", "lin_rec709", "lin_rec709_scene", "linear"}
-_SRGB_SPACES = {"sRGB", "srgb_texture", "srgb_rec709_scene"}
 
 
 def light_look(prim: Usd.Prim, kind: str, links: Links, context: FrameContext) -> LightLook:
     """By the frame's values. What cannot be read or has no effect is named."""
     look = LightLook()
+    _name_no_area(prim, kind, context)
     _add_image(look, prim, kind, context)
     _add_shaping(look, prim, kind, context)
     _add_shadow(look, prim, context)
@@ -42,6 +42,19 @@ def input_at_frame(prim: Usd.Prim, name: str, kind: Kind, fallback: Any, context
         context.diagnostics.warning(str(prim.GetPath()), attribute.GetName(), fault.message)
         return fallback
     return fallback if found is None else found
+
+
+_SIDES = {"rect": ("width", "height"), "disk": ("radius",), "cylinder": ("radius", "length")}
+
+
+def _name_no_area(prim: Usd.Prim, kind: str, context: FrameContext) -> None:
+    """What has none gives no light; a sphere without a radius is a point, and shines."""
+    for name in _SIDES.get(kind, ()):
+        attribute = prim.GetAttribute(f"inputs:{name}")
+        if attribute and not any_but(0.0, attribute, context.shutter):
+            context.diagnostics.group(
+                str(prim.GetPath()), f"inputs:{name}", f"found 0: this {kind} light gives no light"
+            )
 
 
 def _add_image(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext) -> None:
@@ -71,7 +84,7 @@ def _add_image(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext
         resolved = assets[0].resolvedPath
         if not resolved:
             raise ValueError("no such file")
-        picture = read_light_image(resolved, _colour_space(attribute), layout)
+        picture = read_light_image(resolved, color_space(attribute), layout, rendering_space())
     except (ValueError, Error) as fault:
         message = f"found @{assets[0].path}@, which cannot be read ({fault}); lit by the plain colour"
         context.diagnostics.warning(path, name, message)
@@ -82,19 +95,18 @@ def _add_image(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext
         context.diagnostics.warning(path, name, message)
 
 
-def _colour_space(attribute: Usd.Attribute) -> str:
-    """As UsdUVTexture's sourceColorSpace."""
-    space = attribute.GetColorSpace()
-    if space in _RAW_SPACES:
-        return "raw"
-    return "sRGB" if space in _SRGB_SPACES else "auto"
+def _color(prim: Usd.Prim, name: str, context: FrameContext) -> tuple[float, float, float]:
+    found = input_at_frame(prim, name, FLOAT3, Gf.Vec3f(0), context)
+    attribute = prim.GetAttribute(f"inputs:{name}")
+    red, green, blue = rendered_color(found, attribute) if attribute else found
+    return red, green, blue
 
 
 def _add_shaping(look: LightLook, prim: Usd.Prim, kind: str, context: FrameContext) -> None:
     if kind in ("distant", "dome", "mesh"):
         _name_shaping(prim, kind, context)
         return
-    look.set_focus_tint(tuple(input_at_frame(prim, "shaping:focusTint", FLOAT3, Gf.Vec3f(0), context)))
+    look.set_focus_tint(_color(prim, "shaping:focusTint", context))
     asset = input_at_frame(prim, "shaping:ies:file", ASSET, None, context)
     if not asset:
         return
@@ -130,7 +142,7 @@ def _add_shadow(look: LightLook, prim: Usd.Prim, context: FrameContext) -> None:
         gamma = 1.0
     look.set_shadow(
         bool(input_at_frame(prim, "shadow:enable", BOOL, True, context)),
-        tuple(input_at_frame(prim, "shadow:color", FLOAT3, Gf.Vec3f(0), context)),
+        _color(prim, "shadow:color", context),
         float(input_at_frame(prim, "shadow:distance", FLOAT, -1.0, context)),
         float(input_at_frame(prim, "shadow:falloff", FLOAT, -1.0, context)),
         gamma,

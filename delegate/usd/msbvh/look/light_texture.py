@@ -8,7 +8,8 @@ import numpy as np
 import OpenImageIO as oiio
 from pxr import Ar
 
-from .._core import IesProfile, LightPicture, ies_profile, light_picture
+from .._core import IesProfile, LightPicture, converted_colors, ies_profile, light_picture
+from ..stage.rendering_space import LINEAR_REC709
 from .texture_mean import is_srgb, linear, on_disk
 
 MOST_TEXELS = 2**23
@@ -18,27 +19,35 @@ MOST_FILE_TEXELS = 2**28
 MOST_PROFILE_BYTES = 2**24
 
 
-def read_light_image(path: str, colour_space: str, layout: str) -> LightPicture:
-    """`layout`: rect, latlong, angular or mirroredBall. Raises ValueError, which says what is wrong with the file."""
-    return _read(path, colour_space, layout)
+_AS_IT_IS = {"raw", "Raw", "data", "identity", "unknown"}
+_LINEAR = {"lin_rec709", LINEAR_REC709, "linear"}
+_SRGB = {"sRGB", "srgb_texture", "srgb_tx", "srgb_rec709_scene"}
+"""Names of colour spaces; others are converted by OpenColorIO."""
+
+
+def read_light_image(path: str, colour_space: str, layout: str, rendering_space: str) -> LightPicture:
+    """`layout`: rect, latlong, angular or mirroredBall. `colour_space`: of the file; empty: sRGB where there are 8 bits and
+    three or four channels, else linear Rec.709. Raises ValueError, which says what is wrong with the file, and Error for a
+    colour space that is none."""
+    return _read(path, colour_space, layout, rendering_space)
 
 
 @lru_cache(maxsize=8)
-def _read(path: str, colour_space: str, layout: str) -> LightPicture:
+def _read(path: str, colour_space: str, layout: str, rendering_space: str) -> LightPicture:
     """Remembered for the frames of a run."""
     with on_disk(path) as file:
         image = None if file is None else oiio.ImageInput.open(file)
         if image is None:
             raise ValueError(oiio.geterror().strip() or "no such file")
         try:
-            texels = _texels(image, colour_space)
+            texels = _texels(image, colour_space, rendering_space)
         finally:
             image.close()
     return light_picture(path, layout, np.ascontiguousarray(texels, np.float32))
 
 
-def _texels(image: oiio.ImageInput, colour_space: str) -> np.ndarray:
-    """float32[H, W, 3]."""
+def _texels(image: oiio.ImageInput, colour_space: str, rendering_space: str) -> np.ndarray:
+    """float32[H, W, 3], in the rendering space."""
     level = 0
     while image.spec().width * image.spec().height > MOST_TEXELS and image.seek_subimage(0, level + 1):
         level += 1
@@ -51,9 +60,15 @@ def _texels(image: oiio.ImageInput, colour_space: str) -> np.ndarray:
     if texels is None:
         raise ValueError(image.geterror().strip() or "it cannot be read")
     texels = np.asarray(texels, np.float32).reshape(spec.height, spec.width, channels)
-    if is_srgb(spec, colour_space):
+    if colour_space in _SRGB or (not colour_space and is_srgb(spec, "auto")):
         texels = linear(texels)
-    return np.broadcast_to(texels, (spec.height, spec.width, 3))
+    texels = np.broadcast_to(texels, (spec.height, spec.width, 3))
+    known = not colour_space or colour_space in _SRGB or colour_space in _LINEAR
+    given = LINEAR_REC709 if known else colour_space
+    if given in _AS_IT_IS or given == rendering_space:
+        return texels
+    flat = np.ascontiguousarray(texels, np.float32).reshape(-1, 3)
+    return converted_colors(flat, given, rendering_space).reshape(texels.shape)
 
 
 @lru_cache(maxsize=8)
@@ -64,4 +79,4 @@ def read_ies_profile(path: str) -> IesProfile:
         raise ValueError("no such file")
     if asset.GetSize() > MOST_PROFILE_BYTES:
         raise ValueError(f"found {asset.GetSize()} bytes; expected at most {MOST_PROFILE_BYTES}")
-    return ies_profile(bytes(asset.GetBuffer()))
+    return ies_profile(bytes(asset.GetBuffer()) if asset.GetSize() else b"")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +12,7 @@ from pxr import Usd, UsdGeom, UsdLux
 
 from .._core import LIGHT_NUMBERS, LightSamples, SampledLight, light_emission, switch_times01, value_times
 from ..motion.times import Shutter, breakpoints_of
+from ..stage.rendering_space import rendered_color
 from ..stage.value_types import BOOL, FLOAT, FLOAT3, TOKEN, Kind
 from ..stage.values import Unreadable, might_vary, required, value
 
@@ -38,9 +40,15 @@ def emission(light: UsdLux.LightAPI, code: Usd.TimeCode) -> tuple[float, float, 
         if not math.isfinite(kelvin):  # usd-core 26.11 crashes on NaN.
             path, message = str(light.GetPath()), f"found {kelvin:g}, expected a finite number"
             raise Unreadable(path, light.GetColorTemperatureAttr().GetName(), message)
-        temperature = tuple(UsdLux.BlackbodyTemperatureAsRgb(kelvin))
+        temperature = _rgb(rendered_color(UsdLux.BlackbodyTemperatureAsRgb(kelvin), None))
     intensity, exposure = number(light.GetIntensityAttr(), code), number(light.GetExposureAttr(), code)
-    return light_emission(intensity, exposure, tuple(_known(light.GetColorAttr(), code, FLOAT3)), temperature)
+    color = rendered_color(_known(light.GetColorAttr(), code, FLOAT3), light.GetColorAttr())
+    return light_emission(intensity, exposure, _rgb(color), temperature)
+
+
+def _rgb(color: Sequence[float]) -> tuple[float, float, float]:
+    red, green, blue = color
+    return red, green, blue
 
 
 @dataclass(frozen=True)

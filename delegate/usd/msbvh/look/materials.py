@@ -9,6 +9,7 @@ from pxr import Tf, Usd, UsdShade
 from .._core import Displacement, SurfaceLook, displacement, preview_surface
 from ..motion.context import FrameContext
 from ..stage.opening import tf_reason
+from ..stage.rendering_space import rendering_space
 from .networks import surface_network
 from .texture_channel import texture_channel
 from .texture_files import locate
@@ -17,7 +18,11 @@ from .texture_files import locate
 class Materials:
     """Hands each material down once."""
 
-    def __init__(self, translator: Any, context: FrameContext) -> None:
+    def __init__(self, translator: Any, context: FrameContext, kept: tuple[str, ...] = ()) -> None:
+        """`kept`: names of primvars that are handed down of every prim that has them."""
+        self.kept = kept
+        for name in kept:
+            translator.keep_primvar(name)
         self._translator = translator
         self._context = context
         self._ids: dict[str, int | None] = {}
@@ -49,8 +54,8 @@ class Materials:
 
     @property
     def read_primvars(self) -> list[str]:
-        """The names of all that those that have been handed down read to be shaded."""
-        return sorted({name for reads in self._reads.values() for name, _ in reads})
+        """The names of all that those that have been handed down read to be shaded, and of what is kept."""
+        return sorted({*self.kept, *(name for reads in self._reads.values() for name, _ in reads)})
 
     def reads(self, material: int | None) -> list[tuple[str, int]]:
         """The names of the primvars that a material reads to be shaded, and of how many numbers at least."""
@@ -70,7 +75,7 @@ class Materials:
 
     def _read(self, material: UsdShade.Material) -> int | None:
         network = surface_network(material, self._context)
-        surface, found = preview_surface(network, locate)
+        surface, found = preview_surface(network, locate, rendering_space())
         displaced, found_too = displacement(network, texture_channel)
         self._context.diagnostics.take([*found, *found_too])
         if surface is None:

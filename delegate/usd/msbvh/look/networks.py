@@ -11,9 +11,10 @@ from pxr import Gf, Sdf, Usd, UsdShade
 from .. import _core
 from ..motion.context import FrameContext
 from ..motion.held_values import values_within
+from ..stage.rendering_space import color_space, rendered_color
 from ..stage.value_types import TOKEN
 from ..stage.values import raw, type_name, value
-from .texture_files import color_space, texture_files
+from .texture_files import texture_files
 
 NUMBERS = (int, float, Gf.TimeCode, Gf.Duration)
 
@@ -130,7 +131,8 @@ def _data(found: Any, source: Usd.Attribute) -> _core.ShaderData:
         return _core.Asset(found.path, texture_files(found, source), color_space(source))
     if isinstance(found, NUMBERS):
         return float(found)
-    return _vector(found)
+    numbers = _vector(found)
+    return rendered_color(numbers, source) if numbers and len(numbers) > 2 else numbers
 
 
 def _vector(found: Any) -> Sequence[float] | None:

@@ -21,14 +21,6 @@ def texture_files(file: Sdf.AssetPath, attribute: Usd.Attribute) -> list[str]:
     return [path for path, _ in tiles]
 
 
-def color_space(attribute: Usd.Attribute) -> str:
-    """What the stage says that the file of an attribute holds: the attribute's own colorSpace, or that of the nearest
-    prim with a ColorSpaceAPI; empty for neither."""
-    if attribute.HasColorSpace():
-        return str(attribute.GetColorSpace())
-    return str(Usd.ColorSpaceAPI.ComputeColorSpaceName(attribute, None))
-
-
 def locate(path: str) -> Place | None:
     """Where the bytes of a resolved file are; None for what is compressed or encrypted in a package, or is not there.
     Packages within packages are looked through."""

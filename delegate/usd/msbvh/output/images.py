@@ -23,6 +23,7 @@ from .. import _core
 from ..base.atomic import Folders, OutputError, check_writable, write_whole
 from ..base.image_metadata import ImageMetadata, rational_rate
 from ..look.color import SRGB_DISPLAY, ColorCorrection
+from ..stage.rendering_space import LINEAR_REC709
 
 FORMATS = {
     ".exr": "openexr",
@@ -38,7 +39,13 @@ ENDINGS = {"png": b"IEND\xaeB`\x82", "jpeg": b"\xff\xd9"}
 HALF_MAX = 65504.0
 """Largest finite half; brighter pixels are written as this, because infinity ruins every filter behind us."""
 
-_REC709_CHROMATICITIES = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+_CHROMATICITIES = {
+    LINEAR_REC709: (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290),
+    "acescg": (0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767),
+}
+"""x and y of red, green, blue and white; SMPTE ST 2065-1 and Academy S-2014-004 of the second."""
+INTEROP_IDS = {LINEAR_REC709: LINEAR_REC709, "acescg": "lin_ap1_scene"}
+"""What OpenImageIO writes as colorInteropID."""
 
 
 @dataclass(frozen=True)
@@ -225,7 +232,7 @@ def _limit_reached(size: int) -> str:
 def _encode(suffix: str, rgba: np.ndarray, settings: ImageSettings) -> tuple[np.ndarray, oiio.ImageSpec]:
     """The stored pixels of a format, float32, and their description."""
     if suffix == ".exr":
-        return _encode_exr(rgba, settings.exr_float)
+        return _encode_exr(rgba, settings.exr_float, settings.color.rendering_space)
     if suffix in (".jpg", ".jpeg"):
         pixels = settings.color.apply(rgba[..., :3])  # Premultiplied is over black.
         spec = _spec(pixels, oiio.UINT8)
@@ -241,12 +248,12 @@ def _encode(suffix: str, rgba: np.ndarray, settings: ImageSettings) -> tuple[np.
     return pixels, spec
 
 
-def _encode_exr(rgba: np.ndarray, exr_float: bool) -> tuple[np.ndarray, oiio.ImageSpec]:
+def _encode_exr(rgba: np.ndarray, exr_float: bool, space: str) -> tuple[np.ndarray, oiio.ImageSpec]:
     pixels = rgba if exr_float else np.clip(rgba, -HALF_MAX, HALF_MAX)
     spec = _spec(pixels, oiio.FLOAT if exr_float else oiio.HALF)
     spec.attribute("compression", "zip")
-    spec.attribute("oiio:ColorSpace", "lin_rec709_scene")
-    spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), _REC709_CHROMATICITIES)
+    spec.attribute("oiio:ColorSpace", INTEROP_IDS[space])
+    spec.attribute("chromaticities", oiio.TypeDesc("float[8]"), _CHROMATICITIES[space])
     return pixels, spec
 
 

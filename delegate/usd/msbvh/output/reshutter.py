@@ -11,7 +11,8 @@ import numpy as np
 import OpenImageIO as oiio
 
 from ..base.image_metadata import ImageMetadata
-from .images import ImageReadError
+from ..stage.rendering_space import LINEAR_REC709
+from .images import INTEROP_IDS, ImageReadError
 from .time_slices import MOST_SLICES, SLICES, channel_names, combined, covers, slice_weights
 
 DESCRIBED = ("framesPerSecond", "worldToCamera", "worldToNDC", "msbvh:shutter", "msbvh:seed")
@@ -27,6 +28,8 @@ class SlicedPicture:
     metadata: ImageMetadata
     origin: tuple[int, int]
     display: tuple[int, int]
+    rendering_space: str = LINEAR_REC709
+    """Of its colours."""
 
     def with_shutter(
         self, wanted: tuple[float, float] | None, area: Callable[[float, float], float]
@@ -68,7 +71,12 @@ def read_slices(path: Path) -> SlicedPicture:
         raise ImageReadError(f"cannot read '{path}': {image.geterror()}")
     taken = np.asarray(pixels, np.float32)[..., [names[name] for name in wanted]]
     slices = np.moveaxis(taken.reshape(spec.height, spec.width, count, 4), 2, 0)
-    return SlicedPicture(slices, _metadata(spec), (spec.x, spec.y), (spec.full_width, spec.full_height))
+    return SlicedPicture(slices, _metadata(spec), (spec.x, spec.y), (spec.full_width, spec.full_height), _space(spec))
+
+
+def _space(spec: oiio.ImageSpec) -> str:
+    said = spec.get_string_attribute("oiio:ColorSpace")
+    return next((space for space, interop in INTEROP_IDS.items() if interop == said), LINEAR_REC709)
 
 
 def _metadata(spec: oiio.ImageSpec) -> ImageMetadata:

@@ -35,5 +35,6 @@ def film_settings(film: Film, camera: RenderCamera) -> FilmSettings:
         shutter_curve=() if film.shutter_slices else film.shutter_curve,
         shutter_slices=film.shutter_slices,
         rolling=(film.rolling_shutter, window.y / rows, window.height / rows),
+        exposure=camera.exposure,
         frame_time=(-opening / frames if frames > 0.0 else 0.0, frames),
     )

@@ -28,6 +28,7 @@ from ..render_settings.asked import SettingsChoice, applied_to_reading, asked_of
 from ..render_settings.layers import FileLayers, file_layers, tell_unwritten
 from ..scene.reader import ReadResult, ReadSettings, read_frame
 from ..stage.opening import open_stage
+from ..stage.rendering_space import LINEAR_REC709
 from ..stage.stage_metadata import frames_per_second, start_time
 from .budget import AIM, Goals, writing_seconds
 from .budget_told import tell_budget
@@ -80,6 +81,8 @@ class RenderSettings:
     min_spp: int = 32
     clamp_indirect: float = 0.0
     """Most indirect light of a sample, which is lost above; 0: off."""
+    rendering_space: str = LINEAR_REC709
+    """That textures are converted to; the same as of what is read, and of the picture."""
 
 
 @dataclass(frozen=True)
@@ -190,6 +193,8 @@ def with_render_settings(
         if layers.color_half is not None and "exr_float" not in given:
             image = replace(image, exr_float=not layers.color_half)
         read = applied_to_reading(asked, settings.read, given, diagnostics)
+        space = read.rendering_space
+        image = replace(image, color=replace(image.color, rendering_space=space))
         own = own_render_settings(asked.spec.own, given)
         clash = clash_with_noise(settings.goals, settings.render.film)
         if own.get("noise") and clash:
@@ -199,8 +204,8 @@ def with_render_settings(
                 own.pop("spp", None)
         settings = replace(
             settings,
-            read=replace(read, keep_faces="elementId" in layers.aovs),
-            render=replace(settings.render, aovs=layers.aovs, **own),
+            read=replace(read, keep_faces="elementId" in layers.aovs, keep_st="st" in layers.aovs),
+            render=replace(settings.render, aovs=layers.aovs, rendering_space=space, **own),
             image=image,
             layers=layers,
         )

@@ -81,6 +81,7 @@ def applied_to_reading(asked: Asked, read: ReadSettings, given: Set[str], diagno
         "edge_length": None if "complexity" in given else own.edge_length,
         "segments": own.segments,
         "interpolation": own.interpolation,
+        "rendering_space": asked.spec.rendering_space or None,
     }
     if read.max_bounces is not None:
         wanted["max_bounces"] = own.max_bounces

@@ -12,6 +12,7 @@ from ..look.texture_matrix import screen_from_world
 from ..look.texture_mean import texture_mean
 from ..motion.context import FrameContext
 from ..motion.held_values import warn_of_change
+from ..stage.rendering_space import rendered_color
 from ..stage.value_types import ASSET, TOKEN
 from ..stage.values import value
 
@@ -77,7 +78,9 @@ def _read_face(prim: Usd.Prim, axis: str, side: str, colour: np.ndarray, context
         drawn = "drawn as the mean of its texture"
     message = f"textures of cards are not evaluated yet; {drawn}"
     context.diagnostics.group(str(prim.GetPath()), attribute.GetName(), message)
-    return _Face(attribute, files, np.array(mean) if mean is not None else np.append(colour, 1.0))
+    if mean is None:
+        return _Face(attribute, files, np.append(colour, 1.0))
+    return _Face(attribute, files, np.array([*rendered_color(mean[:3], None), mean[3]]))
 
 
 def _in_box(faces: list[list[_Face]], box: bool, plain: np.ndarray) -> Cards:

@@ -35,6 +35,9 @@ def add_material_primvars(
         leave_undisplaced(str(part.prim.GetPath()), context, instead)
         mesh.displaced = False
         displaced = []
+    for name in materials.kept:
+        if part.authors(f"primvars:{name}"):
+            needed.setdefault(name, 2)
     primvars: dict[str, MovingPrimvar] = {}
     for each in displaced:
         if each.primvar and each.primvar not in primvars:

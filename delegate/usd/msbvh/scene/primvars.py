@@ -11,6 +11,7 @@ from .._core import knots_within
 from ..motion.context import FrameContext, array
 from ..motion.held_values import Stretch, changes_within, values_within
 from ..motion.times import sample_times
+from ..stage.rendering_space import rendered
 from ..stage.value_types import COLOR_PRIMVAR, COORDINATE_PRIMVAR, FLOAT_PRIMVAR, INTS, VECTOR4_PRIMVAR, Kind
 from ..stage.values import Unreadable, ignore, might_vary, required, value
 
@@ -39,6 +40,10 @@ class FoundPrimvar:
         """Of the values."""
         return {None: FLOAT_PRIMVAR, 2: COORDINATE_PRIMVAR, 4: VECTOR4_PRIMVAR}.get(self.columns, COLOR_PRIMVAR)
 
+    def rendered(self, values: np.ndarray) -> np.ndarray:
+        """Its values; of colours in the space that is rendered in."""
+        return rendered(values, self.attribute) if self.columns in (3, 4) and len(values) else values
+
 
 def find_primvar(
     prim: Usd.Prim, name: str, columns: int | None, authored: frozenset[str] | None = None
@@ -62,6 +67,7 @@ def read_primvar(found: FoundPrimvar, code: Usd.TimeCode) -> PrimvarInput | None
         values = array(required(found.attribute, code, found.kind), np.float32, found.columns)
         if not len(values):
             return None
+        values = found.rendered(values)
         indices = None
         if found.indexed:
             indices = array(required(found.primvar.GetIndicesAttr(), code, INTS), np.int32)
@@ -132,7 +138,10 @@ def _samples(found: FoundPrimvar, context: FrameContext, stretch: Stretch | None
     else:
         knots = knots_within([shutter.time01(time) for time in times], stretch.shown) if times else []
         codes = [(time01, shutter.time_code(time01)) for time01 in knots]
-    return [(time01, np.asarray(value(found.attribute, code, kind) or kind.exact())) for time01, code in codes]
+    return [
+        (time01, found.rendered(np.asarray(value(found.attribute, code, kind) or kind.exact())))
+        for time01, code in codes
+    ]
 
 
 def primvar_source(prim: Usd.Prim, name: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ..camera.picture import WHOLE, Picture
+from ..stage.rendering_space import LINEAR_REC709
 
 MAX_INSTANCES = 10_000_000
 """While they are read and their tree is built, instances take 0.8 kB each, moving ones 1 kB: these fit in 10 GB."""
@@ -38,6 +39,10 @@ class ReadSettings:
     shutter: tuple[float, float] | None = None
     """Opening and closing in frames relative to the frame, in place of the camera's; None: the camera's."""
     disable_camera_light: bool = False
+    exposure: bool = True
+    """Whether the camera's exposure attributes brighten the picture."""
+    rendering_space: str = LINEAR_REC709
+    """That colours are converted to: OpenColorIO's name."""
     complexity: str = "high"
     """How fine implicit shapes and subdivided surfaces are; a key of SILHOUETTES and EDGE_LENGTHS."""
     edge_length: float | None = None
@@ -66,6 +71,8 @@ class ReadSettings:
     """More are refused, nested ones multiplied out."""
     keep_faces: bool = False
     """Which face each triangle is of, for the AOV elementId: four bytes a triangle."""
+    keep_st: bool = False
+    """The primvar st of every prim, for the AOV of that name, whether its material reads it or not."""
     max_bounces: int | None = None
     """Of the render that the scene is for: prims that none of its rays can reach are left out. None: of any render."""
     measure_shape: bool = False
@@ -76,7 +83,7 @@ class ReadSettings:
     def picture(self) -> Picture:
         """What of these is about the picture."""
         window = self.data_window, self.settings_prim
-        return Picture(self.width, self.height, self.conform, self.pixel_aspect, *window)
+        return Picture(self.width, self.height, self.conform, self.pixel_aspect, *window, exposed=self.exposure)
 
 
 DEFAULTS = ReadSettings()

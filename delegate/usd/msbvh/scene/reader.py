@@ -27,6 +27,7 @@ from ..motion.times import is_held
 from ..motion.transforms import XformCaches
 from ..stage.opening import tf_messages, tf_reason
 from ..stage.overs import report_overs
+from ..stage.rendering_space import rendered_in
 from ..stage.values import reported_to
 from .coarser_tracks import CoarserTracks, coarser_tracks
 from .frame_lights import FrameLights
@@ -89,8 +90,8 @@ def read_frame(
     make_translator = make_translator or partial(_core_translator, refinements)
     where = stage.GetRootLayer().realPath or stage.GetRootLayer().identifier
     # What is not finite is looked for where it matters.
-    quiet = np.errstate(over="ignore", invalid="ignore", divide="ignore")
-    with crash_line(where), reported_to(diagnostics), tf_messages(diagnostics), _no_collection(), quiet:
+    space, quiet = rendered_in(settings.rendering_space), np.errstate(over="ignore", invalid="ignore", divide="ignore")
+    with crash_line(where), reported_to(diagnostics), tf_messages(diagnostics), space, _no_collection(), quiet:
         try:
             return _FrameReader(stage, frame, settings, diagnostics, make_translator, progress, found).read()
         except (Tf.ErrorException, UnicodeDecodeError) as error:
@@ -156,7 +157,7 @@ class _FrameReader:
             self._caches = XformCaches(shutter)
         self._pixel = self._camera.pixel_size()
         self._translator = make_translator(**self._translator_settings())
-        self._materials = materials = Materials(self._translator, self._context)
+        self._materials = materials = Materials(self._translator, self._context, ("st",) if settings.keep_st else ())
         silhouette = SILHOUETTES[settings.complexity]
         tolerance, edge = settings.motion_tolerance, self._edge_length
         self._shapes = Shapes(self._context, self._caches, materials, tolerance, silhouette, edge)

@@ -17,6 +17,7 @@ from pxr import Gf, Usd, Vt
 from .._core import UnitForm, unit_form
 from ..motion.context import FrameContext
 from ..motion.times import Shutter, sample_times
+from ..stage.rendering_space import rendered_color
 from ..stage.values import might_vary, raw
 from .implicit import IMPLICIT_TYPES
 from .part import Part
@@ -94,7 +95,10 @@ class SimpleShapes:
             return None
         colour, opacity = above.colour, above.opacity
         if recipe.colour:
-            colour = _single(self._steady(prim.GetAttribute(COLOUR), shutter))
+            attribute = prim.GetAttribute(COLOUR)
+            colour = _single(self._steady(attribute, shutter))
+            if colour is not _ODD and (shown := rendered_color(colour, attribute)) is not colour:
+                colour = Gf.Vec3f(*shown)
         if recipe.opacity:
             opacity = _single(self._steady(prim.GetAttribute(OPACITY), shutter))
         form = unit_form(recipe.kind, values, axis)

@@ -13,6 +13,7 @@ from ..motion.boxes import Box
 from ..motion.context import FrameContext
 from ..motion.points import Samples, still
 from ..motion.times import sample_times
+from ..stage.rendering_space import rendered_color
 from ..stage.value_types import FLOAT3, FLOAT3S
 from ..stage.values import value
 from .cards import Cards, read_cards
@@ -95,7 +96,8 @@ def _bars(lines: np.ndarray, half: np.ndarray) -> np.ndarray:
 def read_stand_in(prim: Usd.Prim, mode: str, context: FrameContext) -> StandIn | None:
     """None, with a note, for a model without an extent that would need one."""
     given = prim.GetAttribute("model:drawModeColor")
-    colour = np.array((given and value(given, context.code, FLOAT3)) or _FALLBACK_COLOUR, np.float32)
+    found = value(given, context.code, FLOAT3) if given else None
+    colour = np.array(rendered_color(found, given) if found else _FALLBACK_COLOUR, np.float32)
     cards = read_cards(prim, colour, context) if mode == UsdGeom.Tokens.cards else None
     if mode == UsdGeom.Tokens.origin or (cards is not None and cards.absolute):
         boxes: list[tuple[float | None, Box]] = [(None, Box(np.zeros(3), np.zeros(3)))]

@@ -12,6 +12,7 @@ from pxr import Ar, Sdf, Tf, Usd, UsdUtils
 from ..base.crash_line import crash_line
 from ..base.errors import Diagnostics, SceneError
 from .crate_check import crate_fault
+from .materialx_arcs import follow_documents
 
 
 def open_stage(path: str, diagnostics: Diagnostics, mask: Sequence[str] = ()) -> Usd.Stage:
@@ -27,12 +28,15 @@ def open_stage(path: str, diagnostics: Diagnostics, mask: Sequence[str] = ()) ->
     if fault := crate_fault(str(resolved)):
         raise SceneError(f"{path}: cannot be read as USD: {fault}")
     population = _population_mask(mask)
-    with crash_line(path), tf_messages(diagnostics):
+    said: list[str] = []
+    with crash_line(path), tf_texts(said):
         try:
             stage = Usd.Stage.OpenMasked(path, population) if mask else Usd.Stage.Open(path)
         except (Tf.ErrorException, RuntimeError, UnicodeDecodeError, MemoryError) as error:
             reason = tf_reason(error).replace(f"{resolved}:", "line ", 1)
             raise SceneError(f"{path}: cannot be read as USD: {reason}") from None
+    for text in follow_documents(said, diagnostics, tf_texts):
+        _record(text, diagnostics)
     if not stage.GetPseudoRoot().GetAllChildren():
         limits = f" under the mask {', '.join(mask)}" if mask else ""
         found = "; ".join(["found no prims" + limits, *map(str, diagnostics)])
@@ -55,14 +59,25 @@ def _population_mask(paths: Sequence[str]) -> Usd.StagePopulationMask:
 def tf_messages(diagnostics: Diagnostics) -> Iterator[None]:
     """Turns the warnings that USD's libraries would print into diagnostics, but for those on properties that
     have one already."""
+    said: list[str] = []
+    try:
+        with tf_texts(said):
+            yield
+    finally:
+        for text in said:
+            _record(text, diagnostics)
+
+
+@contextmanager
+def tf_texts(said: list[str]) -> Iterator[None]:
+    """Collects the warnings that USD's libraries would print."""
     delegate = UsdUtils.CoalescingDiagnosticDelegate()
     try:
         yield
     finally:
         messages = delegate.TakeUncoalescedDiagnostics()
         # USD composes on many threads: sorted, the same scene says the same each time.
-        for text in sorted(text_of(partial(getattr, message, "commentary")) for message in messages):
-            _record(text, diagnostics)
+        said += sorted(text_of(partial(getattr, message, "commentary")) for message in messages)
         del delegate
 
 
