@@ -109,7 +109,8 @@ def frame_row(scene: str, side: str, trace: float | None, **changed: Any) -> dic
     spread = {f"{key}_{end}": trace for key in keys for end in ("low", "high")}
     return {
         "scene": scene, "look": "displayColor", "says": "it moves", "threads": 1, "side": side, "read_s": 0.5, "build_s": 0.25,
-        "trace_s": 4.0, "cpu_s": 5.2, "process_s": 5.5, "start_s": 0.5, "memory_bytes": 200 << 20, "relative_mse": 0.00125, "reference_share": 0.06,
+        "trace_s": 4.0, "cpu_s": 5.2, "process_s": 5.5, "start_s": 0.5, "memory_bytes": 200 << 20,
+        "relative_mse": 0.00125, "reference_share": 0.06,
         "mean_difference": None, "shape_difference": None, "comparable": None, **ratios, **spread,
     } | changed  # fmt: skip
 
@@ -123,7 +124,10 @@ def frames_page(*rows: dict[str, Any]) -> str:
 
 
 def test_looks_of_frames_are_named_and_have_means_of_their_own() -> None:
-    rows = [frame_row("rotor", "cycles", ratio, look=look, **alike(True)) for look, ratio in (("metal", 3.0), ("textured", 5.0))]
+    rows = [
+        frame_row("rotor", "cycles", ratio, look=look, **alike(True))
+        for look, ratio in (("metal", 3.0), ("textured", 5.0))
+    ]
     report = {"machine": {**FRAME_MACHINE, "looks": ["metal", "textured"]}, "rows": rows}
     text = "\n".join(performance_frames.section(report))
     assert "| rotor, metal | cycles |" in text and "| rotor, textured | cycles |" in text

@@ -40,7 +40,9 @@ def material_of(data: Any, look: Mapping[str, Any] | None) -> Any:
     else:
         base.default_value = (*look["colour"], 1.0)
     if look["normal"]:
-        material.cycles.use_bump_map_correction = False  # Darkens by up to some percent, which UsdPreviewSurface does not.
+        material.cycles.use_bump_map_correction = (
+            False  # Darkens by up to some percent, which UsdPreviewSurface does not.
+        )
         bump = nodes.new("ShaderNodeNormalMap")
         links.new(_image(data, nodes, look["normal"], "Non-Color").outputs["Color"], bump.inputs["Color"])
         links.new(bump.outputs["Normal"], surface.inputs["Normal"])

@@ -48,8 +48,8 @@ def cells(row: dict[str, Any]) -> list[str]:
 def voids(rows: Sequence[dict[str, Any]]) -> list[str]:
     """What cannot be compared, and why."""
     return [
-        f"void: {row['scene']}, {row['look']}, {row['side']}: the converged pictures differ, by {row['mean_difference']:.1%} in the mean"
-        f" and {row['shape_difference']:.1%} in squares; no ratio says anything"
+        f"void: {row['scene']}, {row['look']}, {row['side']}: the converged pictures differ, by"
+        f" {row['mean_difference']:.1%} in the mean and {row['shape_difference']:.1%} in squares; no ratio says anything"
         for row in rows
         if row["comparable"] is False and row["threads"] == rows[0]["threads"]
     ]

@@ -156,7 +156,11 @@ def _scenes() -> Sequence[FrameScene]:
         _scene("image dome", "displayColor, an image dome", _ball(None, "sky"), None, sky=True),
         _scene("cutout", "an image of opacity, a threshold, a sun", _plane(cutout, "sun"), cutout),
         _scene(
-            "moving metal", "a ring that flies, a rectangular light and a dome", _turning(metal, "rect", "sky"), metal, sky=True
+            "moving metal",
+            "a ring that flies, a rectangular light and a dome",
+            _turning(metal, "rect", "sky"),
+            metal,
+            sky=True,
         ),
     )
 

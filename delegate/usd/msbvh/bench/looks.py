@@ -99,9 +99,7 @@ def _texture(surface: UsdShade.Shader, file: str, space: str) -> UsdShade.Shader
     return texture
 
 
-def _connect(
-    shader: UsdShade.Shader, name: str, kind: Sdf.ValueTypeName, source: UsdShade.Shader, output: str
-) -> None:
+def _connect(shader: UsdShade.Shader, name: str, kind: Sdf.ValueTypeName, source: UsdShade.Shader, output: str) -> None:
     kinds = {"rgb": Sdf.ValueTypeNames.Float3, "r": Sdf.ValueTypeNames.Float}
     source.CreateOutput(output, kinds.get(output, kind))
     shader.CreateInput(name, kind).ConnectToSource(source.ConnectableAPI(), output)
@@ -121,7 +119,9 @@ def set_st(mesh: UsdGeom.Mesh, st: np.ndarray) -> None:
 
 def write_image(path: Path, pixels: np.ndarray) -> None:
     """8 bits, or half floats for EXR: float[height, width, channels], top row first. Raises SceneError."""
-    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], "half" if path.suffix == ".exr" else "uint8")
+    spec = oiio.ImageSpec(
+        pixels.shape[1], pixels.shape[0], pixels.shape[2], "half" if path.suffix == ".exr" else "uint8"
+    )
     out = oiio.ImageOutput.create(str(path))
     if not out or not out.open(str(path), spec) or not out.write_image(np.ascontiguousarray(pixels, np.float32)):
         raise SceneError(f"'{path}': {oiio.geterror() or (out and out.geterror())}")
