@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from pxr import Usd, UsdGeom
 
+from ..stage import values
 from .looks import Look, bind, checker, set_st, write_image
 
 DISPLAY_COLOR = "displayColor"
@@ -39,6 +40,6 @@ def dress(stage: Usd.Stage, name: str, frame: float, folder: Path) -> None:
 
 def from_above(mesh: UsdGeom.Mesh, frame: float) -> np.ndarray:
     """Coordinates by x and y, tilted so that what is upright has some too; float64[corners, 2]."""
-    points = np.array(mesh.GetPointsAttr().Get(frame), np.float64)
+    points = np.array(values.raw(mesh.GetPointsAttr(), frame), np.float64)
     at = points[:, :2] + points[:, 2:] * (0.31, 0.47)
-    return np.asarray(SCALE * at[np.array(mesh.GetFaceVertexIndicesAttr().Get())])
+    return np.asarray(SCALE * at[np.array(values.raw(mesh.GetFaceVertexIndicesAttr(), frame))])
