@@ -39,7 +39,7 @@ CYCLES = """
 Cycles reads the same USD file by Blender's importer, in its best mode for it: as many motion steps as each scene needs
 and no more, spatial splits, no tiles, no denoiser, no adaptive sampling. Its surfaces are equal ones, flat as USD has them:
 displayColor is a Diffuse BSDF, metal a Glossy BSDF with multiple scattering, textured a Principled BSDF. Its sun is as bright
-as ours (the importer makes it 4 times as bright).
+as ours (the importer makes it 4 times as bright); over metal and textured there is a plain sky too.
 """
 
 DIRTY = """**Made from a tree with uncommitted changes**: the commit above does not reproduce it.

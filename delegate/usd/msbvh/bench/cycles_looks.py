@@ -98,20 +98,33 @@ def set_lights(data: Any, job: Mapping[str, Any]) -> None:
 
 def set_sky(data: Any, scene: Any, sky: str) -> None:
     """A latlong picture on a dome whose top is +z: USD's longitudes begin a quarter further on than Blender's."""
-    world = data.worlds.new("sky")
-    scene.world = world
-    world.use_nodes = True
+    world, background = _world(data, scene)
     nodes, links = world.node_tree.nodes, world.node_tree.links
-    nodes.clear()
     coordinates, turn = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeMapping")
     turn.inputs["Rotation"].default_value[2] = math.pi / 2
     picture = nodes.new("ShaderNodeTexEnvironment")
     picture.image = data.images.load(sky)
     picture.image.colorspace_settings.name = "Linear Rec.709"
-    background, output = nodes.new("ShaderNodeBackground"), nodes.new("ShaderNodeOutputWorld")
     links.new(coordinates.outputs["Generated"], turn.inputs["Vector"])
     links.new(turn.outputs["Vector"], picture.inputs["Vector"])
     links.new(picture.outputs["Color"], background.inputs["Color"])
-    links.new(background.outputs["Background"], output.inputs["Surface"])
     world.cycles.sampling_method = "AUTOMATIC"
+
+
+def set_dome(data: Any, scene: Any, radiance: float) -> None:
+    """The same from everywhere, and not seen by the camera."""
+    _, background = _world(data, scene)
+    background.inputs["Color"].default_value = (radiance, radiance, radiance, 1.0)
+
+
+def _world(data: Any, scene: Any) -> tuple[Any, Any]:
+    """A world, and its background."""
+    world = data.worlds.new("sky")
+    scene.world = world
+    world.use_nodes = True
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    nodes.clear()
+    background, output = nodes.new("ShaderNodeBackground"), nodes.new("ShaderNodeOutputWorld")
+    links.new(background.outputs["Background"], output.inputs["Surface"])
     scene.render.film_transparent = True
+    return world, background

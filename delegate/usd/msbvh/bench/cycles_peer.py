@@ -66,7 +66,13 @@ def _shading(job: Job) -> Mapping[str, object]:
     folder = job.file.parent
     looks = {name: look and look.plain(folder) for name, look in job.scene.looks.items()}
     sky = str(folder / job.scene.sky) if job.scene.sky else ""
-    return {"looks": looks, "smooth": job.scene.smooth, "radiance": job.scene.radiance, "sky": sky}
+    return {
+        "looks": looks,
+        "smooth": job.scene.smooth,
+        "radiance": job.scene.radiance,
+        "sky": sky,
+        "dome": job.scene.dome,
+    }
 
 
 def usual_folder() -> Path:

@@ -73,6 +73,8 @@ def _look(bpy: Any, job: Mapping[str, Any]) -> None:
         else:
             mesh.shade_flat()  # Blender's importer makes smooth what has no normals.
     cycles_looks.set_lights(data, job)
+    if job["dome"]:
+        cycles_looks.set_dome(data, bpy.context.scene, job["dome"])
     if job["sky"]:
         cycles_looks.set_sky(data, bpy.context.scene, job["sky"])
 

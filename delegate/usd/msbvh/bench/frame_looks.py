@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from pxr import Usd, UsdGeom
+from pxr import Usd, UsdGeom, UsdLux
 
 from ..stage import values
 from .looks import Look, bind, checker, set_st, write_image
@@ -18,16 +18,19 @@ LOOKS: Mapping[str, Look | None] = {
     "textured": Look(image="checker.png", roughness=0.5),
 }
 """Names as --looks has them. None: no material."""
+DOME = 0.5
+"""Radiance of the sky over surfaces that shine: a sun alone leaves nearly all of them black."""
 SIDE, CELLS = 1024, 8
 SCALE = 0.5
 """Of coordinates, from places."""
 
 
 def dress(stage: Usd.Stage, name: str, frame: float, folder: Path) -> None:
-    """Binds a look of LOOKS to every mesh, with coordinates and images where it needs them."""
+    """Binds a look of LOOKS to every mesh, with coordinates and images where it needs them, under a plain sky."""
     look = LOOKS[name]
     if look is None:
         return
+    UsdLux.DomeLight.Define(stage, "/dome").CreateIntensityAttr(DOME)
     material = look.define(stage, f"/looks/{name}")
     if look.image:
         write_image(folder / look.image, checker(SIDE, CELLS))

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
-from .frame_looks import DISPLAY_COLOR, LOOKS, dress
+from .frame_looks import DISPLAY_COLOR, DOME, LOOKS, dress
 from .looks import Look
 from .scene_parts import FRAME, Shape, add_mesh, faces_for, setting, sheet, torus
 
@@ -41,6 +41,8 @@ class FrameScene:
     """Of its rectangular lights."""
     sky: str = ""
     """The image of its dome."""
+    dome: float = 0.0
+    """Radiance of a plain sky."""
     look: str = DISPLAY_COLOR
     """Of LOOKS: what every mesh has."""
 
@@ -51,7 +53,7 @@ class FrameScene:
 
     def dressed(self, look: str) -> FrameScene:
         """With one of LOOKS on every mesh."""
-        return replace(self, looks={"*": LOOKS[look]}, look=look)
+        return replace(self, looks={"*": LOOKS[look]}, look=look, dome=DOME if LOOKS[look] else 0.0)
 
     def write(self, path: Path, detail: float = 1.0) -> None:
         """Writes the scene. `detail` 1 is what is published; less is smaller, for tests."""

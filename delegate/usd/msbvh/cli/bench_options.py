@@ -128,7 +128,7 @@ FRAMES: Sequence[Decorator] = (
         type=Names(tuple(LOOKS)),
         metavar="NAME[,...]",
         help="With --frames: what surfaces are. displayColor: diffuse. metal: rough mirrors of that colour. textured: an image of"
-        " the colour under a rough reflection. Default: displayColor.",
+        " the colour under a rough reflection. The latter two have a plain sky besides the sun. Default: displayColor.",
     ),
 )
 
