@@ -27,7 +27,8 @@ LINTERS := ruff==0.17.6 mypy==2.4.1 clang-format==16.0.6
 PYTHON_FOLDERS := cmake delegate docs testenv tests/python bench examples
 LONG_CASES := *every scene class*,*a million triangles*,a rotating edge*,a small disc out of focus*,the plane in focus*,degenerate sets build*,curves equal*,curves whose*,curves far*,points equal*
 SHOWCASE := testenv/showcase/showcase.usda
-SHOWCASE_OPTIONS := --frames 6 --imageWidth 960 --spp 64
+SHOWCASE_TEXTURES := $(wildcard testenv/showcase/textures/*)
+SHOWCASE_OPTIONS := --frames 6 --imageWidth 960 --spp 48
 
 help:  ## this list
 	@sed -n 's/^\([a-z]*\):.*## */make \1\t/p' Makefile | expand -t 16
@@ -78,7 +79,7 @@ $(STAMPS)/installed: $(STAMPS)/venv $(STAMPS)/modules pyproject.toml $(CXX_SOURC
 
 render: out/showcase.exr out/showcase.png  ## the showcase scene, to out/showcase.exr and out/showcase.png
 
-out/showcase.exr out/showcase.png &: $(SHOWCASE) $(STAMPS)/installed $(PYTHON_SOURCES)
+out/showcase.exr out/showcase.png &: $(SHOWCASE) $(SHOWCASE_TEXTURES) $(STAMPS)/installed $(PYTHON_SOURCES)
 	@mkdir -p out
 	@$(BIN)/msbvh record $(SHOWCASE) out/showcase.exr out/showcase.png $(SHOWCASE_OPTIONS)
 	@echo 'Look at out/showcase.png'

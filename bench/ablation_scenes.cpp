@@ -1,5 +1,6 @@
 #include "bench/ablation_scenes.h"
 
+#include "bench/ablation_texture.h"
 #include "bench/scene_makers.h"
 #include "core/base/error.h"
 #include "core/plan/effect_plan.h"
@@ -57,19 +58,30 @@ class Maker {
     scene_.instances = {std::move(set)};
   }
 
-  // Plastic, or what is diffuse with a primvar of its own for a colour.
+  // Plastic, or what is diffuse with an image for a colour, read where a primvar says.
   void add_material() {
     Material material{
         .name = "material", .diffuse_color = {0.5f, 0.4f, 0.3f}, .specular = on(Effect::kSpecular)};
     material.opacity_from_display_opacity = on(Effect::kOpacity);
     Mesh& mesh = scene_.meshes[0];
     mesh.material = 0;
-    if (on(Effect::kTextures)) {
-      scene_.primvar_names = {"tint"};
-      mesh.primvars = {{0, {Interpolation::kConstant, 0, {{0.6f, 0.5f, 0.2f}}}}};
-      material.driven = {{SurfaceInput::kDiffuseColor, DrivenInput::Source::kPrimvar, 0, 0, false}};
-    }
+    if (on(Effect::kTextures)) add_texture(mesh, material);
     scene_.materials = {material};
+  }
+
+  void add_texture(Mesh& mesh, Material& material) {
+    scene_.primvar_names = {"st"};
+    Primvar<Vec3f> coordinates{Interpolation::kVertex, 0, {}};
+    const Vec3f* points = mesh.shape.control_positions(0);
+    coordinates.values.assign(points, points + mesh.shape.vertex_count);
+    mesh.primvars = {{0, std::move(coordinates)}};
+    scene_.textures = {{.name = "scattered",
+                        .tiles = {{0, 0, {texture_file()}}},
+                        .wrap_s = TextureWrap::kRepeat,
+                        .wrap_t = TextureWrap::kRepeat,
+                        .color_space = "auto"}};
+    material.texture_reads = {{.texture = 0, .coordinates = 0}};
+    material.driven = {{SurfaceInput::kDiffuseColor, DrivenInput::Source::kTexture, 0, 0, false}};
   }
 
   void add_geometry() {

@@ -24,7 +24,7 @@ import OpenImageIO as oiio
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURES = (".png", ".jpg", ".jpeg", ".exr", ".tif", ".tiff")
-REFERENCE_FOLDERS = ("baseline", "screenshots", "reference", "baselines")
+REFERENCE_FOLDERS = ("baseline", "screenshots", "reference", "baselines", "ref")
 COLUMNS, LABEL = 6, 18
 TIMEOUT_SECONDS = 900.0
 
@@ -107,7 +107,8 @@ def _scene(folder: Path, row: dict[str, str]) -> Scene:
 
 
 def _reference(folder: Path, stem: str) -> Path | None:
-    """The picture of that name in a folder of references, else the only one that lies there."""
+    """The picture of that name in a folder of references, else the only one that lies there, else the only one whose name
+    ends so, or whose last word is how the scene's name begins or ends."""
     found = [
         path
         for each in REFERENCE_FOLDERS
@@ -115,7 +116,12 @@ def _reference(folder: Path, stem: str) -> Path | None:
         if path.suffix.lower() in PICTURES
     ]
     named = [path for path in found if path.stem == stem]
-    return named[0] if named else found[0] if len(found) == 1 else None
+    ending = [path for path in found if path.stem.endswith(f"_{stem}")]
+    words = [(path, path.stem.rpartition("_")[2].lower()) for path in found]
+    alike = [
+        path for path, word in words if len(word) > 4 and (stem.lower().startswith(word) or stem.lower().endswith(word))
+    ]
+    return next((each[0] for each in (named, ending, alike, found) if len(each) == 1), None)
 
 
 def _drawn(scene: Scene, options: argparse.Namespace) -> Tile:

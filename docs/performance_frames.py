@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import product
 from typing import Any
 
 Row = dict[str, Any]
@@ -10,13 +11,14 @@ Row = dict[str, Any]
 HEAD = """## Whole frames
 
 Made by `{command}`{commit}: {processor}, {cores} cores;
-{sides}. {width} x {height} pixels, {spp} samples, {bounces} bounces of indirect light, box filter, one sun, diffuse
-surfaces of displayColor; seed {seed}; load average {load_average:.1f} before the run, which took {minutes:.0f} minutes.
+{sides}. {width} x {height} pixels, {spp} samples, {bounces} bounces of indirect light, box filter, one sun,
+surfaces of {looks}; seed {seed}; load average {load_average:.1f} before the run, which took {minutes:.0f} minutes.
 {dirty}
 Each frame is a process of its own, on as many processors as it has threads; the sides take turns. Figures are medians of
 {repetitions} rounds. *read*: from the file to the renderer's scene, evaluated over the shutter. *build*: trees, and whatever
 else comes before the first ray. *trace*: pixels. *process*: from the start of the process to its end, with *start* (the
-interpreter and its libraries) and the picture's file. *MB*: the most that the process held at once. {errors}
+interpreter and its libraries) and the picture's file. *CPU*: seconds that its threads ran, which other work on the machine
+changes least. *MB*: the most that the process held at once. {errors}
 A side's ratio is its figure over ours, from frames that stand side by side, with the lowest and the highest of the rounds
 in brackets: above 1 we are better. {likeness}
 """
@@ -35,19 +37,22 @@ square, without noise). *void* marks what is not.
 
 CYCLES = """
 Cycles reads the same USD file by Blender's importer, in its best mode for it: as many motion steps as each scene needs
-and no more, spatial splits, no tiles, no denoiser, no adaptive sampling; its surfaces are a Diffuse BSDF, flat as USD
-has them, its sun is as bright as ours (the importer makes it 4 times as bright).
+and no more, spatial splits, no tiles, no denoiser, no adaptive sampling. Its surfaces are equal ones, flat as USD has them:
+displayColor is a Diffuse BSDF, metal a Glossy BSDF with multiple scattering, textured a Principled BSDF. Its sun is as bright
+as ours (the importer makes it 4 times as bright); over metal and textured there is a plain sky too.
 """
 
 DIRTY = """**Made from a tree with uncommitted changes**: the commit above does not reproduce it.
 """
 
-COLUMNS = ("scene", "side", "read s", "build s", "trace s", "process s", "start s", "MB", "MSE")
-RATIOS = ("trace", "process", "trace x MSE", "process x MSE")
-RATIO_KEYS = ("trace_ratio", "process_ratio", "trace_mse_ratio", "process_mse_ratio")
+COLUMNS = ("scene", "side", "read s", "build s", "trace s", "process s", "start s", "CPU s", "MB", "MSE")
+RATIOS = ("trace", "process", "CPU", "trace x MSE", "process x MSE")
+RATIO_KEYS = ("trace_ratio", "process_ratio", "cpu_ratio", "trace_mse_ratio", "process_mse_ratio")
 
 
-OWN = ("scenes", "seconds", "load_average")
+USUAL = "displayColor"
+"""The look that is not named."""
+OWN = ("scenes", "looks", "seconds", "load_average")
 """What reports of one page may differ in."""
 
 
@@ -62,11 +67,16 @@ def joined(reports: Sequence[dict[str, Any]]) -> dict[str, Any]:
             )
     machine = {
         **first,
-        "scenes": [scene for report in reports for scene in report["machine"]["scenes"]],
+        **{key: _every(reports, key) for key in ("scenes", "looks")},
         "seconds": sum(report["machine"]["seconds"] for report in reports),
         "load_average": max(report["machine"]["load_average"] for report in reports),
     }
     return {"machine": machine, "rows": [row for report in reports for row in report["rows"]]}
+
+
+def _every(reports: Sequence[dict[str, Any]], key: str) -> list[str]:
+    """Each once."""
+    return list(dict.fromkeys(name for report in reports for name in report["machine"][key]))
 
 
 def section(report: dict[str, Any]) -> Iterator[str]:
@@ -99,6 +109,7 @@ def head(machine: dict[str, Any], rows: Sequence[Row]) -> str:
             "height": machine["resolution"][1],
             "bounces": machine["max_bounces"],
             "minutes": machine["seconds"] / 60,
+            "looks": ", ".join(machine["looks"]),
             "dirty": DIRTY if commit is None or commit.endswith("-dirty") else "",
             "errors": ERRORS.format(**machine, share=max(shares)) if shares else NO_ERRORS,
             "likeness": LIKENESS if alike else "",
@@ -114,6 +125,7 @@ def command_of(machine: dict[str, Any]) -> str:
     words += ["--peer cycles"] if "cycles" in machine["sides"] else []
     words += ["--quick"] if machine["quick"] else []
     words += [f"--scenes {','.join(machine['scenes'])}"] if machine["scenes"] != ["*"] else []
+    words += [f"--looks {','.join(machine['looks'])}"] if machine["looks"] != [USUAL] else []
     words += [f"--threads {','.join(map(str, machine['threads']))}"]
     words += [f"--resolution {' '.join(map(str, machine['resolution']))} --spp {machine['spp']}"]
     words += [f"--reference-spp {machine['reference_spp']}"]
@@ -124,10 +136,14 @@ def command_of(machine: dict[str, Any]) -> str:
 
 
 def cells(row: Row) -> list[str]:
-    seconds = [f"{row[key]:.2f}" for key in ("read_s", "build_s", "trace_s", "process_s", "start_s")]
+    seconds = [f"{row[key]:.2f}" for key in ("read_s", "build_s", "trace_s", "process_s", "start_s", "cpu_s")]
     error = "-" if row["relative_mse"] is None else f"{row['relative_mse']:.2e}"
     memory = f"{row['memory_bytes'] / (1 << 20):.0f}"
-    return [row["scene"], row["side"], *seconds, memory, error, *(ratio(row, key) for key in RATIO_KEYS)]
+    return [_title(row), row["side"], *seconds, memory, error, *(ratio(row, key) for key in RATIO_KEYS)]
+
+
+def _title(row: Row) -> str:
+    return str(row["scene"]) if row["look"] == USUAL else f"{row['scene']}, {row['look']}"
 
 
 def ratio(row: Row, key: str) -> str:
@@ -139,29 +155,26 @@ def ratio(row: Row, key: str) -> str:
 
 
 def means(machine: dict[str, Any], rows: Sequence[Row]) -> Iterator[str]:
-    """Of the scenes' ratios, for each side and number of threads: geometric, as means of ratios must be."""
-    for side in list(machine["sides"])[1:]:
-        for threads in machine["threads"]:
-            chosen = [row for row in rows if row["side"] == side and row["threads"] == threads]
-            said = [
-                f"{name} {mean}"
-                for name, key in zip(RATIOS, RATIO_KEYS, strict=True)
-                if (mean := geometric(chosen, key))
-            ]
-            if said:
-                count = f"{threads} thread{'s' if threads > 1 else ''}"
-                yield f"- {side} over ours, geometric mean of {len(chosen)} scenes, {count}: {', '.join(said)}"
+    """Of the scenes' ratios, for each side, look and number of threads: geometric, as means of ratios must be."""
+    for side, look, threads in product(list(machine["sides"])[1:], machine["looks"], machine["threads"]):
+        chosen = [row for row in rows if (row["side"], row["look"], row["threads"]) == (side, look, threads)]
+        said = [
+            f"{name} {mean}" for name, key in zip(RATIOS, RATIO_KEYS, strict=True) if (mean := geometric(chosen, key))
+        ]
+        if said:
+            count = f"{threads} thread{'s' if threads > 1 else ''}"
+            yield f"- {side} over ours, geometric mean of {len(chosen)} scenes, {look}, {count}: {', '.join(said)}"
     yield ""
 
 
 def geometric(rows: Sequence[Row], key: str) -> str:
     """Empty where a scene has no ratio: a mean of the others would flatter."""
-    product = 1.0
+    whole = 1.0
     for row in rows:
         if row[key] is None:
             return ""
-        product *= row[key]
-    return f"{product ** (1 / len(rows)):.2f}" if rows else ""
+        whole *= row[key]
+    return f"{whole ** (1 / len(rows)):.2f}" if rows else ""
 
 
 def likeness_table(rows: Sequence[Row]) -> Iterator[str]:
@@ -175,5 +188,5 @@ def likeness_table(rows: Sequence[Row]) -> Iterator[str]:
     for row in found:
         verdict = "alike" if row["comparable"] else "**void**"
         difference = f"{row['mean_difference']:.2%} | {row['shape_difference']:.2%}"
-        yield f"| {row['scene']} | {row['says']} | {row['side']} | {difference} | {verdict} |"
+        yield f"| {_title(row)} | {row['says']} | {row['side']} | {difference} | {verdict} |"
     yield ""

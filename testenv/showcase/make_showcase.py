@@ -1,10 +1,11 @@
-"""Writes showcase.usda: one picture that shows every kind of motion that msbvh renders today.
+"""Writes showcase.usda: one picture that shows every kind of motion that msbvh renders, and what it makes of light.
 
     python testenv/showcase/make_showcase.py testenv/showcase/showcase.usda
 
 A wheel that truly rotates (a rotate op, moving transform over a still mesh), balls and dice thrown along
 parabolas (a PointInstancer with velocities, accelerations and angular velocities), a flag in the wind
-(time-sampled points), a still studio around them. Metres, Y up, 24 frames a second, frames 1 to 12.
+(time-sampled points), a still studio around them. Metals, lacquers and textured surfaces (looks.py) under an area
+light and an image dome. Metres, Y up, 24 frames a second, frames 1 to 12.
 """
 
 from __future__ import annotations
@@ -12,7 +13,9 @@ from __future__ import annotations
 import sys
 
 import numpy as np
+from looks import add_looks, bind
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux, Vt
+from shapes import Faces, cube, die_st, grid_faces, smooth_normals, sphere, sphere_st, torus, tube
 
 FRAMES = (1, 12)
 FPS = 24.0
@@ -34,6 +37,7 @@ def main(path: str) -> None:
 
     add_camera(stage)
     add_lights(stage)
+    add_looks(stage)
     add_studio(stage)
     add_wheel(stage)
     add_throws(stage)
@@ -49,49 +53,50 @@ def add_camera(stage: Usd.Stage) -> None:
     camera.CreateClippingRangeAttr(Gf.Vec2f(0.1, 200.0))
     camera.CreateShutterOpenAttr(SHUTTER[0])
     camera.CreateShutterCloseAttr(SHUTTER[1])
-    view = Gf.Matrix4d().SetLookAt(Gf.Vec3d(0.4, 2.6, 10.8), Gf.Vec3d(0.4, 1.95, 0.0), Gf.Vec3d(0, 1, 0))
-    camera.AddTransformOp().Set(view.GetInverse())
+    camera.AddTransformOp().Set(looking((0.35, 1.75, 10.4), (0.35, 1.92, 0.0)))
+
+
+def looking(eye: tuple[float, ...], target: tuple[float, ...]) -> Gf.Matrix4d:
+    """The transform of a camera or a light that looks at a point."""
+    return Gf.Matrix4d().SetLookAt(Gf.Vec3d(*eye), Gf.Vec3d(*target), Gf.Vec3d(0, 1, 0)).GetInverse()
 
 
 def add_lights(stage: Usd.Stage) -> None:
     key = UsdLux.RectLight.Define(stage, "/showcase/lights/key")
-    key.CreateWidthAttr(3.5)
-    key.CreateHeightAttr(3.5)
-    key.CreateIntensityAttr(30.0)
-    key.CreateColorAttr(Gf.Vec3f(1.0, 0.92, 0.8))
-    view = Gf.Matrix4d().SetLookAt(Gf.Vec3d(-5.0, 7.0, 5.5), Gf.Vec3d(0.2, 1.0, 0.0), Gf.Vec3d(0, 1, 0))
-    key.AddTransformOp().Set(view.GetInverse())
+    key.CreateWidthAttr(7.0)
+    key.CreateHeightAttr(5.0)
+    key.CreateIntensityAttr(10.5)
+    key.CreateColorAttr(Gf.Vec3f(1.0, 0.9, 0.76))
+    key.AddTransformOp().Set(looking((-5.2, 6.6, 5.5), (0.2, 1.0, 0.0)))
     sky = UsdLux.DomeLight.Define(stage, "/showcase/lights/sky")
-    sky.CreateIntensityAttr(0.22)
-    sky.CreateColorAttr(Gf.Vec3f(0.72, 0.84, 1.0))
+    sky.CreateTextureFileAttr("./textures/studio.exr")
+    sky.CreateTextureFormatAttr("latlong")
+    sky.CreateIntensityAttr(0.8)
 
 
 def add_studio(stage: Usd.Stage) -> None:
-    """A checker floor that sweeps up into a plain wall; still, so that it stays sharp."""
-    turn = np.linspace(0.0, np.pi / 2, 17)[1:]
-    depth = np.concatenate([np.arange(12.0, -4.01, -0.5), -4.0 - 4.0 * np.sin(turn), [-8.0]])
-    height = np.concatenate([np.zeros(33), 4.0 - 4.0 * np.cos(turn), [16.0]])
-    across = np.arange(-16.0, 16.01, 0.5)
+    """A floor of stone tiles that sweeps up into a plain wall; still, so that it stays sharp."""
+    across = np.arange(-16.0, 16.01, 1.0)
+    depth = np.arange(14.0, -4.51, -0.5)
+    points = np.stack(
+        [np.tile(across, len(depth)), np.zeros(len(across) * len(depth)), np.repeat(depth, len(across))], axis=-1
+    )
+    faces = grid_faces(len(depth), len(across))
+    st = np.concatenate([points[list(face)][:, (0, 2)] * (0.5, -0.5) for face in faces])
+    add_mesh(stage, "/showcase/studio/floor", points, faces, "floor", st)
+    turn = np.linspace(0.0, np.pi / 2, 17)
+    depth = np.concatenate([-4.5 - 3.5 * np.sin(turn), [-8.0]])
+    height = np.concatenate([3.5 - 3.5 * np.cos(turn), [16.0]])
     points = np.stack(
         [np.tile(across, len(depth)), np.repeat(height, len(across)), np.repeat(depth, len(across))], axis=-1
     )
-    row, column = np.divmod(np.arange((len(depth) - 1) * (len(across) - 1)), len(across) - 1)
-    light, dark, wall = np.array([(0.5, 0.47, 0.43), (0.2, 0.22, 0.25), (0.1, 0.15, 0.2)])
-    colors = np.where(((row // 2 + column // 2) % 2 == 0)[:, None], light, dark)
-    # The checker fades out where the floor ends.
-    fade = np.clip((row - 26) / 10.0, 0.0, 1.0)[:, None]
-    add_mesh(
-        stage,
-        "/showcase/studio",
-        points,
-        grid_faces(len(depth), len(across)),
-        fade * wall + (1 - fade) * colors,
-        "uniform",
-    )
+    faces = grid_faces(len(depth), len(across))
+    st = np.concatenate([points[list(face)][:, :2] / (32.0, 10.0) + (0.5, 0.0) for face in faces])
+    add_mesh(stage, "/showcase/studio/wall", points, faces, "wall", st)
 
 
 def add_wheel(stage: Usd.Stage) -> None:
-    """Spokes of two colours, so that the eye can follow them; 24 degrees a frame."""
+    """Spokes of two looks, so that the eye can follow them; 24 degrees a frame."""
     base = UsdGeom.Xform.Define(stage, "/showcase/wheel")
     base.AddTranslateOp().Set(Gf.Vec3d(-2.2, 1.62, -0.3))
     base.AddRotateYOp().Set(24.0)
@@ -100,57 +105,56 @@ def add_wheel(stage: Usd.Stage) -> None:
     for frame in (FRAMES[0] - 1, FRAMES[1] + 1):
         rotation.Set(-24.0 * frame, frame)
 
-    add_mesh(stage, "/showcase/wheel/spin/tyre", *torus(1.42, 0.13, 96, 20), (0.045, 0.05, 0.06))
-    add_mesh(stage, "/showcase/wheel/spin/rim", *torus(1.27, 0.06, 96, 12), (0.75, 0.74, 0.7))
-    add_mesh(stage, "/showcase/wheel/spin/hub", *sphere(0.24, 32, 16), (0.8, 0.32, 0.05))
-    spoke_points, spoke_faces = tube((0.2, 0.0, 0.0), (1.25, 0.0, 0.0), 0.055, 12)
+    add_mesh(stage, "/showcase/wheel/spin/tyre", *torus(1.42, 0.13, 96, 20), "rubber")
+    add_mesh(stage, "/showcase/wheel/spin/rim", *torus(1.27, 0.06, 96, 12), "chrome")
+    add_mesh(stage, "/showcase/wheel/spin/hub", *sphere(0.24, 32, 16), "gold")
+    spoke_points, spoke_faces = tube((0.2, 0.0, 0.0), (1.25, 0.0, 0.0), 0.065, 12)
     for index in range(9):
         angle = np.radians(40.0 * index)
         turned = spoke_points @ np.array(
             [(np.cos(angle), np.sin(angle), 0), (-np.sin(angle), np.cos(angle), 0), (0, 0, 1)]
         )
-        color = (0.62, 0.05, 0.04) if index % 3 == 0 else (0.72, 0.6, 0.38)
-        add_mesh(stage, f"/showcase/wheel/spin/spoke_{index}", turned, spoke_faces, color)
+        look = "lacquer" if index % 3 == 0 else "brass"
+        add_mesh(stage, f"/showcase/wheel/spin/spoke_{index}", turned, spoke_faces, look)
     for side, z in (("front", 0.3), ("back", -0.3)):
         for leg, x in (("left", -0.7), ("right", 0.7)):
             points, faces = tube((0.0, 0.0, z), (x, -1.62, z * 1.6), 0.05, 16)
-            add_mesh(stage, f"/showcase/wheel/stand/{side}_{leg}", points, faces, (0.12, 0.13, 0.15))
+            add_mesh(stage, f"/showcase/wheel/stand/{side}_{leg}", points, faces, "steel")
     points, faces = tube((0.0, 0.0, -0.42), (0.0, 0.0, 0.42), 0.07, 16)
-    add_mesh(stage, "/showcase/wheel/stand/axle", points, faces, (0.12, 0.13, 0.15))
+    add_mesh(stage, "/showcase/wheel/stand/axle", points, faces, "steel")
 
 
 def add_throws(stage: Usd.Stage) -> None:
     """Bodies one after another on the same bounces: the streaks draw the parabolas."""
     instancer = UsdGeom.PointInstancer.Define(stage, "/showcase/throws")
-    colors = {
-        "ball_teal": (0.03, 0.36, 0.4),
-        "ball_orange": (0.85, 0.28, 0.03),
-        "ball_yellow": (0.85, 0.62, 0.06),
-    }
-    for name, color in colors.items():
-        add_mesh(stage, f"/showcase/throws/prototypes/{name}", *sphere(0.2, 40, 20), color)
-    add_mesh(stage, "/showcase/throws/prototypes/die", *cube(0.17), (0.62, 0.05, 0.04))
-    names = [*colors, "die"]
+    points, faces = sphere(0.25, 40, 20)
+    for look in ("gold", "copper", "silver"):
+        add_mesh(stage, f"/showcase/throws/prototypes/ball_{look}", points, faces, look)
+    add_mesh(stage, "/showcase/throws/prototypes/ball", points, faces, "ball", sphere_st(points, faces))
+    add_mesh(stage, "/showcase/throws/prototypes/die", *cube(0.2), "die", die_st())
+    names = ("ball_gold", "ball", "ball_copper", "die", "ball_silver")
     instancer.CreatePrototypesRel().SetTargets([Sdf.Path(f"/showcase/throws/prototypes/{name}") for name in names])
-    count = 10
-    instancer.CreateProtoIndicesAttr(Vt.IntArray([(0, 3, 1, 2)[i % 4] for i in range(count)]))
+    count = 7
+    instancer.CreateProtoIndicesAttr(Vt.IntArray([i % len(names) for i in range(count)]))
     tumble = np.array([(220.0 + 90 * i, 160.0 - 60 * i, 310.0) for i in range(count)])  # degrees a second
-    instancer.CreateOrientationsAttr(Vt.QuathArray(count, Gf.Quath(1, 0, 0, 0)))
-    instancer.CreateAngularVelocitiesAttr(vec3_array(tumble))
+    instancer.CreateAngularVelocitiesAttr()
     attributes = (
         instancer.CreatePositionsAttr(),
         instancer.CreateVelocitiesAttr(),
         instancer.CreateAccelerationsAttr(),
     )
     for frame in range(FRAMES[0] - 1, FRAMES[1] + 2):
-        seconds = frame / FPS + 0.075 * np.arange(count)
+        seconds = frame / FPS + 0.112 * np.arange(count)
         for attribute, values in zip(attributes, bouncing(seconds), strict=True):
             attribute.Set(vec3_array(values), frame)
+        turned = [Gf.Rotation(Gf.Vec3d(*axis), np.linalg.norm(axis) * frame / FPS).GetQuat() for axis in tumble]
+        instancer.CreateOrientationsAttr().Set(Vt.QuathArray([Gf.Quath(one) for one in turned]), frame)
+        instancer.GetAngularVelocitiesAttr().Set(vec3_array(tumble), frame)
 
 
 def bouncing(seconds: Array) -> tuple[Array, Array, Array]:
     """Positions, velocities and accelerations (a second) of a body that bounces along; float64[n, 3] each."""
-    gravity, hop, radius = 36.0, 0.5, 0.2  # m/s^2 (a heavy planet makes long streaks), s, m
+    gravity, hop, radius = 36.0, 0.5, 0.25  # m/s^2 (a heavy planet makes long streaks), s, m
     phase = np.mod(seconds, hop)
     lift = gravity * hop / 2
     zero = np.zeros_like(seconds)
@@ -166,20 +170,14 @@ def bouncing(seconds: Array) -> tuple[Array, Array, Array]:
 def add_flag(stage: Usd.Stage) -> None:
     """A travelling wave that grows away from the pole; sampled twice a frame."""
     points, faces = tube((2.05, 0.0, -1.6), (2.05, 4.35, -1.6), 0.05, 20)
-    add_mesh(stage, "/showcase/flag/pole", points, faces, (0.55, 0.55, 0.53))
-    add_mesh(
-        stage,
-        "/showcase/flag/knob",
-        sphere(0.1, 24, 12)[0] + (2.05, 4.4, -1.6),
-        sphere(0.1, 24, 12)[1],
-        (0.8, 0.32, 0.05),
-    )
+    add_mesh(stage, "/showcase/flag/pole", points, faces, "silver")
+    points, faces = sphere(0.1, 24, 12)
+    add_mesh(stage, "/showcase/flag/knob", points + (2.05, 4.4, -1.6), faces, "gold")
     rows, columns = 19, 31
     u, v = np.meshgrid(np.linspace(0.0, 1.0, columns), np.linspace(1.0, 0.0, rows))
-    stripe = np.arange((rows - 1) * (columns - 1)) // (columns - 1) // 3 % 2
-    colors = np.array([(0.62, 0.05, 0.04), (0.8, 0.74, 0.6)])[stripe]
     faces = grid_faces(rows, columns)
-    cloth = add_mesh(stage, "/showcase/flag/cloth", waving(u, v, 0.0), faces, colors, "uniform")
+    corners = np.stack([u, 1.0 - v], axis=-1).reshape(-1, 2)[np.ravel(faces)]
+    cloth = add_mesh(stage, "/showcase/flag/cloth", waving(u, v, 0.0), faces, "flag", corners)
     cloth.GetPointsAttr().Clear()
     cloth.GetNormalsAttr().Clear()
     for half_frame in range(2 * FRAMES[0] - 1, 2 * FRAMES[1] + 2):
@@ -199,95 +197,10 @@ def waving(u: Array, v: Array, seconds: float) -> Array:
     return np.stack([x, y, z], axis=-1).reshape(-1, 3)
 
 
-Faces = list[tuple[int, ...]]
-
-
-def grid_faces(rows: int, columns: int) -> Faces:
-    return [
-        (r * columns + c, r * columns + c + 1, (r + 1) * columns + c + 1, (r + 1) * columns + c)
-        for r in range(rows - 1)
-        for c in range(columns - 1)
-    ]
-
-
-def torus(major: float, minor: float, around: int, across: int) -> tuple[Array, Faces]:
-    """About the z axis."""
-    a, b = np.meshgrid(np.arange(around) * 2 * np.pi / around, np.arange(across) * 2 * np.pi / across, indexing="ij")
-    radius = major + minor * np.cos(b)
-    points = np.stack([radius * np.cos(a), radius * np.sin(a), minor * np.sin(b)], axis=-1).reshape(-1, 3)
-    faces = [
-        (
-            i * across + j,
-            (i + 1) % around * across + j,
-            (i + 1) % around * across + (j + 1) % across,
-            i * across + (j + 1) % across,
-        )
-        for i in range(around)
-        for j in range(across)
-    ]
-    return points, faces
-
-
-def sphere(radius: float, around: int, rows: int) -> tuple[Array, Faces]:
-    """About the y axis, rings from the south pole up."""
-    latitude = np.linspace(-np.pi / 2, np.pi / 2, rows + 1)[1:-1, None]
-    longitude = (np.arange(around) * 2 * np.pi / around)[None, :]
-    ring = np.stack(
-        [
-            np.cos(latitude) * np.cos(longitude),
-            np.sin(latitude) + 0 * longitude,
-            np.cos(latitude) * np.sin(longitude),
-        ],
-        axis=-1,
-    ).reshape(-1, 3)
-    points = radius * np.concatenate([[(0.0, -1.0, 0.0)], ring, [(0.0, 1.0, 0.0)]])
-    top = len(points) - 1
-    faces: Faces = []
-    for i in range(around):
-        j = (i + 1) % around
-        faces.append((0, 1 + i, 1 + j))
-        faces.append((top, top - around + j, top - around + i))
-        for r in range(rows - 2):
-            low = 1 + r * around
-            faces.append((low + i, low + around + i, low + around + j, low + j))
-    return points, faces
-
-
-def tube(start: tuple[float, ...], end: tuple[float, ...], radius: float, around: int) -> tuple[Array, Faces]:
-    """A closed cylinder between two points; its caps have vertices of their own, so that the edges stay
-    sharp."""
-    axis = np.subtract(end, start) / np.linalg.norm(np.subtract(end, start))
-    side = np.cross(axis, (0.0, 1.0, 0.0) if abs(axis[1]) < 0.9 else (1.0, 0.0, 0.0))
-    side /= np.linalg.norm(side)
-    angle = (np.arange(around) * 2 * np.pi / around)[:, None]
-    ring = radius * (np.cos(angle) * side + np.sin(angle) * np.cross(axis, side))
-    points = np.concatenate([ring + start, ring + end] * 2)
-    faces: Faces = [tuple(range(2 * around, 3 * around))[::-1], tuple(range(3 * around, 4 * around))]
-    faces += [(i, (i + 1) % around, around + (i + 1) % around, around + i) for i in range(around)]
-    return points, faces
-
-
-def cube(half: float) -> tuple[Array, Faces]:
-    """Its faces share no vertices, so that the edges stay sharp."""
-    corners = half * np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
-    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    return corners[np.ravel(sides)], [(i, i + 1, i + 2, i + 3) for i in range(0, 24, 4)]
-
-
-def smooth_normals(points: Array, faces: Faces) -> Array:
-    """Unit vertex normals, weighted by area; float64[n, 3]."""
-    normals = np.zeros_like(points)
-    for face in faces:
-        corners = points[list(face)]
-        normals[list(face)] += np.cross(corners - corners[0], np.roll(corners, -1, axis=0) - corners[0]).sum(axis=0)
-    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
-
-
 def add_mesh(
-    stage: Usd.Stage, path: str, points: Array, faces: Faces, color: object, interpolation: str = "constant"
+    stage: Usd.Stage, path: str, points: Array, faces: Faces, look: str, st: Array | None = None
 ) -> UsdGeom.Mesh:
-    """`color` is one colour, or one a face with interpolation "uniform". Edges between shared vertices are
-    smooth."""
+    """Of a material of looks.py. `st`: coordinates, one a corner of a face. Edges between shared vertices are smooth."""
     mesh = UsdGeom.Mesh.Define(stage, path)
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
     mesh.CreateFaceVertexCountsAttr(Vt.IntArray([len(face) for face in faces]))
@@ -295,13 +208,17 @@ def add_mesh(
     mesh.CreatePointsAttr(vec3_array(points))
     mesh.CreateNormalsAttr(vec3_array(smooth_normals(points, faces)))
     mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
-    mesh.CreateDisplayColorPrimvar(interpolation).Set(vec3_array(np.reshape(color, (-1, 3))))
+    if st is not None:
+        primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(
+            "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
+        )
+        primvar.Set(Vt.Vec2fArray.FromNumpy(np.ascontiguousarray(np.round(st, 5), np.float32)))
+    bind(mesh.GetPrim(), look)
     return mesh
 
 
 def vec3_array(values: Array) -> Vt.Vec3fArray:
-    """Rounded to a tenth of a millimetre: the file stays small and its differences readable."""
-    return Vt.Vec3fArray.FromNumpy(np.round(values, 4).astype(np.float32))
+    return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(np.round(values, 5), np.float32))
 
 
 if __name__ == "__main__":

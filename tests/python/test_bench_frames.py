@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shlex
+import shutil
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -22,7 +23,7 @@ from msbvh.bench.frame_scenes import SCENES
 from msbvh.bench.frame_sides import Job, old_build, rendered, this_build
 from msbvh.bench.frames import FrameSettings
 from msbvh.bench.scene_parts import CAMERA, FRAME, IRRADIANCE, RATE, SHUTTER
-from pxr import Usd, UsdGeom, UsdLux
+from pxr import Usd, UsdGeom, UsdLux, UsdShade
 
 OURS = f"{shlex.quote(sys.executable)} -m msbvh"
 QUICK = ("bench", "--frames", "--quick", "--json")
@@ -83,6 +84,37 @@ def test_a_scene_moves_as_it_says(name: str, tmp_path: Path) -> None:
 
     moved = sum(before != after for before, after in zip(pose(SHUTTER[0]), pose(SHUTTER[1]), strict=True))
     assert moved == {"rotor": 8, "cloth": 1, "parts": 100, "crowd": 150, "still": 0}[name]
+
+
+@pytest.mark.parametrize("look", ["metal", "textured"])
+def test_a_look_is_on_every_mesh(look: str, tmp_path: Path) -> None:
+    plain, dressed = tmp_path / "plain.usda", tmp_path / "dressed.usda"
+    SCENES["crowd"].write(plain, 0.05)
+    SCENES["crowd"].dressed(look).write(dressed, 0.05)
+    stage = Usd.Stage.Open(str(dressed))
+    meshes = [prim for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()) if prim.IsA(UsdGeom.Mesh)]
+    assert len(meshes) > 100
+    for prim in meshes:
+        material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
+        assert material.GetPath() == f"/looks/{look}"
+        st = UsdGeom.PrimvarsAPI(prim).GetPrimvar("st")
+        assert bool(st) == (look == "textured")
+        if st:
+            assert len(st.Get()) == len(UsdGeom.Mesh(prim).GetFaceVertexIndicesAttr().Get())
+    assert (tmp_path / "checker.png").is_file() == (look == "textured")
+    SCENES["crowd"].dressed("displayColor").write(tmp_path / "again.usda", 0.05)
+    assert (tmp_path / "again.usda").read_bytes() == plain.read_bytes()
+
+
+def test_looks_are_measured_one_after_another(msbvh: Run) -> None:
+    found = report(
+        msbvh, "--scenes", "rotor", "--looks", "displayColor,metal", "--repetitions", 1, "--reference-spp", 0
+    )
+    assert [(row["scene"], row["look"]) for row in found["rows"]] == [("rotor", "displayColor"), ("rotor", "metal")]
+    assert found["machine"]["looks"] == ["displayColor", "metal"]
+    assert all(row["cpu_s"] > 0.0 for row in found["rows"])
+    done = msbvh(*QUICK, "--looks", "velvet")
+    assert done.returncode == 2 and "velvet" in done.stderr
 
 
 # Noise, and whether two pictures are of the same scene
@@ -330,10 +362,12 @@ needs_cycles = pytest.mark.skipif(
 @needs_cycles
 @pytest.mark.slow
 def test_cycles_draws_the_same_pictures(msbvh: Run) -> None:
-    """All five scenes: motion, light, shading and colours are read alike."""
-    found = report(msbvh, "--peer", "cycles", "--peer-env", cycles_folder(), "--repetitions", 1, "--reference-spp", 512)
-    rows = [row for row in found["rows"] if row["side"] == "cycles"]
-    assert [row["scene"] for row in rows] == list(SCENES)
+    """All five scenes: motion, light, shading and colours are read alike, and all of a scene's looks."""
+    asked = ("--peer", "cycles", "--peer-env", cycles_folder(), "--repetitions", 1, "--reference-spp", 512)
+    found = report(msbvh, *asked)
+    dressed = report(msbvh, *asked, "--scenes", "still", "--looks", "metal,textured")
+    rows = [row for each in (found, dressed) for row in each["rows"] if row["side"] == "cycles"]
+    assert [row["scene"] for row in rows] == [*SCENES, "still", "still"]
     for row in rows:
         assert row["comparable"] is True, row
         assert row["trace_ratio"] > 0.0
@@ -347,6 +381,7 @@ def test_a_cycles_that_shades_smooth_is_caught(tmp_path: Path, monkeypatch: pyte
     """Means alone would let it pass: the sensitivity of the check."""
     script = Path(cycles_peer.cycles_script.__file__).read_text()
     smooth = tmp_path / "smooth.py"
+    shutil.copy(Path(cycles_peer.cycles_script.__file__).with_name("cycles_looks.py"), tmp_path)
     smooth.write_text(script.replace("mesh.shade_flat()", "mesh.shade_smooth()"))
     assert smooth.read_text() != script
     file = tmp_path / "scene.usdc"

@@ -99,17 +99,18 @@ FRAME_MACHINE = {
     "processor": "A processor", "cores": 2, "commit": "abc1234",
     "sides": {"msbvh": "msbvh 0.1.0", "cycles": "Cycles of Blender 5"},
     "resolution": [480, 320], "spp": 128, "reference_spp": 2048, "max_bounces": 2, "seed": 1, "repetitions": 3, "quick": False,
-    "scenes": ["*"], "threads": [1], "load_average": 0.0, "seconds": 7200.0,
+    "scenes": ["*"], "looks": ["displayColor"], "threads": [1], "load_average": 0.0, "seconds": 7200.0,
 }  # fmt: skip
 
 
 def frame_row(scene: str, side: str, trace: float | None, **changed: Any) -> dict[str, Any]:
-    keys = ("trace_ratio", "process_ratio", "trace_mse_ratio", "process_mse_ratio")
+    keys = ("trace_ratio", "process_ratio", "cpu_ratio", "trace_mse_ratio", "process_mse_ratio")
     ratios = dict.fromkeys(keys, trace)
     spread = {f"{key}_{end}": trace for key in keys for end in ("low", "high")}
     return {
-        "scene": scene, "says": "it moves", "threads": 1, "side": side, "read_s": 0.5, "build_s": 0.25, "trace_s": 4.0,
-        "process_s": 5.5, "start_s": 0.5, "memory_bytes": 200 << 20, "relative_mse": 0.00125, "reference_share": 0.06,
+        "scene": scene, "look": "displayColor", "says": "it moves", "threads": 1, "side": side, "read_s": 0.5, "build_s": 0.25,
+        "trace_s": 4.0, "cpu_s": 5.2, "process_s": 5.5, "start_s": 0.5, "memory_bytes": 200 << 20,
+        "relative_mse": 0.00125, "reference_share": 0.06,
         "mean_difference": None, "shape_difference": None, "comparable": None, **ratios, **spread,
     } | changed  # fmt: skip
 
@@ -122,14 +123,28 @@ def frames_page(*rows: dict[str, Any]) -> str:
     return "\n".join(performance_frames.section({"machine": FRAME_MACHINE, "rows": list(rows)}))
 
 
+def test_looks_of_frames_are_named_and_have_means_of_their_own() -> None:
+    rows = [
+        frame_row("rotor", "cycles", ratio, look=look, **alike(True))
+        for look, ratio in (("metal", 3.0), ("textured", 5.0))
+    ]
+    report = {"machine": {**FRAME_MACHINE, "looks": ["metal", "textured"]}, "rows": rows}
+    text = "\n".join(performance_frames.section(report))
+    assert "| rotor, metal | cycles |" in text and "| rotor, textured | cycles |" in text
+    assert "1 scenes, metal, 1 thread: trace 3.00" in text and "1 scenes, textured, 1 thread: trace 5.00" in text
+    assert "--looks metal,textured" in text
+    both = performance_frames.joined([report, {"machine": FRAME_MACHINE, "rows": []}])
+    assert both["machine"]["looks"] == ["metal", "textured", "displayColor"]
+
+
 def test_whole_frames_have_a_section() -> None:
     ours = [frame_row(scene, "msbvh", None) for scene in ("rotor", "cloth")]
     text = frames_page(
         *ours, frame_row("rotor", "cycles", 2.0, **alike(True)), frame_row("cloth", "cycles", 8.0, **alike(True))
     )
-    assert "| rotor | msbvh | 0.50 | 0.25 | 4.00 | 5.50 | 0.50 | 200 | 1.25e-03 | - | - | - | - |" in text
+    assert "| rotor | msbvh | 0.50 | 0.25 | 4.00 | 5.50 | 0.50 | 5.20 | 200 | 1.25e-03 | - | - | - | - | - |" in text
     assert "| 1.25e-03 | **2.00** [2.00, 2.00] | **2.00** [2.00, 2.00] |" in text
-    assert "- cycles over ours, geometric mean of 2 scenes, 1 thread: trace 4.00, process 4.00, " in text
+    assert "- cycles over ours, geometric mean of 2 scenes, displayColor, 1 thread: trace 4.00, process 4.00, " in text
     assert "| rotor | it moves | cycles | 0.10% | 0.40% | alike |" in text
     for said in ("2048 samples", "at most 6% of an error", "Diffuse BSDF", "120 minutes", "--peer cycles --threads 1"):
         assert said in text

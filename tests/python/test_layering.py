@@ -97,6 +97,7 @@ MODULE_HOMES = {
     "tqdm": {"base.progress"},
     "lz4": {"stage.crate_check"},
     "OpenImageIO": {
+        "bench.looks",
         "output.flip",
         "output.images",
         "output.reshutter",

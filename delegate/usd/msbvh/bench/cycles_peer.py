@@ -50,6 +50,7 @@ def _plain(job: Job, folder: Path) -> Mapping[str, object]:
         "rate": round(RATE),
         "shutter": SHUTTER,
         "irradiance": IRRADIANCE,
+        **_shading(job),
         "motion_steps": job.scene.motion_steps,
         "width": job.width,
         "height": job.height,
@@ -57,6 +58,20 @@ def _plain(job: Job, folder: Path) -> Mapping[str, object]:
         "spp": job.spp,
         "seed": job.seed,
         "threads": job.threads,
+    }
+
+
+def _shading(job: Job) -> Mapping[str, object]:
+    """Looks of meshes, by name or for all others, and what shines. A frame of the benchmark has one look."""
+    folder = job.file.parent
+    looks = {name: look and look.plain(folder) for name, look in job.scene.looks.items()}
+    sky = str(folder / job.scene.sky) if job.scene.sky else ""
+    return {
+        "looks": looks,
+        "smooth": job.scene.smooth,
+        "radiance": job.scene.radiance,
+        "sky": sky,
+        "dome": job.scene.dome,
     }
 
 

@@ -2,7 +2,7 @@
 
     python -I cycles_script.py JOB.json FIGURES.json
 
-It imports nothing of ours: bpy has an environment of its own. A job is what cycles_peer writes.
+It imports nothing of ours but cycles_looks beside it: bpy has an environment of its own. A job is what cycles_peer writes.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def main(arguments: Sequence[str]) -> None:
     bpy.ops.wm.usd_import(filepath=job["scene"])
     scene = bpy.context.scene
     scene.camera = bpy.data.objects[job["camera"]]
-    _look(bpy.data, job)
+    _look(bpy, job)
     _motion(bpy.data, scene, job)
     _sampling(scene, job)
     status: list[tuple[float, str]] = []
@@ -56,24 +56,27 @@ def _said(status: Status, first: str) -> float:
     raise ValueError(f"found no status '{first}', expected one of Cycles' own")
 
 
-def _look(data: Any, job: Mapping[str, Any]) -> None:
-    """A diffuse surface of displayColor on every mesh, flat as USD has it without normals; no sky."""
-    material = data.materials.new("displayColor")
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    nodes.clear()
-    colour = nodes.new("ShaderNodeAttribute")
-    colour.attribute_name = "displayColor"
-    surface, output = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
-    links.new(colour.outputs["Color"], surface.inputs["Color"])
-    links.new(surface.outputs["BSDF"], output.inputs["Surface"])
+def _look(bpy: Any, job: Mapping[str, Any]) -> None:
+    """Each mesh's surface, lights as bright as ours, and a sky where there is one."""
+    sys.path.append(str(Path(__file__).parent))  # Isolated, Python looks nowhere near a script.
+    import cycles_looks
+
+    data, made = bpy.data, {}
     for mesh in data.meshes:
+        name = mesh.name if mesh.name in job["looks"] else "*"
+        if name not in made:
+            made[name] = cycles_looks.material_of(data, job["looks"][name])
         mesh.materials.clear()
-        mesh.materials.append(material)
-        mesh.shade_flat()  # Blender's importer makes smooth what has no normals.
-    for light in data.lights:
-        light.energy = job["irradiance"]  # Blender's importer has 4 times a normalised light's intensity.
-    for world in data.worlds:
-        data.worlds.remove(world)
+        mesh.materials.append(made[name])
+        if mesh.name in job["smooth"]:
+            mesh.shade_smooth()
+        else:
+            mesh.shade_flat()  # Blender's importer makes smooth what has no normals.
+    cycles_looks.set_lights(data, job)
+    if job["dome"]:
+        cycles_looks.set_dome(data, bpy.context.scene, job["dome"])
+    if job["sky"]:
+        cycles_looks.set_sky(data, bpy.context.scene, job["sky"])
 
 
 def _motion(data: Any, scene: Any, job: Mapping[str, Any]) -> None:
@@ -98,7 +101,8 @@ def _sampling(scene: Any, job: Mapping[str, Any]) -> None:
     render.threads_mode, render.threads = "FIXED", job["threads"]
     cycles.samples, cycles.seed = job["spp"], job["seed"]
     cycles.use_adaptive_sampling = cycles.use_denoising = False
-    cycles.max_bounces = cycles.diffuse_bounces = job["bounces"]
+    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = job["bounces"]
+    cycles.blur_glossy = 0.0
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0.0
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
     cycles.debug_use_spatial_splits = True

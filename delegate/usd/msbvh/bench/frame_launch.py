@@ -28,7 +28,8 @@ def main(arguments: Sequence[str]) -> int:
         return 127
     _, status, usage = os.wait4(process, 0)
     seconds = time.perf_counter() - begin
-    figures = {"seconds": seconds, "memory_bytes": usage.ru_maxrss * 1024}
+    cpu = usage.ru_utime + usage.ru_stime
+    figures = {"seconds": seconds, "cpu_seconds": cpu, "memory_bytes": usage.ru_maxrss * 1024}
     Path(result).write_text(json.dumps(figures), encoding="utf-8")
     code = os.waitstatus_to_exitcode(status)
     return code if code >= 0 else 128 - code

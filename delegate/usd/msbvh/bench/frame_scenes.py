@@ -2,18 +2,20 @@
 
 Only what every renderer can read: triangles of constant displayColor without normals, one camera with an open shutter,
 one normalised distant light, native instances, xformOps and points with time samples. Nothing else may decide a
-comparison: no quads (whose diagonal is a renderer's own choice), no velocities, no sky, no materials.
+comparison: no quads (whose diagonal is a renderer's own choice), no velocities, no sky, no materials but those of frame_looks.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
+from .frame_looks import DISPLAY_COLOR, DOME, LOOKS, dress
+from .looks import Look
 from .scene_parts import FRAME, Shape, add_mesh, faces_for, setting, sheet, torus
 
 SAMPLES_PER_FRAME = 8
@@ -31,12 +33,34 @@ class FrameScene:
     """Defines its prims below the stage's root; the second argument scales how many faces a side has."""
     motion_steps: int
     """Cycles takes 2^n intervals over the shutter: the smallest n whose picture is that of a larger one."""
+    looks: Mapping[str, Look | None] = field(default_factory=lambda: {"*": None})
+    """Of meshes by name, or "*"; None: displayColor alone."""
+    smooth: Sequence[str] = ()
+    """Meshes with normals."""
+    radiance: float = 0.0
+    """Of its rectangular lights."""
+    sky: str = ""
+    """The image of its dome."""
+    dome: float = 0.0
+    """Radiance of a plain sky."""
+    look: str = DISPLAY_COLOR
+    """Of LOOKS: what every mesh has."""
+
+    @property
+    def title(self) -> str:
+        """Of files."""
+        return self.name if self.look == DISPLAY_COLOR else f"{self.name}-{self.look}"
+
+    def dressed(self, look: str) -> FrameScene:
+        """With one of LOOKS on every mesh."""
+        return replace(self, looks={"*": LOOKS[look]}, look=look, dome=DOME if LOOKS[look] else 0.0)
 
     def write(self, path: Path, detail: float = 1.0) -> None:
         """Writes the scene. `detail` 1 is what is published; less is smaller, for tests."""
         stage = Usd.Stage.CreateNew(str(path))
         setting(stage)
         self.fill(stage, detail)
+        dress(stage, self.look, FRAME, path.parent)
         stage.GetRootLayer().Save()
 
 

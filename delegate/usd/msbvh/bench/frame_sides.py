@@ -50,6 +50,8 @@ class Run:
     """Of each of PHASES, wall clock."""
     process: float
     """From the start of the process to its end."""
+    cpu: float
+    """Seconds that its threads ran, whatever else the machine did."""
     memory_bytes: int
     """The most that the process held at once."""
     software: str
@@ -137,7 +139,7 @@ def rendered(side: Side, job: Job, folder: Path) -> Run:
     if pixels.shape[:2] != (job.height, job.width):
         found, wanted = f"{pixels.shape[1]} x {pixels.shape[0]}", f"{job.width} x {job.height}"
         raise SceneError(f"bench: {side.name}, {job.scene.name}: found a picture of {found} pixels, expected {wanted}")
-    return Run(seconds, took["seconds"], int(took["memory_bytes"]), software, pixels)
+    return Run(seconds, took["seconds"], took["cpu_seconds"], int(took["memory_bytes"]), software, pixels)
 
 
 def launched(name: str, command: Sequence[str], threads: int, folder: Path) -> dict[str, float]:

@@ -24,6 +24,7 @@ from ..base import signals
 from ..base.atomic import check_folder
 from ..base.errors import SceneError
 from .cycles_peer import find_cycles
+from .frame_looks import DISPLAY_COLOR
 from .frame_noise import Likeness, Noise, Picture, likeness, noise
 from .frame_scenes import SCENES, FrameScene
 from .frame_sides import PHASES, Job, Run, Side, old_build, rendered, this_build
@@ -62,6 +63,8 @@ class FrameSettings:
     reference_spp: int | None = None
     """Of converged pictures; 0: none are made. None: 2048, or for a quick run 256."""
     max_bounces: int = 2
+    looks: Sequence[str] = (DISPLAY_COLOR,)
+    """Of LOOKS: each scene with each of them."""
 
     @property
     def size(self) -> tuple[int, int]:
@@ -97,7 +100,7 @@ class FrameSettings:
             raise SceneError(
                 f"--scenes {','.join(self.scenes)}: matches nothing; expected globs of {', '.join(SCENES)}"
             )
-        return found
+        return [scene.dressed(look) for look in self.looks for scene in found]
 
 
 def run(
@@ -135,6 +138,7 @@ def _about(settings: FrameSettings, software: Mapping[str, str]) -> dict[str, An
         "seed": settings.seed,
         "repetitions": settings.rounds,
         "quick": settings.quick,
+        "looks": list(settings.looks),
     }
 
 
@@ -188,7 +192,7 @@ class _Bench:
 
     def rows(self, scene: FrameScene) -> Iterator[Row]:
         """One for each number of threads and side."""
-        file = (self._folder / f"{scene.name}.usdc").absolute()
+        file = (self._folder / f"{scene.title}.usdc").absolute()
         file.unlink(missing_ok=True)
         scene.write(file, 0.12 if self._settings.quick else 1.0)
         measured = {threads: self._rounds(scene, file, threads) for threads in self._settings.thread_counts}
@@ -203,6 +207,7 @@ class _Bench:
             for side in self._sides:
                 yield {
                     "scene": scene.name,
+                    "look": scene.look,
                     "says": scene.says,
                     "threads": threads,
                     "side": side.name,
@@ -243,7 +248,7 @@ class _Bench:
     def _run(self, side: Side, scene: FrameScene, file: Path, threads: int, spp: int, seed: int) -> Run:
         width, height = self._settings.size
         job = Job(scene, file, width, height, self._settings.max_bounces, spp, seed, threads)
-        run = rendered(side, job, (self._folder / scene.name / side.name).absolute())
+        run = rendered(side, job, (self._folder / scene.title / side.name).absolute())
         self.software[side.name] = run.software
         self._done += spp / threads
         self._progress(min(self._done / self._all, 1.0))
@@ -258,6 +263,7 @@ def _cost(runs: Sequence[Run]) -> Row:
     row |= _spread("frame_s", [run.frame for run in runs])
     row |= _spread("process_s", [run.process for run in runs])
     row |= _spread("start_s", [run.start for run in runs])
+    row |= _spread("cpu_s", [run.cpu for run in runs])
     row["memory_bytes"] = max(run.memory_bytes for run in runs)
     return row
 
@@ -291,11 +297,12 @@ def _ratios(
         "trace": lambda run: run.seconds["trace"],
         "frame": lambda run: run.frame,
         "process": lambda run: run.process,
+        "cpu": lambda run: run.cpu,
     }
     for cost, of in costs.items():
         times = {side: [of(run) for run in runs[side]] for side in (name, ours)}
         row |= _over(f"{cost}_ratio", times[name], times[ours], comparable)
-        if cost == "frame":
+        if cost in ("frame", "cpu"):
             continue
         products = {
             side: [at * found.relative_mse for at, found in zip(times[side], noises[side], strict=True)]

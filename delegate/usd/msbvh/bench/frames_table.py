@@ -9,6 +9,7 @@ MEGABYTE = 1 << 20
 
 COLUMNS: Sequence[tuple[str, str, str]] = (
     ("scene", "scene", "{}"),
+    ("look", "look", "{}"),
     ("threads", "thr", "{}"),
     ("side", "side", "{}"),
     ("read_s", "read s", "{:.2f}"),
@@ -16,10 +17,12 @@ COLUMNS: Sequence[tuple[str, str, str]] = (
     ("trace_s", "trace", "{:.2f}"),
     ("start_s", "start", "{:.2f}"),
     ("process_s", "process", "{:.2f}"),
+    ("cpu_s", "CPU s", "{:.2f}"),
     ("memory_bytes", "MB", "{:.0f}"),
     ("relative_mse", "rel. MSE", "{:.2e}"),
     ("trace_ratio", "trace/ours", "{:.2f}"),
     ("process_ratio", "process/ours", "{:.2f}"),
+    ("cpu_ratio", "CPU/ours", "{:.2f}"),
     ("trace_mse_ratio", "trace x MSE/ours", "{:.2f}"),
     ("process_mse_ratio", "process x MSE/ours", "{:.2f}"),
     ("mean_difference", "mean differs", "{:.1%}"),
@@ -45,8 +48,8 @@ def cells(row: dict[str, Any]) -> list[str]:
 def voids(rows: Sequence[dict[str, Any]]) -> list[str]:
     """What cannot be compared, and why."""
     return [
-        f"void: {row['scene']}, {row['side']}: the converged pictures differ, by {row['mean_difference']:.1%} in the mean"
-        f" and {row['shape_difference']:.1%} in squares; no ratio says anything"
+        f"void: {row['scene']}, {row['look']}, {row['side']}: the converged pictures differ, by"
+        f" {row['mean_difference']:.1%} in the mean and {row['shape_difference']:.1%} in squares; no ratio says anything"
         for row in rows
         if row["comparable"] is False and row["threads"] == rows[0]["threads"]
     ]

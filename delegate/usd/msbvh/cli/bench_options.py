@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from .. import _core
+from ..bench.frame_looks import LOOKS
 from .option_types import Names, Numbers
 from .options import MAX_PIXELS_ACROSS, MAX_SPP, Decorator
 
@@ -122,13 +123,22 @@ FRAMES: Sequence[Decorator] = (
         type=click.IntRange(0, 64),
         help="With --frames: bounces of indirect light. Default: 2.",
     ),
+    click.option(
+        "--looks",
+        type=Names(tuple(LOOKS)),
+        metavar="NAME[,...]",
+        help="With --frames: what surfaces are. displayColor: diffuse. metal: rough mirrors of that colour. textured: an image of"
+        " the colour under a rough reflection. The latter two have a plain sky besides the sun. Default: displayColor.",
+    ),
 )
 
 RAYS_ONLY = ("builders", "triangles")
 RAYS_OR_FRAMES = ("threads", "repetitions")
-FRAMES_ONLY = ("old", "peer_folder", "resolution", "spp", "reference_spp", "max_bounces")
+FRAMES_ONLY = ("old", "peer_folder", "resolution", "spp", "reference_spp", "max_bounces", "looks")
 FOREIGN = {"rays": FRAMES_ONLY, "frames": RAYS_ONLY, "stability": (*RAYS_ONLY, *RAYS_OR_FRAMES, *FRAMES_ONLY)}
 """What the other benchmarks take alone."""
+OWN_DEFAULTS = ("max_bounces", "looks")
+"""Left to FrameSettings where they are not given."""
 NAMES = {"builders": "--builder", "peer_folder": "--peer-env"}
 """Of options whose parameter is called something else."""
 
@@ -154,4 +164,4 @@ def chosen_bench(options: dict[str, Any]) -> tuple[str, dict[str, Any]]:
         raise click.UsageError("--peer-env needs --peer cycles")
     left_out = {*FOREIGN[chosen], "frames", "stability"}
     kept = {name: value for name, value in options.items() if name not in left_out}
-    return chosen, {name: value for name, value in kept.items() if not (name == "max_bounces" and value is None)}
+    return chosen, {name: value for name, value in kept.items() if value is not None or name not in OWN_DEFAULTS}
