@@ -121,7 +121,9 @@ def _reference(folder: Path, stem: str) -> Path | None:
     alike = [
         path for path, word in words if len(word) > 4 and (stem.lower().startswith(word) or stem.lower().endswith(word))
     ]
-    return next((each[0] for each in (named, ending, alike, found) if len(each) == 1), None)
+    if named:
+        return named[0]
+    return next((each[0] for each in (ending, alike, found) if len(each) == 1), None)
 
 
 def _drawn(scene: Scene, options: argparse.Namespace) -> Tile:

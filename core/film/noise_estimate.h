@@ -23,8 +23,8 @@ namespace msbvh {
 
 // Pixels along the edge of those that are judged together, and have the same number of samples.
 inline constexpr std::uint32_t kNoiseSquare = 4;
-// Of linear light in the picture. Where a pixel is darker, its error is held against this: what is 5 % of black would never
-// end.
+// Of linear light in the picture. Where a pixel is darker, its error is held against this: what is 5 % of
+// black would never end.
 inline constexpr double kDarkest = 0.05;
 
 class NoiseEstimate {
@@ -51,7 +51,7 @@ class NoiseEstimate {
   double relative_variance(std::size_t pixel) const;
 
   NoiseGoal goal_;
-  double darkest_ = kDarkest;  // of the sums' light
+  double darkest_ = kDarkest;          // of the sums' light
   std::uint32_t run_ = 0, count_ = 0;  // samples of a run, and of all
   std::size_t kept_ = 0;
   std::vector<FilmSum> before_;  // sums at the end of the last run

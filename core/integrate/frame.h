@@ -39,9 +39,9 @@ struct Frame {
   std::uint32_t shutter_slices = 0;  // 0: the shutter is not kept in slices
   float texture_rate = 1.0f;         // of the widths that textures are filtered over
   float clamp_indirect = 0.0f;  // most indirect light of a path (clamp_indirect.h); 0: as much as there is
-  bool refraction = false;           // something transparent bends light
-  bool fibres = false;               // some curves scatter light as hair does
-  float exposure = 1.0f;             // FilmSettings::exposure
+  bool refraction = false;      // something transparent bends light
+  bool fibres = false;          // some curves scatter light as hair does
+  float exposure = 1.0f;        // FilmSettings::exposure
 
   const Scene& scene() const { return index.scene(); }
   Surroundings surroundings() const { return {index, world}; }

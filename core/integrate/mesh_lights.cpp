@@ -46,8 +46,8 @@ class MetMeshes {
     batch_.retraced_widths.clear();
     for (const std::uint32_t place : batch_.retraced)
       batch_.retraced_widths.push_back(frame_.textures ? batch_.widths[batch_.active[place]] : 0.0f);
-    msbvh::find_covers(frame_, batch_.retraced_rays, batch_.retraced_hits, batch_.retraced_widths, batch_.reads,
-                       batch_.by_material, batch_.found_covers);
+    msbvh::find_covers(frame_, batch_.retraced_rays, batch_.retraced_hits, batch_.retraced_widths,
+                       batch_.reads, batch_.by_material, batch_.found_covers);
   }
 
   // Past what the rays have met.

@@ -97,7 +97,7 @@ void tell_unwritten(const translate::RenderSpec& spec, const std::string& path, 
   if (!spec.rendering_space.empty() && spec.rendering_space != kLinearRec709) {
     said.push_back({Severity::kWarning, path, "renderingColorSpace",
                     message("found '", spec.rendering_space, "', expected ", kLinearRec709,
-                            ", which is rendered in through Hydra")});
+                            ", the only space that the plugin renders in")});
   }
   if (spec.material_purpose != HdTokens->full.GetString()) {
     said.push_back({Severity::kWarning, path, "materialBindingPurposes",
@@ -137,6 +137,7 @@ PassSettings pass_settings(const SettingsPrim& prim, const SdfPath& camera, Diag
 void apply(const PassSettings& wanted, Settings& settings) {
   const translate::OwnSettings& own = wanted.own;
   settings.depth_of_field = wanted.depth_of_field;
+  if (own.noise && *own.noise > 0.0 && !own.samples) settings.render.spp = translate::kMostSamplesOfNoise;
   take(settings.render.spp, own.samples);
   take(settings.render.noise.target, own.noise);
   take(settings.render.seed, own.seed);

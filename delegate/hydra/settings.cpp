@@ -128,7 +128,7 @@ const std::vector<Setting>& all_settings() {
   static const std::vector<Setting> all{
       {"Samples per pixel", keys->convergedSamplesPerPixel, VtValue(int(standard.spp)),
        count(render(&RenderSettings::spp), 1), "an integer of at least 1"},
-      {"Noise (0: every pixel takes all samples)", TfToken("msbvh:noise"),
+      {"Noise target (0: off)", TfToken("msbvh:noise"),
        VtValue(double(standard.noise.target)), apply_noise, "a number from 0 to 1"},
       {"Seed", TfToken("msbvh:seed"), VtValue(int(standard.seed)), count(render(&RenderSettings::seed), 0),
        "an integer of at least 0"},
@@ -137,7 +137,7 @@ const std::vector<Setting>& all_settings() {
       {"Threads (0: all)", keys->threadLimit, VtValue(0), count(render(&RenderSettings::threads), 0),
        "an integer of at least 0"},
       {"Show dome lights", keys->domeLightCameraVisibility, VtValue(true), apply_dome_visibility, "a bool"},
-      {"What is transparent bends light", TfToken("msbvh:refraction"), VtValue(standard.refraction),
+      {"Refraction", TfToken("msbvh:refraction"), VtValue(standard.refraction),
        apply_refraction, "a bool"},
       {"Motion tolerance in pixels", TfToken("msbvh:motionTolerance"),
        VtValue(standard_translate.motion_tolerance_pixels),

@@ -133,4 +133,4 @@ def test_lights_without_size(kind: str, normalize: bool) -> None:
     for size in filter(None, sizes):
         size.Set(0.0)
     dark = kind in ("Disk", "Cylinder", "Rect")
-    assert bool([text for text in said_of(shot) if "gives no light" in text]) is dark
+    assert bool([text for text in said_of(shot) if "emits nothing" in text]) is dark

@@ -42,6 +42,16 @@ DOCUMENT = """<?xml version="1.0"?>
   </surfacematerial>
 </materialx>
 """
+
+CIRCLE = """
+  <nodedef name="ND_a" node="a" inherit="ND_b"><output name="out" type="surfaceshader" /></nodedef>
+  <nodedef name="ND_b" node="a" inherit="ND_a"><output name="out" type="surfaceshader" /></nodedef>
+  <a name="Circle" type="surfaceshader" />
+  <surfacematerial name="Round" type="material">
+    <input name="surfaceshader" type="surfaceshader" nodename="Circle" />
+  </surfacematerial>
+</materialx>"""
+"""Definitions that inherit each other."""
 BALL = """
         def Sphere "Ball" (apiSchemas = ["MaterialBindingAPI"]) {
             rel material:binding = <%s>
@@ -127,7 +137,12 @@ def test_a_document_in_a_package_is_followed(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("text", "reason"),
-    [("<materialx", "cannot be read as MaterialX"), ("", "cannot be read as MaterialX"), (None, "no such file")],
+    [
+        ("<materialx", "cannot be read as MaterialX"),
+        ("", "cannot be read as MaterialX"),
+        (None, "no such file"),
+        (DOCUMENT.replace("</materialx>", CIRCLE), "cannot be read as MaterialX"),
+    ],
 )
 def test_a_document_that_cannot_be_read_is_named_once(text: str | None, reason: str, tmp_path: Path) -> None:
     scene = scene_of("instances", tmp_path / "shot")

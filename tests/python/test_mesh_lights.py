@@ -170,7 +170,7 @@ def test_what_cannot_shine_is_named():
     warnings = messages(shot.read(), "warning")
     assert "/Light: found no triangles that are drawn at /Nothing; it gives no light" in warnings
     assert any(w.startswith("/Empty.geometry: found no geometry, expected the path of a mesh") for w in warnings)
-    assert any(w.startswith("/Fog: volumes that shine (VolumeLightAPI) are not supported yet") for w in warnings)
+    assert any(w.startswith("/Fog: volume lights (VolumeLightAPI) are not supported yet") for w in warnings)
     assert any(w.startswith("/Odd.light:materialSyncMode: found always, expected one of") for w in warnings)
 
 
@@ -188,7 +188,7 @@ def test_portals_change_no_more_than_the_noise():
     portal.GetPrim().GetAttribute("inputs:width").Set(17.5)
     portal.GetPrim().GetAttribute("inputs:height").Set(40.0)
     result = shot.read()
-    assert any(w.startswith("/Window: no dome light names it in its portals") for w in messages(result, "warning"))
+    assert any(w.startswith("/Window: no dome light lists it in its portals") for w in messages(result, "warning"))
     dome.GetPortalsRel().SetTargets(["/Window"])
     (light,) = shot.read().scene.lights
     ((width, height, times01, places),) = light["portals"]

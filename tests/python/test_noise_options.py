@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import importlib.machinery
 import importlib.util
 import json
+import sys
+import types
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +14,12 @@ import OpenImageIO as oiio
 import pytest
 from conftest import Fails, Run
 from exr import read_exr
+from msbvh.base.errors import SceneError
+from msbvh.base.reporter import Reporter
+from msbvh.cli.main import main
+from msbvh.render.budget import Goals
+from msbvh.render.record import record as record_frames
+from msbvh.render.settings import RecordSettings, RenderSettings
 
 SMALL = ("-w", 24, "--exr-float")
 
@@ -89,7 +98,7 @@ def test_a_render_settings_prim_may_ask_for_noise(msbvh: Run, scene: Path, tmp_p
         (("--noise", 2), "1.0"),
         (("--noise", 0.1, "--min-spp", 0), "--min-spp"),
         (("--min-spp", 64), "--min-spp: expected --noise"),
-        (("--noise", 0.1, "--spp", 16), "--min-spp: found 32, expected at most --spp, 16"),
+        (("--noise", 0.1, "--spp", 16, "--min-spp", 32), "--min-spp: found 32, expected at most --spp, 16"),
         (("--noise", 0.1, "--target-flip", 0.1), "--noise and --target-flip exclude each other"),
         (("--time-limit", 0), "0"),
         (("--time-limit", "nan"), "found nan"),
@@ -104,6 +113,37 @@ def test_a_render_settings_prim_may_ask_for_noise(msbvh: Run, scene: Path, tmp_p
 )
 def test_wrong_options_are_usage_errors(fails: Fails, scene: Path, options: tuple[object, ...], expected: str) -> None:
     fails(["record", str(scene), "a.exr", *options], 2, expected)
+
+
+def test_fewer_samples_than_noise_is_judged_by_are_all_taken(msbvh: Run, scene: Path, tmp_path: Path) -> None:
+    record(msbvh, tmp_path, scene, "a.exr", "--noise", 0.1, "--spp", 16, "--aov", "sampleCount")
+    assert (layers(tmp_path / "a.exr")[0]["sampleCount"] == 16).all()
+
+
+@pytest.mark.parametrize("settings", [{"render": RenderSettings(noise=0.1)}, {"time_limit": 5.0}])
+def test_two_that_decide_the_samples_are_refused(settings: dict, scene: Path, tmp_path: Path) -> None:
+    both = RecordSettings(goals=Goals(seconds=9.0), **settings)
+    with pytest.raises(SceneError, match="decide the samples"):
+        record_frames(str(scene), [str(tmp_path / "a.exr")], both, Reporter())
+    assert not (tmp_path / "a.exr").exists()
+
+
+def test_what_is_denoised_is_a_layer_and_what_png_shows(
+    scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By a stand-in for the library, which halves: what goes to it, and where what it gives goes."""
+    halves = types.ModuleType("pyoidn")
+    halves.__spec__ = importlib.machinery.ModuleSpec("pyoidn", None)
+    halves.denoise = lambda color, albedo, normal, hdr: np.float32(0.5) * color  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "pyoidn", halves)
+    for name, more in (("raw", []), ("clean", ["--denoise"])):
+        files = [str(tmp_path / f"{name}.{end}") for end in ("exr", "png")]
+        assert main(["record", str(scene), *files, "-w", "24", "--spp", "4", "--exr-float", *more]) == 0
+    raw, clean = (layers(tmp_path / f"{name}.exr")[0] for name in ("raw", "clean"))
+    assert set(clean) == {*raw, "denoised.R", "denoised.G", "denoised.B"}
+    np.testing.assert_array_equal(clean["denoised.R"], np.float32(0.5) * np.maximum(raw["R"], 0))
+    np.testing.assert_array_equal(clean["R"], raw["R"])
+    assert (tmp_path / "raw.png").read_bytes() != (tmp_path / "clean.png").read_bytes()
 
 
 @pytest.mark.skipif(importlib.util.find_spec("pyoidn") is not None, reason="pyoidn is installed")

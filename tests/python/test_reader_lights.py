@@ -114,7 +114,7 @@ def test_lights_that_are_left_out_are_named():
     result = shot.read()
     assert len(result.scene.lights) == 1
     warnings = messages(result, "warning")
-    assert any(w.startswith("/Portal: no dome light names it in its portals") for w in warnings)
+    assert any(w.startswith("/Portal: no dome light lists it in its portals") for w in warnings)
     assert any(w.startswith("/Geometry.geometry: found no geometry") for w in warnings)
     assert "/Plugin: lights of type PluginLight are not supported yet; left out" in warnings
     assert any(w.startswith("/Light.light:filters: light filters are not supported yet") for w in warnings)

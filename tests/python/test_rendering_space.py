@@ -12,8 +12,11 @@ import pytest
 from material_stage import TYPES, write_image
 from msbvh import _core
 from msbvh.base.errors import Diagnostics
+from msbvh.base.reporter import Reporter
 from msbvh.cli.main import main
 from msbvh.look.color import CONFIG
+from msbvh.render.record import record
+from msbvh.render.settings import RecordSettings
 from msbvh.scene.reader import ReadSettings, read_frame
 from msbvh.stage.rendering_space import LINEAR_REC709, rendered, rendered_in
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdLux
@@ -163,6 +166,15 @@ def test_pictures_say_their_space_and_look_alike(tmp_path: Path) -> None:
     assert np.abs(ours[0] - aces[0]).max() <= 1.001 / 255 and ours[0][..., :3].max() > 0.5
     assert aces[1] == pytest.approx((0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767))
     assert ours[1][0] == pytest.approx(0.64) and (ours[2], aces[2]) == (LINEAR_REC709, "lin_ap1_scene")
+
+
+def test_what_is_read_decides_the_space_of_the_picture(tmp_path: Path) -> None:
+    shot = GlowingShot()
+    constant(shot, tmp_path)
+    scene, exr = tmp_path / "shot.usda", tmp_path / "out.exr"
+    shot.stage.Export(str(scene))
+    record(str(scene), [str(exr)], RecordSettings(read=ReadSettings(width=16, rendering_space="acescg")), Reporter())
+    assert oiio.ImageInput.open(str(exr)).spec().get_string_attribute("oiio:ColorSpace") == "lin_ap1_scene"
 
 
 def test_render_settings_ask_for_a_space_unless_an_option_does(tmp_path: Path) -> None:

@@ -15,7 +15,8 @@ from displaced_stages import Displaced
 from limit_surface import Cage
 from msbvh import _core
 from msbvh.base.reporter import Reporter
-from msbvh.render.record import RecordSettings, RenderSettings, record
+from msbvh.render.record import record
+from msbvh.render.settings import RecordSettings, RenderSettings
 from msbvh.scene.implicit import IMPLICIT_TYPES
 from msbvh.scene.reader import ReadSettings
 from pxr import Gf, Sdf, UsdGeom

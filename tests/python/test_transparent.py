@@ -101,7 +101,7 @@ def test_what_is_no_hair_is_named() -> None:
     strand.SetNormalsInterpolation("vertex")
     result = read_frame(shot.stage, 10.0, diagnostics=Diagnostics())
     assert not asked(result)["fibre"]
-    assert any("these curves have normals" in str(each) for each in result.diagnostics)
+    assert any("curves with normals are flat ribbons" in str(each) for each in result.diagnostics)
 
 
 def test_a_constant_normal_is_bent_along_st() -> None:

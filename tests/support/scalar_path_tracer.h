@@ -154,14 +154,9 @@ class ScalarPathTracer {
         continue;
       }
       cover.bends = passes;
-      vertex = {surface_at(frame_.scene(), source, hit, ray),
-                {},
-                {},
-                cover,
-                hit.t,
-                width,
-                source.light_group(),
-                frame_.lights.mesh_at(source) != nullptr};
+      vertex = {
+          surface_at(frame_.scene(), source, hit, ray), {}, {}, cover, hit.t, width, source.light_group(),
+          frame_.lights.mesh_at(source) != nullptr};
       if (specular() || effects_.has(Effect::kTextures)) add_look(source, hit, ray, within, vertex);
       return true;
     }
@@ -217,9 +212,8 @@ class ScalarPathTracer {
                         std::uint32_t depth, FilmSample& result) const {
     const float random = sampler.pair(Dimension::kLightPick, depth).x;
     for (std::uint32_t i = 0; i < frame_.lights.picks(); ++i) {
-      const LightPick pick =
-          frame_.lights.pick(i, random, vertex.surface.position,
-                             lit_side(vertex.special, vertex.surface.shading_normal));
+      const LightPick pick = frame_.lights.pick(i, random, vertex.surface.position,
+                                                lit_side(vertex.special, vertex.surface.shading_normal));
       if (!holds_group(pick.light->lit_groups, vertex.light_group)) continue;
       result.radiance +=
           sampled_light(sampler.pair(Dimension::kLight, depth, i), vertex, throughput, time, pick);
@@ -248,8 +242,8 @@ class ScalarPathTracer {
     if (!holds_group(light.light->lit_groups, vertex.light_group)) return {};
     const SurfaceHit& surface = vertex.surface;
     const LightValues values = values_at(*light.light, ray.time);
-    const float expected = frame_.lights.expected(light, surface.position,
-                                                  lit_side(vertex.special, surface.shading_normal));
+    const float expected =
+        frame_.lights.expected(light, surface.position, lit_side(vertex.special, surface.shading_normal));
     const float share = power_heuristic(pdf, expected * light.mesh->pdf(ray.dir, hit, ray.time)) * left;
     Vec3f carried = throughput * values.diffuse;
     if (specular()) {

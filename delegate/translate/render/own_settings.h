@@ -12,6 +12,9 @@
 
 namespace msbvh::translate {
 
+// Of a pixel, where its noise decides how many it takes and nobody says how many there are at most.
+inline constexpr std::uint32_t kMostSamplesOfNoise = 1024;
+
 // What is authored, and makes sense.
 struct OwnSettings {
   std::optional<std::int64_t> samples;  // msbvh:samplesPerPixel, at least 1

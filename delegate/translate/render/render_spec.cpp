@@ -165,7 +165,7 @@ std::string rendering_space(const RenderSettingsInput& input, PrimLog& log) {
   if (is_among(kLinearRec709, found)) return std::string(kLinearRec709[0]);
   if (is_among(kAcesCg, found)) return std::string(kAcesCg[0]);
   log.warn("renderingColorSpace",
-           message("found '", found, "', expected ", kLinearRec709[0], " or ", kAcesCg[0], "; left out"));
+           message("found '", found, "', expected ", kLinearRec709[0], " or ", kAcesCg[0], "; ignored"));
   return {};
 }
 

@@ -283,7 +283,7 @@ bool is_fibre(const MeshInput& input, PrimLog& optional) {
   const bool sound = named->primvar.interpolation == "constant" && (first == 0.0f || first == 1.0f);
   if (!sound) {
     optional.warn(full_name(*named), message("found ", named->primvar.interpolation, ", ", first,
-                                             "; expected constant, 0 or 1; no hair"));
+                                             "; expected constant, 0 or 1; not shaded as hair"));
   }
   return sound && first == 1.0f;
 }
@@ -309,7 +309,7 @@ Curves RoundShape::curves(const MeshInput& input, const MovingArray& points, con
   out.span_curves = curves_->span_curves;
   out.fibre = is_fibre(input, optional);
   if (out.fibre && style_ == CurveShape::kOriented) {
-    optional.warn("primvars:msbvh:fibre", "hair is round, and these curves have normals; no hair");
+    optional.warn("primvars:msbvh:fibre", "curves with normals are flat ribbons; not shaded as hair");
     out.fibre = false;
   }
   add_primvars(input, materials, max_segments, out, optional);

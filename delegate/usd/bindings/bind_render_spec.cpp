@@ -134,6 +134,7 @@ void bind_specs(nb::module_& m) {
       .def_ro("motion_blur", &ProductSpec::motion_blur)
       .def_ro("depth_of_field", &ProductSpec::depth_of_field)
       .def_ro("vars", &ProductSpec::vars);
+  m.attr("MOST_SAMPLES_OF_NOISE") = kMostSamplesOfNoise;
   nb::class_<OwnSettings>(m, "OwnSettings")
       .def_ro("samples", &OwnSettings::samples)
       .def_ro("seed", &OwnSettings::seed)

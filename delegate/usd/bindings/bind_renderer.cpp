@@ -351,27 +351,28 @@ void bind_renderer(nb::module_& m) {
   const RenderSettings defaults;
   const auto def_with_settings = [&defaults](nb::class_<Renderer>& renderer, const char* name,
                                              const auto& function) {
-    renderer.def(
-        name, function, nb::arg("scene"), nb::kw_only(), nb::arg("width"), nb::arg("height"),
-        nb::arg("spp") = defaults.spp, nb::arg("seed") = defaults.seed,
-        nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
-        nb::arg("show_domes") = defaults.show_domes, nb::arg("builder") = "msbvh", nb::arg("layout") = "full",
-        nb::arg("refit") = "auto", nb::arg("keep_topology") = defaults.build.keep_topology,
-        nb::arg("aovs") = std::vector<std::string>(), nb::arg("sampler") = "sobol",
-        nb::arg("split_budget") = defaults.build.spatial_split_budget,
-        nb::arg("sample_stages") = defaults.sample_stages, nb::arg("film") = FilmSettings(),
-        nb::arg("texture_memory_mb") = double(defaults.textures.memory_limit_bytes >> 20),
-        nb::arg("noise") = defaults.noise.target, nb::arg("min_spp") = defaults.noise.min_spp,
-        nb::arg("clamp_indirect") = defaults.clamp_indirect, nb::arg("texture_rate") = defaults.texture_rate,
-        nb::arg("refraction") = defaults.refraction,
-        nb::arg("rendering_space") = defaults.textures.rendering_space);
+    renderer.def(name, function, nb::arg("scene"), nb::kw_only(), nb::arg("width"), nb::arg("height"),
+                 nb::arg("spp") = defaults.spp, nb::arg("seed") = defaults.seed,
+                 nb::arg("max_bounces") = defaults.max_bounces, nb::arg("threads") = defaults.threads,
+                 nb::arg("show_domes") = defaults.show_domes, nb::arg("builder") = "msbvh",
+                 nb::arg("layout") = "full", nb::arg("refit") = "auto",
+                 nb::arg("keep_topology") = defaults.build.keep_topology,
+                 nb::arg("aovs") = std::vector<std::string>(), nb::arg("sampler") = "sobol",
+                 nb::arg("split_budget") = defaults.build.spatial_split_budget,
+                 nb::arg("sample_stages") = defaults.sample_stages, nb::arg("film") = FilmSettings(),
+                 nb::arg("texture_memory_mb") = double(defaults.textures.memory_limit_bytes >> 20),
+                 nb::arg("noise") = defaults.noise.target, nb::arg("min_spp") = defaults.noise.min_spp,
+                 nb::arg("clamp_indirect") = defaults.clamp_indirect,
+                 nb::arg("texture_rate") = defaults.texture_rate, nb::arg("refraction") = defaults.refraction,
+                 nb::arg("rendering_space") = defaults.textures.rendering_space);
   };
   nb::class_<Renderer> renderer(m, "Renderer");
-  def_with_settings(renderer, "__init__",
-                    &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t,
-                          std::uint32_t, bool, const std::string&, const std::string&, const std::string&,
-                          bool, const std::vector<std::string>&, const std::string&, float, bool,
-                          const FilmSettings&, double, float, std::uint32_t, float, float, bool, const std::string&>);
+  def_with_settings(
+      renderer, "__init__",
+      &init<std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, std::uint32_t, bool,
+            const std::string&, const std::string&, const std::string&, bool, const std::vector<std::string>&,
+            const std::string&, float, bool, const FilmSettings&, double, float, std::uint32_t, float, float,
+            bool, const std::string&>);
   def_with_settings(renderer, "commit", &commit_scene);
   renderer.def("render", &render, nb::arg("progress") = nb::none())
       .def("render_with_aovs", &render_with_aovs, nb::arg("progress") = nb::none())

@@ -2,6 +2,7 @@
 
 The command line is `msbvh` (msbvh.cli.main). From Python:
 
-    from msbvh.render.record import RecordSettings, record
-    record("shot.usda", ["shot.exr"], RecordSettings(spp=64))
+    from msbvh.render.record import record
+    from msbvh.render.settings import RecordSettings, RenderSettings
+    record("shot.usda", ["shot.exr"], RecordSettings(render=RenderSettings(spp=64)))
 """

@@ -67,6 +67,7 @@ from ._core_materials import displacement as displacement
 from ._core_materials import evaluated_inputs as evaluated_inputs
 from ._core_materials import preview_surface as preview_surface
 from ._core_materials import surface_rank as surface_rank
+from ._core_render_spec import MOST_SAMPLES_OF_NOISE as MOST_SAMPLES_OF_NOISE
 from ._core_render_spec import NamedSetting as NamedSetting
 from ._core_render_spec import OwnSettings as OwnSettings
 from ._core_render_spec import ProductSpec as ProductSpec

@@ -98,6 +98,9 @@ class ProductSpec:
     def vars(self) -> list[RenderVarSpec]:
         """Empty: colour."""
 
+MOST_SAMPLES_OF_NOISE: int
+"""Of a pixel, where its noise decides and nobody says how many there are at most."""
+
 class OwnSettings:
     """What is authored in the namespace msbvh, and makes sense."""
 

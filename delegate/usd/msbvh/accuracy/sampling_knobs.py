@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from .._core import MOST_SAMPLES_OF_NOISE
 from .facts import SceneFacts
 from .knobs import Knob, Step, steps_of
 
 SAMPLES = (1, 4, 16, 64, 256)
 BOUNCES = (0, 1, 2, 4, 8)
 NOISE = (0.2, 0.1, 0.05)
-MOST_OF_NOISE = 1024
-"""Samples of a pixel where its noise decides."""
 TEXTURE_RATES = (4.0, 2.0, 1.0, 0.5)
 MOST_BOUNCES = 8
 """Stands for paths without an end."""
@@ -30,7 +29,7 @@ def _samplers(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:
 
 
 def _noise(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:
-    return {"": steps_of("noise", NOISE[:2] if few else NOISE, spp=MOST_OF_NOISE)}
+    return {"": steps_of("noise", NOISE[:2] if few else NOISE, spp=MOST_SAMPLES_OF_NOISE)}
 
 
 def _texture_rates(facts: SceneFacts, few: bool) -> Mapping[str, Sequence[Step]]:

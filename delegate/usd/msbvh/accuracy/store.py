@@ -34,10 +34,10 @@ LARGE = 1 << 26
 def fingerprint(stage: Usd.Stage) -> str:
     """Of all layers that a stage is made of, and of the files that they name, textures say: by content, large ones by size and
     time of change."""
-    layers = sorted(stage.GetUsedLayers(), key=lambda layer: str(layer.identifier))
     with tf_messages(Diagnostics()):  # What cannot be found has been said when the stage was opened.
         _, assets, _ = UsdUtils.ComputeAllDependencies(Sdf.AssetPath(stage.GetRootLayer().identifier))
-    told = [*(_told(layer) for layer in layers), *(_file(str(asset)) for asset in sorted(map(str, assets)))]
+    layers = sorted(map(_told, stage.GetUsedLayers()))  # By text: names of anonymous ones change from run to run.
+    told = [*layers, *(_file(str(asset)) for asset in sorted(map(str, assets)))]
     return hashlib.sha256("".join(told).encode()).hexdigest()
 
 

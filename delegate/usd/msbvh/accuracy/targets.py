@@ -142,6 +142,8 @@ class _Search:
             )
         best = min(fitting, key=lambda point: point.error.relative_mse if point.error else math.inf)
         for _ in range(ATTEMPTS):
+            if "noise" in best.options.plain():
+                break  # It decides the samples.
             samples = _samples_in(best, wanted)
             if samples <= int(best.options.get("spp", 16)):
                 break

@@ -36,6 +36,6 @@ def exposure_scale(prim: Usd.Prim, shutter: Shutter, diagnostics: Diagnostics) -
     if 0.0 <= scale < float("inf"):
         return scale
     values = ", ".join(f"{name} {given:g}" for name, given in zip(_ATTRIBUTES, found, strict=True))
-    message = f"found {values}, which brighten the picture {scale:g} times; expected a finite number from 0 on; took 1"
+    message = f"found {values}: an exposure scale of {scale:g}; expected a finite scale of at least 0; took 1"
     diagnostics.warning(str(prim.GetPath()), "exposure", message)
     return 1.0

@@ -183,6 +183,8 @@ def _shared(ctx: click.Context, options: dict[str, Any]) -> list[str]:
         found += ["--mask", ",".join(options["mask"])]
     if options["disable_camera_light"]:
         found += ["--disableCameraLight"]
+    if options["disable_exposure"]:
+        found += ["--disableExposureCompensation"]
     for name in ("conform", "purposes", "max_instances"):
         if ctx.get_parameter_source(name) is not click.core.ParameterSource.DEFAULT:
             value = options[name]

@@ -47,6 +47,9 @@ def read_one_frame(
     asked = asked_of(stage, choice, time, diagnostics)
     if asked is not None:
         settings = applied_to_reading(asked, settings, choice.given, diagnostics)
+        own = asked.spec.own
+        if "refraction" in options and "refraction" not in choice.given and own.refraction is not None:
+            options["refraction"] = own.refraction
     report(diagnostics, reporter)
     with reading_progress(time) as progress:
         result = read_frame(stage, time, settings, progress=progress, found=log)

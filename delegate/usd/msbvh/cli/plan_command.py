@@ -17,10 +17,11 @@ from ..render.record import report
 from ..scene.reader import ReadResult
 from .frame_options import read_one_frame
 from .options import MAX_SPP, ONE_FRAME, SCENE, with_options
-from .render_options import MAX_BOUNCES
+from .render_options import MAX_BOUNCES, REFRACTION
 
 OPTIONS = (
     MAX_BOUNCES,
+    REFRACTION,
     click.option(
         "--rays",
         type=click.IntRange(0, 1_000_000),
@@ -63,9 +64,15 @@ def plan_command(
     report(result.diagnostics, reporter)
     wanted = result.settings.max_bounces  # The option's, or that of render settings.
     bounces = options["max_bounces"] if wanted is None else wanted
-    frame_rays = _traced(result, rays, spp if measure else 0, bounces)
+    refraction = options["refraction"]  # Likewise.
+    frame_rays = _traced(result, rays, spp if measure else 0, bounces, refraction)
     found = plan_report(
-        result.scene, frame_rays, max_bounces=bounces, left_out=result.left_out, coarser=result.coarser_tracks
+        result.scene,
+        frame_rays,
+        max_bounces=bounces,
+        refraction=refraction,
+        left_out=result.left_out,
+        coarser=result.coarser_tracks,
     )
     if as_json:
         said = {"warnings": reporter.warnings, "errors": reporter.errors}
@@ -75,8 +82,10 @@ def plan_command(
     return DONE
 
 
-def _traced(result: ReadResult, rays: int, spp: int, bounces: int) -> Traced:
+def _traced(result: ReadResult, rays: int, spp: int, bounces: int, refraction: bool) -> Traced:
     size = result.camera.width, result.camera.height
     label, patience = ("measuring", 0.0) if spp else ("predicting", PATIENCE_SECONDS)
     with Progress(f"msbvh: {label}", delay_seconds=patience) as progress:
-        return traced(result.scene, size, rays=rays, spp=spp, max_bounces=bounces, progress=progress)
+        return traced(
+            result.scene, size, rays=rays, spp=spp, max_bounces=bounces, refraction=refraction, progress=progress
+        )

@@ -13,7 +13,8 @@ from ..base.reporter import Reporter
 from ..farm.frames import check_single_outputs, frame_jobs
 from ..look.color import ColorCorrection, ColorError
 from ..output.images import ImageSettings
-from ..render.record import FrameJob, RecordSettings, RenderSettings, record
+from ..render.record import record
+from ..render.settings import FrameJob, RecordSettings, RenderSettings
 from .budget_options import GOALS, check_mergeable, goals_from
 from .film_options import FILM, film_of
 from .frame_options import check_text, parse, read_settings, settings_choice

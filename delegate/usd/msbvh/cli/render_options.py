@@ -27,11 +27,11 @@ MAX_BOUNCES = click.option(
 )
 
 REFRACTION = click.option(
-    "--refraction",
-    is_flag=True,
-    help="Bend light that passes what is transparent (UsdPreviewSurface's opacity, opacityMode transparent) by its ior. Every"
-    " surface that it passes is a bounce: glass wants --max-bounces 4 or more. Alpha is 1 there, and its shadow is lit"
-    " by bounces alone: noisy, and not at all by lights without a size. Without: seen straight through.",
+    "--refraction/--no-refraction",
+    default=False,
+    help="Refract light through transparent surfaces (UsdPreviewSurface, opacityMode transparent) by their ior. Each surface"
+    " crossed is a bounce: glass needs --max-bounces 4 or more. Alpha is 1 there. Light reaches what is behind glass by"
+    " bounces only: noisy, and none from lights without a size. Without it, one sees straight through.",
 )
 
 RENDER: Sequence[Decorator] = (
@@ -102,8 +102,8 @@ RENDER: Sequence[Decorator] = (
         default=1.0,
         show_default=True,
         metavar="FACTOR",
-        help="Width that textures are filtered over, times that of a ray's footprint. Above 1: softer, and fewer texels are"
-        " read. Below: sharper with enough samples, noisier with few.",
+        help="Texture filter width, as a multiple of the ray's footprint. Above 1: softer, fewer texels read. Below 1:"
+        " sharper with enough samples, noisier with few.",
     ),
     click.option(
         "--rendering-space",
@@ -111,7 +111,8 @@ RENDER: Sequence[Decorator] = (
         default=LINEAR_REC709,
         show_default=True,
         help="Colour space to render in. Colours of textures, materials, lights and primvars are converted to it; EXR files"
-        " hold it and say so, display formats are converted from it. acescg: wider, for pictures that go on to compositing.",
+        " are in this space and tagged with it; display formats are converted from it. acescg: wider gamut, for"
+        " compositing.",
     ),
     click.option(
         "--layout",

@@ -53,7 +53,7 @@ def _name_no_area(prim: Usd.Prim, kind: str, context: FrameContext) -> None:
         attribute = prim.GetAttribute(f"inputs:{name}")
         if attribute and not any_but(0.0, attribute, context.shutter):
             context.diagnostics.group(
-                str(prim.GetPath()), f"inputs:{name}", f"found 0: this {kind} light gives no light"
+                str(prim.GetPath()), f"inputs:{name}", f"found 0: a {kind} light without area emits nothing"
             )
 
 

@@ -131,9 +131,9 @@ def _name_filters(prim: Usd.Prim, context: FrameContext) -> None:
 
 def _left_out(prim: Usd.Prim) -> str:
     if prim.GetTypeName() == "PortalLight":
-        return "no dome light names it in its portals; it guides nothing, which changes no more than the noise"
+        return "no dome light lists it in its portals; ignored (portals only reduce noise)"
     if prim.HasAPI(UsdLux.VolumeLightAPI):
-        return "volumes that shine (VolumeLightAPI) are not supported yet; left out"
+        return "volume lights (VolumeLightAPI) are not supported yet; left out"
     return f"lights of type {prim.GetTypeName() or 'none'} are not supported yet; left out"
 
 

@@ -37,7 +37,7 @@ class Portals:
         guides: list[Portal] = []
         for path in portal_targets(dome):
             if path not in self.found:
-                message = f"found {path}, expected a PortalLight; it guides nothing"
+                message = f"found {path}, expected a PortalLight; ignored"
                 context.diagnostics.warning(str(dome.GetPath()), "portals", message)
             guides.extend(self.found.get(path, []))
         return guides

@@ -33,6 +33,7 @@ def traced(
     rays: int,
     spp: int,
     max_bounces: int,
+    refraction: bool = False,
     progress: Callable[[float], object] | None = None,
 ) -> Traced:
     """By `rays` camera rays and a pilot of some more, and by a render of `spp` samples a pixel; 0: not that. `size`: the frame's,
@@ -45,21 +46,31 @@ def traced(
     turn = pilot_work / max(1, pilot_work + frame_work)
     costs, pilot, stages = None, [], []
     if rays:
-        renderer = _renderer(scene, small, pilot_samples, max_bounces)
+        renderer = _renderer(scene, small, pilot_samples, max_bounces, refraction)
         costs = renderer.ray_costs(camera_samples=rays)
         renderer.render_samples(0, pilot_samples, _part(progress, 0.0, turn))
         pilot = renderer.statistics["stages"]
         del renderer  # Its trees make room for the frame's.
     if spp:
-        renderer = _renderer(scene, size, spp, max_bounces)
+        renderer = _renderer(scene, size, spp, max_bounces, refraction)
         renderer.render(_part(progress, turn, 1.0))
         stages = renderer.statistics["stages"]
     return Traced(costs if costs and costs["prims"] else None, pilot, stages)
 
 
-def _renderer(scene: _core.Scene, size: tuple[int, int], spp: int, max_bounces: int) -> _core.Renderer:
+def _renderer(
+    scene: _core.Scene, size: tuple[int, int], spp: int, max_bounces: int, refraction: bool
+) -> _core.Renderer:
     width, height = size
-    return _core.Renderer(scene, width=width, height=height, spp=spp, max_bounces=max_bounces, sample_stages=True)
+    return _core.Renderer(
+        scene,
+        width=width,
+        height=height,
+        spp=spp,
+        max_bounces=max_bounces,
+        refraction=refraction,
+        sample_stages=True,
+    )
 
 
 def _part(progress: Callable[[float], object] | None, begin: float, end: float) -> Callable[[float], object] | None:

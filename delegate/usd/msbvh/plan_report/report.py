@@ -65,13 +65,14 @@ def plan_report(
     frame_rays: Traced | None = None,
     *,
     max_bounces: int = 2,
+    refraction: bool = False,
     left_out: Sequence[_core.LeftOut] = (),
     coarser: CoarserTracks = NO_TRACKS,
 ) -> PlanReport:
     """`frame_rays`: None, nothing was traced; `left_out`, `coarser`: what reading the scene left out, and what it gave fewer
     keys. Raises _core.Error for a scene that is wrong."""
     frame_rays = frame_rays or Traced()
-    found = _core.effects(scene, max_bounces=max_bounces)
+    found = _core.effects(scene, max_bounces=max_bounces, refraction=refraction)
     shares = ray_shares(found, frame_rays.costs) if frame_rays.costs else {}
     predicted = measured_effects(found, frame_rays.pilot, frame_rays.costs)
     measured = measured_effects(found, frame_rays.stages, frame_rays.costs)

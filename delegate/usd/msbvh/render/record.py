@@ -24,91 +24,16 @@ from ..output.outputs import Outputs
 from ..output.stats import FrameStats, RunStats
 from ..plan_report.measured import measured_effects
 from ..plan_report.ray_shares import ray_shares
-from ..render_settings.asked import SettingsChoice, applied_to_reading, asked_of, own_render_settings
-from ..render_settings.layers import FileLayers, file_layers, tell_unwritten
 from ..scene.reader import ReadResult, ReadSettings, read_frame
 from ..stage.opening import open_stage
-from ..stage.rendering_space import LINEAR_REC709
 from ..stage.stage_metadata import frames_per_second, start_time
-from .budget import AIM, Goals, writing_seconds
+from .budget import AIM, writing_seconds
 from .budget_told import tell_budget
-from .film import Film, film_settings
+from .film import film_settings
 from .fine_enough import FineEnough
 from .frame_layers import Rendered, frame_layers
-from .sampling import (
-    Wanted,
-    clash_with_noise,
-    rendered_aovs,
-    time_limit_note,
-    traced,
-    with_denoised,
-)
-
-
-@dataclass(frozen=True)
-class RenderSettings:
-    """How the renderer samples; see core/api/renderer.h for what each costs."""
-
-    spp: int = 64
-    seed: int = 0
-    max_bounces: int = 2
-    threads: int = 0
-    """0: all."""
-    show_domes: bool = False
-    """Whether dome lights are seen behind the scene (usdrecord's --enableDomeLightVisibility)."""
-    builder: str = "msbvh"
-    layout: str = "full"
-    """Of the trees, full or compact: core/build/settings.h."""
-    aovs: tuple[str, ...] = ()
-    """What is written beside colour, of _core.aov_names()."""
-    refit: str = "auto"
-    """What a frame's trees take over from those of the frame before: core/build/settings.h."""
-    sampler: str = "sobol"
-    """core/integrate/sampler.h."""
-    split_budget: float = 1.0
-    """References that spatial splits may add, as a share of the triangles: core/build/settings.h."""
-    sample_stages: bool = False
-    """Whether the renderer's statistics say what its threads were found at."""
-    film: Film = Film()
-    refraction: bool = False
-    """Whether what is transparent bends light by its ior."""
-    texture_memory_mb: float = 1024.0
-    """Of texels that are kept, at most: core/texture/texture_cache.h."""
-    texture_rate: float = 1.0
-    """Times the widths that textures are filtered over."""
-    noise: float = 0.0
-    """Relative error that a pixel may keep, core/film/noise_goal.h; spp is then the most. 0: off."""
-    min_spp: int = 32
-    clamp_indirect: float = 0.0
-    """Most indirect light of a sample, which is lost above; 0: off."""
-    rendering_space: str = LINEAR_REC709
-    """That textures are converted to; the same as of what is read, and of the picture."""
-
-
-@dataclass(frozen=True)
-class RecordSettings:
-    """Everything about a recording but the scene and the files."""
-
-    read: ReadSettings = ReadSettings()
-    render: RenderSettings = RenderSettings()
-    image: ImageSettings = ImageSettings()
-    mask: tuple[str, ...] = ()
-    """Prims that the stage is limited to; empty: all."""
-    stats: Path | None = None
-    """Where the run's figures go, as JSON."""
-    goals: Goals = Goals()
-    """What every frame has to keep."""
-    time_limit: float | None = None
-    """Seconds of a frame after which no more samples are taken, from its reading on."""
-    denoise: bool = False
-    """Whether a denoised picture is written beside the raw one."""
-    ray_costs: bool = False
-    """Whether they say what rays cost: Renderer.ray_costs()."""
-    choice: SettingsChoice | None = None
-    """Which render settings prim counts; None: none does, not even one that the stage's metadata names."""
-    layers: FileLayers | None = None
-    """Of .exr files, with the formats of their channels; None: render.aovs under their own names."""
-
+from .sampling import Wanted, rendered_aovs, time_limit_note, traced, with_denoised
+from .settings import FrameJob, RecordSettings, RenderSettings, asked_settings, check_samples, in_one_space
 
 TRACK_FIELDS = (
     "path",
@@ -137,8 +62,6 @@ NOTHING_SEEN = (
 )
 MOTION_AOVS = {"forward", "backward", "motionCurve"}
 NO_MOTION = "AOVs of motion are 0: the shutter is closed; expected an open one, as by --shutter -0.25:0.25"
-FrameJob = tuple[float | None, Sequence[str]]
-"""A time code (None: USD's default time) and the files that its image is written to."""
 
 
 def record(
@@ -150,6 +73,8 @@ def record(
     be written, OutputClash for one that must not be, ColorError for an unknown display or view. Every file is
     checked before the first frame.
     """
+    settings = in_one_space(settings)
+    check_samples(settings)
     settings.image.color.resolve()
     images = [file for job in jobs for file in ([job] if isinstance(job, str) else job[1])]
     outputs = Outputs(images, settings.stats)
@@ -163,7 +88,7 @@ def record(
     report(diagnostics, reporter)
     outputs.check_stage(stage)
     frame_jobs = _frame_jobs(jobs, stage)
-    settings = with_render_settings(stage, frame_jobs, settings, reporter)
+    settings = _with_render_settings(stage, frame_jobs, settings, reporter)
     run.settings = _plain(settings)
     rendered = replace(settings.render, aovs=_sampling(settings).aovs, sample_stages=settings.ray_costs)
     kept = Kept(Trees(rendered, len(frame_jobs)), _core.RefinementCache(), FineEnough())
@@ -176,40 +101,11 @@ def record(
     return run
 
 
-def with_render_settings(
+def _with_render_settings(
     stage: Usd.Stage, jobs: Sequence[FrameJob], settings: RecordSettings, reporter: Reporter
 ) -> RecordSettings:
-    """The settings as a render settings prim changes them. Raises SceneError where the one that is asked for is not
-    there."""
-    if settings.choice is None:
-        return settings
-    frame, files = jobs[0]
-    diagnostics, given = Diagnostics(), settings.choice.given
-    asked = asked_of(stage, settings.choice, frame, diagnostics)
-    if asked is not None:
-        layers = file_layers(asked, settings.render.aovs, diagnostics)
-        tell_unwritten(asked, files, diagnostics)
-        image = settings.image
-        if layers.color_half is not None and "exr_float" not in given:
-            image = replace(image, exr_float=not layers.color_half)
-        read = applied_to_reading(asked, settings.read, given, diagnostics)
-        space = read.rendering_space
-        image = replace(image, color=replace(image.color, rendering_space=space))
-        own = own_render_settings(asked.spec.own, given)
-        clash = clash_with_noise(settings.goals, settings.render.film)
-        if own.get("noise") and clash:
-            diagnostics.warning(asked.path, "msbvh:noise", f"ignored: {clash}")
-            del own["noise"]
-            if asked.spec.own.samples is None:
-                own.pop("spp", None)
-        settings = replace(
-            settings,
-            read=replace(read, keep_faces="elementId" in layers.aovs, keep_st="st" in layers.aovs),
-            render=replace(settings.render, aovs=layers.aovs, rendering_space=space, **own),
-            image=image,
-            layers=layers,
-        )
-        diagnostics.note("", "", f"render settings: {asked.path}")
+    diagnostics = Diagnostics()
+    settings = asked_settings(stage, jobs[0], settings, diagnostics)
     report(diagnostics, reporter)
     return settings
 
@@ -267,7 +163,8 @@ def _record_frame(
     read_seconds: float,
 ) -> FrameStats:
     stats, begin = FrameStats(frame, list(files)), time.perf_counter() - read_seconds
-    ends = begin + (settings.time_limit or AIM * (settings.goals.seconds or math.inf))
+    limit = settings.time_limit
+    ends = begin + (AIM * (settings.goals.seconds or math.inf) if limit is None else limit)
     stats.seconds["read"] = read_seconds
     before = kept.refinements.counts
     with stats.timed("sample"), reading_progress(frame) as progress:
@@ -333,7 +230,7 @@ def _read(stage: Usd.Stage, frame: float | None, progress: Progress, kept: Kept,
 def _sampling(settings: RecordSettings) -> Wanted:
     render = settings.render
     aovs = rendered_aovs(render.aovs, settings.goals, settings.denoise)
-    return Wanted(render.spp, settings.goals, settings.time_limit, render.film, aovs)
+    return Wanted(render.spp, settings.goals, settings.time_limit, render.film, aovs, render.noise)
 
 
 def _tell_texture_faults(renderer: _core.Renderer, reporter: Reporter) -> None:

@@ -35,6 +35,8 @@ class Wanted:
     film: Film
     aovs: tuple[str, ...]
     """That are rendered."""
+    noise: float = 0.0
+    """That a pixel may keep; 0: all take as many samples."""
 
 
 def clash_with_noise(goals: Goals, film: Film) -> str | None:
@@ -71,6 +73,11 @@ def time_limit_note(wanted: Wanted, samples: int) -> str | None:
     """What is to be said where the time was over before all samples were taken."""
     if wanted.time_limit is None or samples >= wanted.spp:
         return None
+    if wanted.noise > 0.0:
+        return (
+            f"--time-limit {wanted.time_limit:g}: at most {samples} samples a pixel;"
+            f" the same --noise with --spp {samples} renders the same picture"
+        )
     return f"--time-limit {wanted.time_limit:g}: stopped at {samples} samples a pixel; --spp {samples} renders the same picture"
 
 

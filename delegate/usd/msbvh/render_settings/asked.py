@@ -9,16 +9,13 @@ from typing import Any
 
 from pxr import Tf, Usd
 
-from .._core import OwnSettings, ProductSpec, RenderSpec
+from .._core import MOST_SAMPLES_OF_NOISE, OwnSettings, ProductSpec, RenderSpec
 from ..base.crash_line import crash_line
 from ..base.errors import Diagnostics, SceneError
 from ..scene.reader import ReadSettings
 from ..stage.opening import tf_messages, tf_reason
 from ..stage.values import reported_to
 from .render_prims import METADATA, find_settings, read_render_spec
-
-MOST_SPP_OF_NOISE = 1024
-"""Samples of a pixel where its noise decides and nobody says how many there are at most."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +89,7 @@ def applied_to_reading(asked: Asked, read: ReadSettings, given: Set[str], diagno
 def own_render_settings(own: OwnSettings, given: Set[str]) -> dict[str, Any]:
     """Fields of the renderer's settings that the prim sets in place of defaults."""
     wanted = {
-        "spp": MOST_SPP_OF_NOISE if own.samples is None and own.noise else own.samples,
+        "spp": MOST_SAMPLES_OF_NOISE if own.samples is None and own.noise else own.samples,
         "noise": own.noise,
         "seed": own.seed,
         "max_bounces": own.max_bounces,

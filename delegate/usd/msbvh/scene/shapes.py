@@ -243,7 +243,12 @@ class Shapes:
         instead = "" if part.is_mesh else "curves and points" if part.is_round else "an implicit shape"
         if shape.patch is not None:
             instead = "a NURBS patch"
-        if mesh.material is not None or mesh.face_materials is not None or mesh.round == "curves" or self._materials.kept:
+        if (
+            mesh.material is not None
+            or mesh.face_materials is not None
+            or mesh.round == "curves"
+            or self._materials.kept
+        ):
             add_material_primvars(mesh, part, instead, self._materials, context)
             if shape.patch is not None:
                 shape.patch.set_named_primvars(mesh)

@@ -19,7 +19,8 @@ from ..base.errors import Diagnostics
 from .materialx_document import DocumentFault, layer_of
 
 _MISSING_PACKAGE = (
-    "refers to a MaterialX document (.mtlx), which usd-core cannot open; drawn without it: pip install 'msbvh[materialx]'"
+    "refers to a MaterialX document (.mtlx), which needs the package MaterialX: pip install 'msbvh[materialx]'; drawn without"
+    " it"
     " brings what reads it"
 )
 """The same of all documents, so that it is said once."""

@@ -54,7 +54,8 @@ def layer_of(resolved: str) -> Sdf.Layer:
             mx.readFromXmlFile(document, resolved, folders)
         document.importLibrary(_library())
         return _Writer(document, resolved).layer()
-    except (mx.Exception, mx.ExceptionParseError, mx.ExceptionFileMissing, UnicodeDecodeError, ValueError) as error:
+    except (mx.Exception, mx.ExceptionParseError, mx.ExceptionFileMissing, LookupError, ValueError) as error:
+        # LookupError: what others of MaterialX's exceptions arrive as.
         raise DocumentFault(" ".join(str(error).split())) from None
 
 

@@ -57,10 +57,10 @@ def is_color(attribute: Usd.Attribute) -> bool:
 
 def _given(attribute: Usd.Attribute | None) -> str | None:
     """What an attribute's colours are converted from; None: from nothing."""
-    given = color_space(attribute) if attribute is not None else ""
-    if (given or LINEAR_REC709) == rendering_space() or (attribute is not None and not is_color(attribute)):
+    if attribute is not None and not is_color(attribute):
         return None
-    return given
+    given = color_space(attribute) if attribute is not None else ""
+    return None if (given or LINEAR_REC709) == rendering_space() else given
 
 
 def rendered(colors: np.ndarray, attribute: Usd.Attribute | None) -> np.ndarray:
