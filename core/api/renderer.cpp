@@ -19,6 +19,8 @@
 #include "core/integrate/learn_lights.h"
 #include "core/integrate/render_tile.h"
 #include "core/plan/known_effects.h"
+#include "core/shade/bsdf/albedo_tables.h"
+#include "core/shade/bsdf/glass_tables.h"
 
 namespace msbvh {
 namespace {
@@ -128,6 +130,13 @@ class FewerPixels {
   Frame& frame_;
   std::uint32_t width_, height_;
 };
+
+// Before threads need them: one that made them among others' tiles could be given a tile to wait by, which
+// needs them too.
+void make_tables(const EffectSet& effects) {
+  if (effects.has(Effect::kSpecular)) AlbedoTables::get();
+  if (effects.has(Effect::kRefraction)) GlassTables::get();
+}
 
 // What a render leaves beside its picture.
 struct Traced : AreaTraced {
@@ -244,7 +253,10 @@ void Renderer::commit(std::shared_ptr<const Scene> scene, const RenderSettings& 
   if (data->plan.set.has(Effect::kTextures)) data->textures.emplace(data->scene->textures, settings.textures);
   data->frame.emplace(frame_of(*data->scene, world, tracer_of(world, settings), settings, data->plan.set,
                                data->textures ? &*data->textures : nullptr));
-  Arena(settings.threads).execute([&] { learn_lights(*data->frame); });
+  Arena(settings.threads).execute([&] {
+    make_tables(data->plan.set);
+    learn_lights(*data->frame);
+  });
   data_ = std::move(data);
 }
 

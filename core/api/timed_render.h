@@ -19,8 +19,9 @@ struct TimedPicture {
 
 // `empty`: of the size and with the layers of what is rendered; settings.spp are the samples that are wanted
 // at most. A pass that is not over when `seconds` are is dropped; the first, of a block of samples, is always
-// finished. Keeps the sums of all pixels: 64 bytes a pixel and more where few nodes of their trees are whole,
-// about 300 where noise decides, about a thousand with all AOVs. Throws Cancelled.
+// finished. Keeps the sums of all pixels: 64 bytes a pixel at powers of two of samples and more between them,
+// where more nodes of their trees are whole; about 300 where noise decides, about a thousand with all AOVs.
+// Throws Cancelled.
 TimedPicture render_timed(const Frame& frame, const RenderSettings& settings, double seconds,
                           const Image& empty, const ProgressFunction& progress, AreaTraced& traced);
 

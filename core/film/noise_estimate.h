@@ -32,6 +32,8 @@ class NoiseEstimate {
   // `exposure`: what the sums are multiplied by in the picture.
   void reset(const NoiseGoal& goal, std::size_t pixels, double exposure = 1.0);
 
+  // Of each pixel, that end_run() has been told of.
+  std::uint32_t samples() const { return count_; }
   // How many samples of each pixel come next.
   std::uint32_t next_run() const { return kept() == kMostRuns ? 2 * run_ : run_; }
   // Those have been taken. `sums`: of all samples of each pixel until now.

@@ -9,7 +9,7 @@
 namespace msbvh {
 namespace {
 
-// Those that drive_opacity() of a material reads: its own texture alone, unless it reflects.
+// Those that driven_opacity() of a material reads: its own texture alone, unless it reflects.
 std::optional<std::uint32_t> read_for_opacity(const Material& material) {
   return read_of(material, SurfaceInput::kOpacity);
 }
@@ -42,7 +42,9 @@ void cover_run(const Frame& frame, const Material& material, std::span<const std
 
 Cover cover_at(const Frame& frame, const Material& material, const MaterialHit& hit, float opacity,
                const MaterialReads& reads, std::size_t i) {
-  if (!reflects_where_transparent(&material)) return {.chance = opacity};
+  // All of a hair's light fades with its opacity, and a hair bends none.
+  const bool hair = hit.source.curves && hit.source.curves->fibre;
+  if (hair || !reflects_where_transparent(&material)) return {.chance = opacity};
   SurfaceHit surface = surface_at(frame.scene(), hit.source, *hit.hit, *hit.ray);
   const SurfaceLook look =
       apply_material(material, hit.source, *hit.hit, hit.ray->time, texels_of(material, reads, i),

@@ -148,7 +148,7 @@ class Looks {
 void make_room(const Frame& frame, PathBatch& batch) {
   batch.bsdfs.resize(batch.slot.size());
   batch.scatter_weight.resize(batch.slot.size());
-  if (frame.refraction || frame.fibres) batch.special.assign(batch.slot.size(), {});
+  if (frame.refraction || frame.fibres) batch.special.assign(batch.active.size(), {});
   if (frame.refraction) batch.within.resize(batch.slot.size());  // nobody is, at first
 }
 

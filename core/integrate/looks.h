@@ -20,7 +20,7 @@ RayCone scattered_cone(const Frame& frame, const RayCone& cone, float distance, 
 // something does otherwise than diffusely.
 void choose_looks(const Frame& frame, PathBatch& batch, std::span<const std::uint64_t> order, bool specular);
 
-// Null for kNone: of what has none, diffuse in displayColor.
+// Of kNone: diffuse in displayColor.
 const Material& material_or_standard(const Scene& scene, std::uint32_t index);
 // The read of the texture that drives an input; none where none does.
 std::optional<std::uint32_t> read_of(const Material& material, SurfaceInput input);

@@ -121,7 +121,7 @@ struct PathBatch {
   // ray carries. Else a surface's albedo is in its path's throughput already.
   std::vector<Bsdf> bsdfs;
   std::vector<Vec3f> scatter_weight;
-  // Likewise, where something is not opaque and something reflects: how the surface was met (opacity.h).
+  // Likewise, where something is not opaque and something reflects: how the surface was met (covers.h).
   std::vector<Cover> covers;
   // Likewise, where something is of glass or a fibre: what takes the place of its Bsdf.
   std::vector<SpecialLobe> special;

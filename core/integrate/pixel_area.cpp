@@ -41,9 +41,9 @@ void PixelArea::begin(const TileJob& job, const Tile& pixels) {
 bool PixelArea::advance(const TileJob& job, std::uint32_t count, PathBatch& batch, AreaTraced& traced) {
   if (!job.noise.decides()) return take(job, count - taken_, batch, traced);
   while (taken_ < count && !clean_) {
-    const std::uint32_t run = noise_.next_run(), left = count - taken_;
-    if (!take(job, std::min(run, left), batch, traced)) return false;
-    if (run <= left) judge();
+    const std::uint32_t judged_at = noise_.samples() + noise_.next_run();
+    if (!take(job, std::min(judged_at, count) - taken_, batch, traced)) return false;
+    if (taken_ == judged_at) judge();
   }
   return true;
 }

@@ -80,7 +80,9 @@ std::vector<Reason> light_reasons(const Light& light) {
   const auto add = [&](Effect effect, const std::string& why) {
     if (!why.empty()) reasons.push_back({effect, light.name, why});
   };
-  if (!is_still(light)) add(Effect::kMovingLights, segments_phrase(light.segments));
+  std::uint32_t segments = light.segments;
+  for (const LightPortal& portal : light.portals) segments = std::max(segments, portal.segments);
+  if (!is_still(light)) add(Effect::kMovingLights, segments_phrase(segments));
   if (light.kind == LightKind::kDome && !light.image) add(Effect::kDomeLight, "constant dome");
   if (is_image_dome(light)) add(Effect::kImageDome, "textured dome, " + image_phrase(*light.image));
   add(Effect::kAreaLights, extent_phrase(light));

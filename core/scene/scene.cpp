@@ -212,6 +212,8 @@ void check_light_surface(const Light& light, const Scene& scene, const std::stri
   const LightSurface& surface = light.surface;
   expect(surface.mesh < scene.meshes.size(), part, "surface", "mesh " + std::to_string(surface.mesh),
          "one of " + std::to_string(scene.meshes.size()));
+  expect(!scene.meshes[surface.mesh].shape.triangles.empty(), part, "surface", "a mesh without triangles",
+         "one with triangles");
   const GeometryId mesh = mesh_id(surface.mesh);
   if (surface.set == LightSurface::kNoSet) {
     expect(std::ranges::find(scene.world, mesh) != scene.world.end(), part, "surface",

@@ -17,7 +17,6 @@ using OIIO::Tex::Wrap;
 
 // Of the axes of a footprint; a longer one is filtered as if the shorter were wider.
 constexpr int kMostAnisotropic = 16;
-constexpr std::int64_t kMostTexelsToCompare = 1 << 20;
 
 Wrap wrap_of(TextureWrap wrap) {
   switch (wrap) {
@@ -73,7 +72,6 @@ struct TextureCache::Data {
   const Tile* tile_of(TextureId texture, TextureQuery& query) const;
   TexelColor look_up(TextureId texture, const TextureQuery& query,
                      OIIO::TextureSystem::Perthread* thread) const;
-  bool all_equal(const TexelSource& source, TexelColor& value) const;
 
   std::vector<ImageTexture> textures;
   std::vector<std::vector<Tile>> tiles;  // of each texture, by t, then s
@@ -168,40 +166,6 @@ TextureSize TextureCache::size(TextureId texture) const {
   if (source == nullptr) return {};
   return {static_cast<std::uint32_t>(source->spec().width),
           static_cast<std::uint32_t>(source->spec().height)};
-}
-
-bool TextureCache::Data::all_equal(const TexelSource& source, TexelColor& value) const {
-  const OIIO::ImageSpec& spec = source.spec();
-  if (std::int64_t{spec.width} * spec.height > kMostTexelsToCompare) return false;
-  std::vector<float> first, row(static_cast<std::size_t>(spec.width) * spec.nchannels);
-  OIIO::TextureOpt options;
-  for (int y = 0; y < spec.height; ++y) {
-    if (!store.system->get_texels(source.handle(), nullptr, options, 0, 0, spec.width, y, y + 1, 0, 1, 0,
-                                  spec.nchannels, OIIO::TypeFloat, row.data()))
-      return false;
-    if (first.empty()) first.assign(row.begin(), row.begin() + spec.nchannels);
-    for (std::size_t i = 0; i < row.size(); ++i)
-      if (!(row[i] == first[i % spec.nchannels])) return false;
-  }
-  value = expanded(first.data(), spec.nchannels);
-  return finite(value);
-}
-
-bool TextureCache::same_everywhere(TextureId id, TexelColor& value) const {
-  const ImageTexture& texture = data_->textures[id];
-  const std::vector<Tile>& tiles = data_->tiles[id];
-  const bool readable =
-      std::any_of(tiles.begin(), tiles.end(), [](const Tile& tile) { return tile.source->open(); });
-  if (!readable) {
-    value = texture.fallback;
-    return true;
-  }
-  if (texture.udim) return false;
-  const TexelSource& source = *tiles.front().source;
-  if (!data_->all_equal(source, value)) return false;
-  const bool outside_is_black = either(texture.wrap_s, source.wrap_s()) == TextureWrap::kBlack ||
-                                either(texture.wrap_t, source.wrap_t()) == TextureWrap::kBlack;
-  return !outside_is_black || value == TexelColor{0.0f, 0.0f, 0.0f, source.channels() % 2 == 0 ? 0.0f : 1.0f};
 }
 
 TextureStatistics TextureCache::statistics() const {

@@ -59,9 +59,6 @@ class TextureCache {
   // read, or a texel that is not finite, gives the fallback, and leaves a fault.
   void read(TextureId texture, std::span<const TextureQuery> queries, std::span<TexelColor> result) const;
   TextureSize size(TextureId texture) const;
-  // Whether read() gives the same for every point and footprint; then `value` is that. Looks at all texels of
-  // images of up to a million, and takes larger ones to vary.
-  bool same_everywhere(TextureId texture, TexelColor& value) const;
   TextureStatistics statistics() const;
   // Each fault once, by texture and tile.
   std::vector<TextureFault> faults() const;

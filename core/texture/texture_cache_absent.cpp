@@ -26,15 +26,12 @@ void TextureCache::read(TextureId texture, std::span<const TextureQuery>,
 
 TextureSize TextureCache::size(TextureId) const { return {}; }
 
-bool TextureCache::same_everywhere(TextureId texture, TexelColor& value) const {
-  value = data_->textures[texture].fallback;
-  return true;
-}
-
 std::optional<TexelColor> constant_color(const ImageTexture&, const std::string&) { return std::nullopt; }
 
 void convert_colors(std::span<float>, const std::string& from, const std::string& to) {
-  const bool as_it_is = from.empty() ? to == kLinearRec709 : from == to || from == "raw" || from == "data";
+  const bool as_it_is =
+      from.empty() ? to == kLinearRec709
+                   : from == to || from == "raw" || from == "data" || from == "identity" || from == "unknown";
   if (!as_it_is)
     throw Error("colour space '" + from + "': this msbvh was built without OpenImageIO (MSBVH_TEXTURES)");
 }

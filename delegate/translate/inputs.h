@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/vec.h"
@@ -131,6 +132,9 @@ enum class CurveStyle : std::uint8_t {
   kTube     // round, whatever their normals say
 };
 
+// Of curves: 1, and they scatter light as hair does.
+inline constexpr std::string_view kFibrePrimvar = "msbvh:fibre";
+
 // Of a mesh or, by `round`, of curves or points, which have no faces.
 struct MeshInput {
   std::string path;  // of the prim, for messages
@@ -158,8 +162,8 @@ struct MeshInput {
   PrimvarInput<Vec3f> display_color;
   PrimvarInput<float> display_opacity;
   // That its materials read, displacement included; others may be among them.
-  std::vector<NamedPrimvar> named_primvars{};
-  bool displaced = true;  // by its materials, where they say so
+  std::vector<NamedPrimvar> named_primvars{};  // kFibrePrimvar among them, where curves have it
+  bool displaced = true;                       // by its materials, where they say so
   std::uint32_t material = kNone;
   // Empty, or one a face in place of `material`; negative: none.
   std::span<const int> face_materials;

@@ -55,6 +55,14 @@ def test_one_that_is_the_same_everywhere_is_a_constant(space: str, tmp_path: Pat
     assert folded[:3] == pytest.approx(shot.at(shot.picture(), 0.5, 0.5)[:3], rel=1e-3)
 
 
+def test_coordinates_that_normals_are_bent_along_stay(tmp_path: Path) -> None:
+    shot = with_texture(FLAT, tmp_path / "flat.png")
+    shot.surface.CreateInput("normal", TYPES.Normal3f).Set(Gf.Vec3f(0.1, 0, 1))
+    material, result = read(shot)
+    assert not material["driven"] and not result.scene.textures
+    assert any(values for _, values in result.scene.primvars)
+
+
 def test_a_channel_is_a_number(tmp_path: Path) -> None:
     shot = with_texture(FLAT, tmp_path / "flat.tif", kind=oiio.FLOAT, to="roughness", output="g")
     material, _ = read(shot)

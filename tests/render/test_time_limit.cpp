@@ -30,10 +30,10 @@ bool same(const Image& a, const Image& b) {
 TEST_CASE(
     "a limit stops early at whole blocks, and says with how many samples the picture is the same to the "
     "bit") {
-  for (const float noise : {0.0f, 0.02f}) {
-    CAPTURE(noise);
+  for (const std::uint32_t min_spp : {0u, 32u, 128u, 256u}) {  // 0: noise decides nothing
+    CAPTURE(min_spp);
     RenderSettings settings{.width = kSize, .height = kSize, .spp = 1 << 20, .max_bounces = 2, .build = {}};
-    settings.noise = {noise > 0.0f ? 1e-5f : 0.0f, 32};
+    settings.noise = {min_spp > 0 ? 1e-5f : 0.0f, std::max(1u, min_spp)};
     settings.aovs = {Aov::kSampleCount, Aov::kNoise,        Aov::kNormal,
                      Aov::kPrimId,      Aov::kCryptoObject, Aov::kIndirectDiffuse};
     settings.film.shutter_slices = 2;
@@ -63,6 +63,17 @@ TEST_CASE("where there is time for all samples nothing is changed, at any number
       settings.aovs.clear();
       CHECK(image.rgba == render(cube_over_floor(kSize, kSize), settings).rgba);
     }
+  }
+}
+
+TEST_CASE("noise is judged where it is without a limit, however many samples come first") {
+  for (const std::uint32_t min_spp : {64u, 128u, 256u}) {
+    RenderSettings settings{.width = kSize, .height = kSize, .spp = 600, .max_bounces = 1, .build = {}};
+    settings.noise = {0.05f, min_spp};
+    RenderStatistics figures;
+    const Image image = render_within(settings, 1e6, figures);
+    CHECK(figures.camera_rays < std::uint64_t(settings.spp) * kSize * kSize);
+    CHECK(image.rgba == render(cube_over_floor(kSize, kSize), settings).rgba);
   }
 }
 

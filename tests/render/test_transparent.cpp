@@ -193,19 +193,79 @@ TEST_CASE("a normal that is constant is bent along st, and nowhere without it") 
   }
 }
 
+Curves thick_hair(CurveShape shape) {
+  Curves hair;
+  hair.shape.name = "/hair";
+  hair.shape.shape = shape;
+  hair.shape.vertex_count = 4;
+  for (int i = 0; i < 4; ++i) hair.shape.vertices.push_back({{16, -50.0f + 40.0f * float(i), 0}, 9.0f});
+  hair.shape.spans = {0};
+  hair.fibre = true;
+  hair.display_color.values = {{1, 1, 1}};
+  return hair;
+}
+
+TEST_CASE("a hair that is half there takes half of the light and bends none") {
+  for (const bool refraction : {false, true}) {
+    Scene scene;
+    scene.camera = pixel_camera(kSize, kSize);
+    scene.materials = {glass(0.5f)};
+    scene.materials[0].roughness = 0.4f;
+    scene.curves = {thick_hair(CurveShape::kTube)};
+    scene.curves[0].material = 0;
+    scene.world = {curves_id(0)};
+    scene.lights = {dome({1, 1, 1})};
+    RenderSettings asked = settings(256, 2, refraction);
+    asked.show_domes = true;
+    const Image image = render(scene, asked);
+    Estimates white, half;
+    for (std::uint32_t y = 0; y < kSize; ++y) {
+      white.add(double(channel(image, 16, y, 0)));
+      half.add(double(channel(image, 16, y, 3)));
+    }
+    white.check(1.0, 5e-3);
+    half.check(0.75, 5e-3);  // two walls
+  }
+}
+
+TEST_CASE("light from behind a hair is the same from a mesh as from a rect") {
+  std::array<double, 2> means{};
+  for (const bool meshed : {false, true}) {
+    Scene scene;
+    scene.camera = pixel_camera(kSize, kSize);
+    scene.curves = {thick_hair(CurveShape::kTube)};
+    scene.world = {curves_id(0)};
+    Light& light = scene.lights.emplace_back();
+    light.radiance = {1, 1, 1};
+    light.name = "/lamp";
+    if (meshed) {
+      Mesh& panel = scene.meshes.emplace_back();
+      panel.shape.name = "/panel";
+      panel.shape.vertex_count = 4;
+      panel.shape.positions = {{-4, -4, -20}, {36, -4, -20}, {36, 36, -20}, {-4, 36, -20}};
+      panel.shape.triangles = {{0, 1, 2}, {0, 2, 3}};
+      scene.world.push_back(mesh_id(0));
+      light.kind = LightKind::kMesh;
+      light.surface = {.mesh = 0};
+    } else {
+      light.kind = LightKind::kRect;
+      light.width = light.height = 40;
+      light.world_from_light = {Affine3f{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {16, 16, -20}}};
+    }
+    const Image image = render(scene, settings(512, 0));
+    for (std::uint32_t y = 0; y < kSize; ++y) {
+      for (const std::uint32_t x : {12u, 14u, 16u, 18u}) means[meshed] += channel(image, x, y, 0);
+    }
+  }
+  CHECK(means[0] > 1.0);
+  CHECK(means[1] == doctest::Approx(means[0]).epsilon(0.01));
+}
+
 TEST_CASE("a white hair in a white furnace is white, round or flat; as plain lobes it is not") {
   for (const CurveShape shape : {CurveShape::kRibbon, CurveShape::kTube}) {
     Scene scene;
     scene.camera = pixel_camera(kSize, kSize);
-    Curves hair;
-    hair.shape.name = "/hair";
-    hair.shape.shape = shape;
-    hair.shape.vertex_count = 4;
-    for (int i = 0; i < 4; ++i) hair.shape.vertices.push_back({{16, -50.0f + 40.0f * float(i), 0}, 9.0f});
-    hair.shape.spans = {0};
-    hair.fibre = true;
-    hair.display_color.values = {{1, 1, 1}};
-    scene.curves = {hair};
+    scene.curves = {thick_hair(shape)};
     scene.world = {curves_id(0)};
     scene.lights = {dome({1, 1, 1})};
     const Image image = render(scene, settings(256, 2));

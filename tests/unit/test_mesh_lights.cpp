@@ -169,6 +169,29 @@ TEST_CASE("mesh light: hits name their light, and what is hidden at a time gives
   CHECK(!mesh.sample(origin_facing_up(), scene.lights[1], 0.75f, {0.5f, 0.5f}, sample));
 }
 
+TEST_CASE("mesh light: of two on one mesh rays meet the first, and the other is sampled alone") {
+  Scene scene = two_sheets();
+  scene.lights.push_back(scene.lights[0]);
+  scene.lights.push_back(scene.lights[0]);
+  const LightSampler lights(scene, {});
+  Hit hit;
+  hit.geometry = mesh_id(0);
+  REQUIRE(lights.mesh_at(SceneIndex(scene).resolve(hit)) == &lights.pick(0));
+  LightSample sample;
+  for (std::uint32_t which = 0; which < 4; ++which) {
+    const MeshLight& mesh = *lights.pick(which).mesh;
+    CHECK(mesh.is_met() == (which < 2));
+    REQUIRE(mesh.sample(origin_facing_up(), scene.lights[which], 0.25f, {0.5f, 0.5f}, sample));
+    CHECK((sample.pdf > 0.0f) == (which < 2));
+  }
+}
+
+TEST_CASE("mesh light: a mesh without triangles is refused") {
+  Scene scene = two_sheets();
+  scene.meshes[0].shape.triangles.clear();
+  CHECK_THROWS_WITH_AS(validate(scene), doctest::Contains("found a mesh without triangles"), Error);
+}
+
 Light guided_dome() {
   Light dome = light_of(LightKind::kDome, Affine3f{});
   dome.image = picture(ImageMap::kLatlong, 9, 8, lumpy);

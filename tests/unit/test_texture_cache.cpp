@@ -354,29 +354,6 @@ TEST_CASE("texture: a part of a file, as a usdz package holds them") {
   }
 }
 
-TEST_CASE("texture: one value everywhere is known, and what only seems so is not") {
-  const pictures::Folder folder;
-  const auto flat = [](int, int, int c) { return c == 3 ? 0.5f : 0.25f; };
-  const std::string even = folder.write("a.exr", 100, 70, 4, flat);
-  const std::string spot = folder.write(
-      "b.exr", 100, 70, 4, [&](int x, int y, int c) { return x == 99 && y == 69 ? 0.26f : flat(x, y, c); });
-  const std::string zero = folder.write("c.exr", 8, 8, 3, [](int, int, int) { return 0.0f; });
-  ImageTexture missing = texture("/nonexistent.png");
-  missing.fallback = {0.1f, 0.2f, 0.3f, 0.4f};
-  const TextureCache cache({texture(even), texture(spot), texture(even, TextureWrap::kBlack),
-                            texture(zero, TextureWrap::kBlack), missing},
-                           {});
-  TexelColor value{};
-  CHECK(cache.same_everywhere(0, value));
-  CHECK(value == TexelColor{0.25f, 0.25f, 0.25f, 0.5f});
-  CHECK_FALSE(cache.same_everywhere(1, value));
-  CHECK_FALSE(cache.same_everywhere(2, value));
-  CHECK(cache.same_everywhere(3, value));
-  CHECK(value == TexelColor{0, 0, 0, 1});
-  CHECK(cache.same_everywhere(4, value));
-  CHECK(value == missing.fallback);
-}
-
 TEST_CASE("texture: 16 threads find what one does, within the memory limit") {
   const pictures::Folder folder;
   constexpr int kSide = 512, kThreads = 16, kQueries = 500;

@@ -80,6 +80,8 @@ Vec3f fibre_absorption(const Vec3f& color, float round) {
 
 Fibre::Fibre(const FibreLook& look, const Vec3f& tangent, const Vec3f& normal, const Vec3f& out) {
   x_ = normalize(tangent);
+  if (!(dot(x_, x_) > 0.5f))
+    x_ = Basis(normal).x;  // a span whose points are all in one place has no direction
   const float sine = std::clamp(dot(out, x_), -1.0f, 1.0f), cosine = root(1.0f - sine * sine);
   const Vec3f across = out - x_ * sine;
   y_ = dot(across, across) > 1e-12f ? normalize(across) : Basis(x_).x;

@@ -170,7 +170,13 @@ void LightSampler::sort_meshes() {
   for (std::uint32_t i = 0; i < lights_.size(); ++i) {
     if (lights_[i].mesh) by_surface_.push_back(i);
   }
-  std::ranges::sort(by_surface_, {}, [this](std::uint32_t i) { return key_of(*lights_[i].light); });
+  std::ranges::stable_sort(by_surface_, {}, [this](std::uint32_t i) { return key_of(*lights_[i].light); });
+  // A ray that meets a mesh meets the first of its lights.
+  for (std::size_t i = 1; i < by_surface_.size(); ++i) {
+    const LightPick &pick = lights_[by_surface_[i]], &before = lights_[by_surface_[i - 1]];
+    if (key_of(*pick.light) != key_of(*before.light)) continue;
+    (*std::ranges::find(meshes_, pick.mesh, &std::unique_ptr<MeshLight>::get))->sample_alone();
+  }
 }
 
 const LightPick* LightSampler::mesh_at(const HitSource& source) const {

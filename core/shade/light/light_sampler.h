@@ -48,7 +48,7 @@ class LightSampler {
   const LightPick& pick(std::uint32_t which) const { return lights_[which]; }
   bool by_chance() const { return lights_.size() > kLightPicks; }
 
-  // With a place, where lights are picked by chance: from kLearnFrom on, shadow rays before the frame pay.
+  // How many have a place, where lights are picked by chance. From kLearnFrom on learning is worth its rays.
   std::size_t placed_count() const { return placed_lights_.size(); }
   // One of those with a place, as the tree has it; a pick of null: none reaches the surface.
   struct Tried {

@@ -100,8 +100,9 @@ bool MeshLight::sample(const SurfaceHit& surface, const LightValues& values, flo
   if (!(solid_angle < std::numeric_limits<float>::max())) return false;
   sample.direction = Vec3f(to_light * (1.0 / distance));
   const Vec3f size = max(abs(surface.position), abs(Vec3f(place)));
-  const double off = length(Vec3d(surface.origin.before) - from) + t.margin +
-                     kEndError * (double(std::max({size.x, size.y, size.z})) + distance);
+  const Vec3d start(leave(surface, sample.direction, time).org);  // on either side
+  const double off =
+      length(start - from) + t.margin + kEndError * (double(std::max({size.x, size.y, size.z})) + distance);
   sample.distance = static_cast<float>(std::max(distance - off / cosine, 0.0));
   sample.irradiance = values.radiance * static_cast<float>(solid_angle);
   sample.pdf = met_ ? static_cast<float>(1.0 / solid_angle) : 0.0f;

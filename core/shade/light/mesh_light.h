@@ -49,6 +49,8 @@ class MeshLight {
   // Whether sample() has a density, which a scattered ray's can be weighed against: not where shadow rays
   // obey settings, by which the light may be seen through what hides it from a scattered ray.
   bool is_met() const { return met_; }
+  // Leaves it to sample(): the mesh is met as another light's.
+  void sample_alone() { met_ = false; }
   // The density of sample() for a ray's direction, per steradian, where it has hit the light.
   float pdf(const Vec3f& direction, const Hit& hit, float time) const;
 

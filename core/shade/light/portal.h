@@ -11,7 +11,7 @@ inline constexpr float kPortalShare = 0.5f;
 
 // A direction through one of them; false where the point is on the lit side of none, or by a rounding.
 bool sample_portal(const PlacedLight& dome, const Vec3f& point, Point2 random, Vec3f& direction);
-// Its density, per steradian, where sample_portal() has one: any() says.
+// Its density, per steradian, where sample_portal() has one: any_portal() says.
 float portal_pdf(const PlacedLight& dome, const Vec3f& point, const Vec3f& direction);
 bool any_portal(const PlacedLight& dome, const Vec3f& point);
 

@@ -64,6 +64,7 @@ void BoundMaterials::bind(const FrameShape& shape, MeshInput& mesh, std::vector<
     face_materials = translate::face_materials(owners, materials, own);
     mesh.face_materials = face_materials;
   }
+  if (mesh.round.kind == RoundInput::Kind::kCurves) needed.emplace(kFibrePrimvar);
   std::erase_if(mesh.named_primvars, [&](const NamedPrimvar& each) { return !needed.contains(each.name); });
 }
 

@@ -95,6 +95,7 @@ void drop_unread(SurfaceLook& look) {
     for (TextureRead& read : material.texture_reads) use(read.texture);
   });
   keep_read(look.primvars, [&](const auto& use) {
+    if (material.normal_coordinates != kNoPrimvar) use(material.normal_coordinates);
     for (TextureRead& read : material.texture_reads)
       if (read.coordinates != kNoPrimvar) use(read.coordinates);
     for (DrivenInput& input : material.driven)

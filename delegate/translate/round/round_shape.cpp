@@ -276,8 +276,7 @@ namespace {
 
 // Whether curves scatter light as hair does: constant, 0 or 1.
 bool is_fibre(const MeshInput& input, PrimLog& optional) {
-  constexpr std::string_view kFibre = "msbvh:fibre";
-  const auto named = std::ranges::find(input.named_primvars, kFibre, &NamedPrimvar::name);
+  const auto named = std::ranges::find(input.named_primvars, kFibrePrimvar, &NamedPrimvar::name);
   if (named == input.named_primvars.end() || named->primvar.values.empty()) return false;
   const float first = named->primvar.values[0].x;
   const bool sound = named->primvar.interpolation == "constant" && (first == 0.0f || first == 1.0f);
