@@ -102,7 +102,8 @@ lint: setup  ## formatting of C++ and Python, ruff's rules, mypy's types
 	@$(BIN)/mypy --python-executable $(BIN)/python
 
 # The kernels for this machine's instruction set alone: compiling all of them with sanitizers takes far longer. The
-# longest cases are left out, and test_stability, which asks the kernels that test_property asks: `make soak` runs them.
+# longest cases are left out, test_stability, which asks the kernels that test_property asks, and test_translate, whose code
+# the fuzz targets run: `make soak` runs them.
 sanitize: setup  ## a sample of the C++ tests under AddressSanitizer and UndefinedBehaviorSanitizer
 	@cmake -S . -B build/sanitize -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO='-O1 -g1' \
 	  -DMSBVH_SANITIZE=address,undefined -DMSBVH_NATIVE_KERNELS=ON > build/sanitize.log

@@ -1,6 +1,6 @@
 """What curves and points cover: widths, normals, scales, in closed form.
 
-How each basis becomes Bezier spans is held against its definition in C++ (tests/unit/test_curve_basis.cpp), pictures
+How each basis becomes Bezier spans is held against its definition in C++ (tests/translate/test_curve_basis.cpp), pictures
 against closed forms in C++ too (tests/render/test_round_coverage.cpp).
 """
 

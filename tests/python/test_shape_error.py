@@ -1,6 +1,6 @@
 """How far what is drawn strays from the true surface, as the reader reports it where it is asked for.
 
-The measure itself is held against brute force in C++ (tests/unit/test_stray.cpp).
+The measure itself is held against brute force in C++ (tests/translate/test_stray.cpp).
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@
 
 #include "core/trace/tracer.h"
 #include "tests/property/support.h"
-#include "tests/unit/translate_inputs.h"
+#include "tests/translate/translate_inputs.h"
 
 using namespace msbvh;
 using namespace msbvh::procedural;

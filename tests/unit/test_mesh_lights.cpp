@@ -3,6 +3,7 @@
 #include <numeric>
 #include <random>
 
+#include "core/base/error.h"
 #include "core/motion/affine_track.h"
 #include "core/shade/light/light_sampler.h"
 #include "core/shade/light/mesh_light.h"

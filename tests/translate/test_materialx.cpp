@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "delegate/translate/look/materialx.h"
-#include "tests/unit/shading_network.h"
+#include "tests/translate/shading_network.h"
 
 using namespace msbvh;
 using namespace msbvh::testing;

@@ -9,7 +9,7 @@
 #include "delegate/translate/moving_light.h"
 #include "delegate/translate/translator.h"
 #include "delegate/translate/value_track.h"
-#include "tests/unit/translate_inputs.h"
+#include "tests/translate/translate_inputs.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

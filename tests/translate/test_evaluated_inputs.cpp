@@ -8,7 +8,7 @@
 
 #include "delegate/translate/look/displacement.h"
 #include "delegate/translate/look/preview_surface.h"
-#include "tests/unit/shading_network.h"
+#include "tests/translate/shading_network.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

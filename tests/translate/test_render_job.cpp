@@ -19,7 +19,7 @@
 #include "delegate/translate/frame/preview.h"
 #include "delegate/translate/frame/render_job.h"
 #include "delegate/translate/frame/sample_sum.h"
-#include "tests/unit/translate_inputs.h"
+#include "tests/translate/translate_inputs.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

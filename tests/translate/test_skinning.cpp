@@ -7,7 +7,7 @@
 #include "delegate/translate/rigid.h"
 #include "delegate/translate/skinning.h"
 #include "delegate/translate/transform_samples.h"
-#include "tests/unit/translate_inputs.h"
+#include "tests/translate/translate_inputs.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

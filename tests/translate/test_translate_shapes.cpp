@@ -7,7 +7,7 @@
 
 #include "delegate/translate/shape/implicit_shape.h"
 #include "delegate/translate/triangulate.h"
-#include "tests/unit/translate_shapes.h"
+#include "tests/translate/translate_shapes.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

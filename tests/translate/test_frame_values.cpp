@@ -15,7 +15,7 @@
 #include "delegate/translate/frame/primvar_policy.h"
 #include "delegate/translate/frame/shutter.h"
 #include "delegate/translate/sample/even_times.h"
-#include "tests/unit/translate_inputs.h"
+#include "tests/translate/translate_inputs.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

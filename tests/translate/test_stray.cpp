@@ -19,8 +19,8 @@
 #include "delegate/translate/translator.h"
 #include "tests/support/cages.h"
 #include "tests/support/catmull_clark.h"
-#include "tests/unit/translate_inputs.h"
-#include "tests/unit/translate_shapes.h"
+#include "tests/translate/translate_inputs.h"
+#include "tests/translate/translate_shapes.h"
 
 using namespace msbvh;
 using namespace msbvh::procedural;

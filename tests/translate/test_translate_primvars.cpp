@@ -8,7 +8,7 @@
 #include "core/shade/primvar.h"
 #include "delegate/translate/primvar_track.h"
 #include "delegate/translate/translator.h"
-#include "tests/unit/translate_inputs.h"
+#include "tests/translate/translate_inputs.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

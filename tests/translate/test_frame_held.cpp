@@ -9,7 +9,7 @@
 #include "delegate/translate/frame/held_parts.h"
 #include "delegate/translate/frame/held_values.h"
 #include "delegate/translate/sample/even_times.h"
-#include "tests/unit/translate_inputs.h"
+#include "tests/translate/translate_inputs.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

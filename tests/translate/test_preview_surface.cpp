@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "delegate/translate/look/preview_surface.h"
-#include "tests/unit/shading_network.h"
+#include "tests/translate/shading_network.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

@@ -5,7 +5,7 @@
 
 #include "core/scene/scene.h"
 #include "delegate/translate/translator.h"
-#include "tests/unit/translate_inputs.h"
+#include "tests/translate/translate_inputs.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

@@ -8,7 +8,7 @@
 #include "delegate/translate/shape/crowd.h"
 #include "delegate/translate/shape/sides.h"
 #include "delegate/translate/transform_samples.h"
-#include "tests/unit/translate_shapes.h"
+#include "tests/translate/translate_shapes.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

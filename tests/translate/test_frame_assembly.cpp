@@ -11,7 +11,7 @@
 #include "delegate/translate/frame/assemble.h"
 #include "delegate/translate/frame/motions.h"
 #include "delegate/translate/frame/placed_levels.h"
-#include "tests/unit/translate_inputs.h"
+#include "tests/translate/translate_inputs.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

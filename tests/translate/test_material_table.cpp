@@ -11,7 +11,7 @@
 #include "core/base/error.h"
 #include "delegate/translate/material_table.h"
 #include "delegate/translate/translator.h"
-#include "tests/unit/translate_inputs.h"
+#include "tests/translate/translate_inputs.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

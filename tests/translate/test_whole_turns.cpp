@@ -7,7 +7,7 @@
 #include "core/base/lerp.h"
 #include "core/motion/time_remap.h"
 #include "delegate/translate/moving_array.h"
-#include "tests/unit/translate_inputs.h"
+#include "tests/translate/translate_inputs.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;

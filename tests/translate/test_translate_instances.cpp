@@ -7,7 +7,7 @@
 #include "core/motion/affine_track.h"
 #include "core/scene/scene.h"
 #include "delegate/translate/translator.h"
-#include "tests/unit/translate_inputs.h"
+#include "tests/translate/translate_inputs.h"
 
 using namespace msbvh;
 using namespace msbvh::translate;
