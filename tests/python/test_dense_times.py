@@ -125,10 +125,13 @@ class Projection:
         return local[..., :2] / -local[..., 2:] * self._pixels
 
 
-def worst_pixels(frame: Frame, time01: float, expected: dict[int, np.ndarray]) -> float:
-    """The largest distance of any vertex from where usd-core has it, in pixels, beyond what rounding explains."""
+def worst_pixels(frame: Frame, time01: float, expected: dict[int, np.ndarray] | None = None) -> float:
+    """The largest distance of any vertex from where usd-core has it, in pixels, beyond what rounding explains. `expected`:
+    where that is, if it is known already."""
     result, worst = frame.result, 0.0
     seen = Projection(result)
+    if expected is None:
+        expected = expected_points(frame.truth, result.camera.shutter.time_code(time01).GetValue())
     found = found_points(result, time01, frame.truth.stage)
     assert set(found) == set(expected)
     for count, points in expected.items():

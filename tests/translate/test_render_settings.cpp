@@ -234,7 +234,7 @@ TEST_CASE("types of products, purposes and colour spaces that are not honoured a
   warned([](auto& input) { input.material_binding_purposes = {{"full"}}; }, settings,
          "materialBindingPurposes", "all the same");
   warned([](auto& input) { input.rendering_color_space = "lin_p3d65"; }, settings, "renderingColorSpace",
-         "left out");
+         "ignored");
   warned(
       [](auto& input) {
         input.products[0].base.settings = {{"msbvh:seed", std::int64_t(1)}};
