@@ -25,7 +25,7 @@ CXX_SOURCES := $(shell find CMakeLists.txt cmake core delegate tests bench examp
 PYTHON_SOURCES := $(shell find delegate/usd/msbvh -name '*.py')
 LINTERS := ruff==0.17.6 mypy==2.4.1 clang-format==16.0.6
 PYTHON_FOLDERS := cmake delegate docs testenv tests/python bench examples
-LONG_CASES := *every scene class*,*a million triangles*,a rotating edge*,a small disc out of focus*,the plane in focus*,degenerate sets build*,curves equal*,curves whose*,curves far*,points equal*
+LONG_CASES := *every scene class*,a thousand lights*,*a million triangles*,a rotating edge*,a small disc out of focus*,the plane in focus*,degenerate sets build*,curves equal*,curves whose*,curves far*,points equal*
 SHOWCASE := testenv/showcase/showcase.usda
 SHOWCASE_TEXTURES := $(wildcard testenv/showcase/textures/*)
 SHOWCASE_OPTIONS := --frames 6 --imageWidth 960 --spp 48
