@@ -222,6 +222,19 @@ TEST_CASE("what reflects otherwise than diffusely is the scalar path tracer's to
   }
 }
 
+// On both sides of everything, and so many that they are picked by the light tree.
+void add_lamps(Scene& scene) {
+  for (int i = 0; i < 6; ++i) {
+    Light lamp;
+    lamp.name = "/lamp" + std::to_string(i);
+    lamp.kind = LightKind::kSphere;
+    lamp.radius = 1.0f;
+    lamp.radiance = {300.0f + 50.0f * float(i), 200, 100};
+    lamp.world_from_light = {translation({6.0f * float(i), 12, i % 2 == 0 ? 45.0f : -45.0f})};
+    scene.lights.push_back(lamp);
+  }
+}
+
 // Transparent ones, and a normal that nothing drives.
 void make_transparent(Scene& scene) {
   for (Material& material : scene.materials) material.transparent_reflects = true;
@@ -263,6 +276,8 @@ TEST_CASE("so is what is transparent, bends light, is bumped, or scatters it as 
     if (bits % 4 != 2) make_transparent(scene);
     if (bits % 4 > 1) add_hair(scene, bits % 8 > 3 ? CurveShape::kTube : CurveShape::kRibbon);
     if (bits % 9 == 0) scene.lights[1].specular = 0.5f;
+    if (bits % 9 == 3) add_mesh_lights(scene, bits & 16);
+    if (bits % 12 == 3) add_lamps(scene);
     const auto shared = std::make_shared<const Scene>(std::move(scene));
     const RenderSettings settings{.width = kSize,
                                   .height = kSize,

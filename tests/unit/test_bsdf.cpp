@@ -8,6 +8,7 @@
 #include "core/shade/bsdf/bsdf.h"
 #include "core/shade/bsdf/microfacet.h"
 #include "core/shade/warp.h"
+#include "tests/unit/chi_square.h"
 
 namespace msbvh {
 namespace {
@@ -162,20 +163,9 @@ TEST_CASE("directions are sampled with the density that at() gives") {
         const int p = std::min(kPhi - 1, int((phi < 0.0f ? phi + 2.0f * kPi : phi) * kPhi / (2.0f * kPi)));
         ++found[std::size_t(z * kPhi + p)];
       }
-      double chi = 0.0, share = 0.0;
-      int cells = 0;
-      for (std::size_t i = 0; i < found.size(); ++i) {
-        share += expected[i];
-        const double mean = expected[i] * kCount;
-        if (mean < 8.0) continue;
-        chi += (found[i] - mean) * (found[i] - mean) / mean;
-        ++cells;
-      }
       CAPTURE(cosine);
       CAPTURE(look.alpha);
-      CHECK(share == doctest::Approx(above / kCount).epsilon(0.01));
-      // Five standard deviations, and what midpoints miss.
-      CHECK(chi < cells + 5.0 * std::sqrt(2.0 * cells) + 0.02 * cells);
+      check_chi_square(expected, found, kCount, above, 0.02);
     }
   }
 }

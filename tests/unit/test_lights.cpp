@@ -290,6 +290,8 @@ TEST_CASE("importance is 0 only where a light gives nothing, and bounds hold all
       if (!narrower.box.empty() && importance(narrower, point, normal) > 0.0f) CHECK(chance > 0.0f);
     }
     CHECK(sum == doctest::Approx(1.0).epsilon(1e-4));
+    // Without a normal light counts from either side.
+    CHECK(importance(reaches[i % 40], point, {}) >= importance(reaches[i % 40], point, normal));
     CHECK(tree.chance(tree.pick(a.x, point, normal).light, point, normal) ==
           doctest::Approx(tree.pick(a.x, point, normal).chance));
   }

@@ -113,7 +113,7 @@ TEST_CASE("mesh light: Lambert's irradiance at each time, in the world and throu
   }
 }
 
-TEST_CASE("mesh light: the density of a sample is the one that a ray which hits there is told") {
+TEST_CASE("mesh light: sampling a point and hitting it give the same density") {
   const Scene scene = two_sheets();
   const LightSampler lights(scene, {});
   for (std::uint32_t which = 0; which < 2; ++which) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/shade/bsdf/between.h"
 #include "core/shade/bsdf/microfacet.h"
 
 namespace msbvh {
@@ -34,18 +35,6 @@ LobeAlbedo integrated(float cosine, float alpha) {
   constexpr double kCount = double(kSamples) * kSamples;
   return {float(straight / kCount), float(grazing / kCount)};
 }
-
-// Between the entries of a table of `size` along one axis, at `place` in [0, 1].
-struct Between {
-  std::size_t index;
-  float weight;
-
-  Between(float place, std::size_t size) {
-    const float scaled = std::clamp(place, 0.0f, 1.0f) * float(size - 1);
-    index = std::min(static_cast<std::size_t>(scaled), size - 2);
-    weight = scaled - float(index);
-  }
-};
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
+#include "core/shade/bsdf/between.h"
 #include "core/shade/bsdf/glass.h"
 #include "core/shade/bsdf/microfacet.h"
 
@@ -34,23 +35,6 @@ float at_once(float cosine, float alpha, float ratio) {
   }
   return float(sum / (double(kSamples) * kSamples));
 }
-
-// Between the entries of a table of `size` along one axis, at `place` in [0, 1].
-struct Between {
-  std::size_t index;
-  float weight;
-
-  Between(float place, std::size_t size) {
-    const float scaled = std::clamp(place, 0.0f, 1.0f) * float(size - 1);
-    index = std::min(static_cast<std::size_t>(scaled), size - 2);
-    weight = scaled - float(index);
-  }
-  template <typename At>
-  float of(const At& at) const {
-    const float first = at(index);
-    return first + (at(index + 1) - first) * weight;
-  }
-};
 
 float place_of_ratio(float ratio) { return 0.5f + 0.5f * std::log(ratio) / std::log(kMostRatio); }
 

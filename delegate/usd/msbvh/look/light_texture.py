@@ -27,8 +27,8 @@ _SRGB = {"sRGB", "srgb_texture", "srgb_tx", "srgb_rec709_scene"}
 
 def read_light_image(path: str, colour_space: str, layout: str, rendering_space: str) -> LightPicture:
     """`layout`: rect, latlong, angular or mirroredBall. `colour_space`: of the file; empty: sRGB where there are 8 bits and
-    three or four channels, else linear Rec.709. Raises ValueError, which says what is wrong with the file, and Error for a
-    colour space that is none."""
+    three or four channels, else linear Rec.709. Raises ValueError, which says what is wrong with the file, and Error for an
+    unknown colour space."""
     return _read(path, colour_space, layout, rendering_space)
 
 
